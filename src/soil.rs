@@ -1,0 +1,125 @@
+//! Wheel-soil mechanics: pressure-sinkage, shear, and their integral over the wheel.
+//!
+//! The simulator runs these functions forward and the identifier inverts the same ones.
+
+use crate::quantity::RangeError;
+use serde::{Deserialize, Serialize};
+
+/// Which distribution of stress over the contact arc the soil follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StressConvention {
+    /// Wong-Reece: `σ = k_s rᴺ (cos θ - cos θ_1)ᴺ` ahead of `θ_m`, mirrored behind it.
+    WongReece,
+    /// The paper's triangles: linear from 0 at `θ_1` and `θ_2` to `k_s zᴺ` at `θ_m` (Eq. 62-65).
+    Triangular,
+}
+
+/// A soil as wheel-soil mechanics describes it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Soil {
+    /// Stress distribution over the contact arc.
+    pub convention: StressConvention,
+    /// Cohesive modulus `k_c` [N·m⁻⁽ᴺ⁺¹⁾].
+    pub cohesive_modulus: f64,
+    /// Frictional modulus `k_φ` [N·m⁻⁽ᴺ⁺²⁾]; `k_s = k_c/b + k_φ`.
+    pub frictional_modulus: f64,
+    /// Sinkage exponent at zero slip `n_0` [-].
+    pub sinkage_exponent: f64,
+    /// Growth of the sinkage exponent with slip `n_1` [-]: `N = n_0 + n_1 |s|`.
+    pub sinkage_exponent_slip: f64,
+    /// Cohesion `c` [Pa].
+    pub cohesion: f64,
+    /// Internal friction angle `φ` [°].
+    pub friction_angle_deg: f64,
+    /// Shear deformation modulus `K` [m].
+    pub shear_modulus: f64,
+    /// Maximum-stress angle coefficient `c_1` [-]: `θ_m = (c_1 + c_2 s) θ_1`.
+    pub stress_angle: f64,
+    /// Maximum-stress angle coefficient of slip `c_2` [-].
+    pub stress_angle_slip: f64,
+    /// Exit angle coefficient `c_3` [-]: `θ_2 = c_3 θ_1`, zero or below.
+    pub exit_angle: f64,
+    /// Stiffness on unloading and reloading [Pa/m].
+    pub unloading_stiffness: f64,
+    /// Viscous damping of the ground beneath the contact [Pa·s/m].
+    pub damping: f64,
+    /// Bulk density [kg/m³].
+    pub bulk_density: f64,
+    /// Angle of repose [°] to which loose slopes relax.
+    pub repose_angle_deg: f64,
+}
+
+impl Soil {
+    /// `k_s = k_c/b + k_φ` [N·m⁻⁽ᴺ⁺²⁾] under a plate or wheel of `width` [m].
+    pub fn sinkage_modulus(&self, width: f64) -> f64 {
+        self.cohesive_modulus / width + self.frictional_modulus
+    }
+
+    /// Sinkage exponent `N` [-] at `slip`.
+    pub fn exponent(&self, slip: f64) -> f64 {
+        self.sinkage_exponent + self.sinkage_exponent_slip * slip.abs()
+    }
+
+    /// Tangent of the internal friction angle [-].
+    pub fn tan_friction_angle(&self) -> f64 {
+        libm::tan(self.friction_angle_deg.to_radians())
+    }
+
+    /// # Errors
+    /// `RangeError` for a parameter outside its physical range.
+    pub fn checked(self) -> Result<Self, RangeError> {
+        let infinity = f64::INFINITY;
+        RangeError::check(
+            "cohesive modulus",
+            "N/m^(N+1)",
+            self.cohesive_modulus,
+            [0.0, infinity],
+        )?;
+        RangeError::check(
+            "frictional modulus",
+            "N/m^(N+2)",
+            self.frictional_modulus,
+            [0.0, infinity],
+        )?;
+        RangeError::positive(
+            "sum of the soil moduli",
+            "N/m^(N+2)",
+            self.cohesive_modulus + self.frictional_modulus,
+        )?;
+        RangeError::check("sinkage exponent", "-", self.sinkage_exponent, [0.1, 3.0])?;
+        RangeError::check(
+            "sinkage exponent slip",
+            "-",
+            self.sinkage_exponent_slip,
+            [0.0, 5.0],
+        )?;
+        RangeError::check("cohesion", "Pa", self.cohesion, [0.0, 1.0e6])?;
+        RangeError::check("friction angle", "°", self.friction_angle_deg, [0.0, 60.0])?;
+        RangeError::check(
+            "shear deformation modulus",
+            "m",
+            self.shear_modulus,
+            [0.0, 1.0],
+        )?;
+        RangeError::check("exit angle coefficient", "-", self.exit_angle, [-1.0, 0.0])?;
+        RangeError::check(
+            "stress angle coefficient",
+            "-",
+            self.stress_angle,
+            [-1.0, 1.0],
+        )?;
+        RangeError::check(
+            "stress angle slip coefficient",
+            "-",
+            self.stress_angle_slip,
+            [-2.0, 2.0],
+        )?;
+        RangeError::positive("unloading stiffness", "Pa/m", self.unloading_stiffness)?;
+        RangeError::check("soil damping", "Pa·s/m", self.damping, [0.0, infinity])?;
+        RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
+        RangeError::check("angle of repose", "°", self.repose_angle_deg, [5.0, 60.0])?;
+        Ok(self)
+    }
+}
