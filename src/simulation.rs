@@ -1,6 +1,29 @@
 //! The motion of the wheel: an iterator of [`WheelState`].
+//!
+//! Each step the fixed ground, the load and the leg push the wheel's body, the engine moves it
+//! under the constraints of carriage and motor, and the loads are read as a rig would read them:
+//! from the momentum the wheel gained and from the reaction of carriage and motor.
 
+mod contact;
+mod ground_force;
+mod hard_contact;
 pub mod rig;
+#[cfg(test)]
+mod rolling;
+mod soil_track;
+mod world;
+
+use crate::quantity::{RangeError, SampleRate};
+use crate::terrain::Terrain;
+use crate::terrain::class::TerrainLabel;
+use crate::wheel::Wheel;
+use contact::WheelGeometry;
+use ground_force::GroundForce;
+use rig::{Command, Rig};
+use world::{Guide, WheelBody, WheelMotion, World};
+
+/// Standard gravity [m/s²].
+pub const GRAVITY: f64 = 9.80665;
 
 /// Loads on the wheel in the plane of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,4 +72,196 @@ pub struct WheelState {
     pub lugs_touching: u64,
     /// Bit `i` is set while the edge of lug `i` lies more than 1 mm below the undisturbed soil.
     pub lugs_entered: u64,
+}
+
+/// Why a run could not go on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// The wheel sank to its axle.
+    #[error("at {time:.3} s the wheel had sunk {sinkage:.4} m, to its axle at {radius} m: the ground does not carry {load} N; lower the load or the slip")]
+    Sunk {
+        /// When [s].
+        time: f64,
+        /// How deep [m].
+        sinkage: f64,
+        /// Rim radius [m].
+        radius: f64,
+        /// Vertical load [N].
+        load: f64,
+    },
+    /// A quantity stopped being a number.
+    #[error("at {time:.3} s the wheel's motion was no longer a number; raise physics_rate above {rate} Hz")]
+    NotFinite {
+        /// When [s].
+        time: f64,
+        /// Steps per second [Hz].
+        rate: f64,
+    },
+    /// A value of the rig has no meaning.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+}
+
+/// Time [s] for which the wheel is let down onto the ground before the run begins.
+const LET_DOWN: f64 = 1.0;
+
+/// Damping [N·s/m] of the hand that lets the wheel down, per kilogram of moving mass.
+const LET_DOWN_DAMPING: f64 = 150.0;
+
+/// A wheel on its way, state by state; it never ends by itself.
+pub struct Simulation {
+    world: World,
+    ground: GroundForce,
+    wheel: Wheel,
+    geometry: WheelGeometry,
+    rig: Rig,
+    command: Command,
+    /// Mass that moves with the axle [kg], and load at rest normal to the track [N].
+    mass: f64,
+    load: f64,
+    rate: SampleRate,
+    step: u64,
+    failed: bool,
+}
+
+impl Simulation {
+    /// A wheel let down at the start of `terrain`, at rest.
+    ///
+    /// # Errors
+    /// `Range` where the rig's motion is not defined; `Sunk` where the ground cannot carry it.
+    pub fn new(terrain: &Terrain, wheel: &Wheel, rig: &Rig, rate: SampleRate) -> Result<Self, SimulationError> {
+        let command = Command::new(rig.drive(), wheel.radius)?;
+        let geometry = WheelGeometry::new(wheel, rig.load());
+        let mut ground = GroundForce::new(terrain, wheel);
+        let start = ground.resting_height(&geometry) + rig.clearance();
+        let mass = rig.moving_mass(wheel);
+        let guide = if rig.clearance() > 0.0 { Guide::ClampedCarriage } else { Guide::Carriage };
+        let body = WheelBody { mass, inertia: wheel.inertia, start: [0.0, start] };
+        let mut world = World::new(body, guide, rig.gravity(), rate.period());
+        if let Some(leg) = rig.sprung_mass(wheel) {
+            world.add_leg(leg, start);
+        }
+        let (wheel, rig) = (*wheel, *rig);
+        let load = rig.normal_load();
+        let mut simulation =
+            Self { world, ground, wheel, geometry, rig, command, mass, load, rate, step: 0, failed: false };
+        simulation.let_down()?;
+        Ok(simulation)
+    }
+
+    /// Label of the ground under the axle.
+    pub fn label(&mut self) -> TerrainLabel {
+        let x = self.world.wheel_motion().x;
+        self.ground.label(x)
+    }
+
+    /// The ground's surface as it is now between two places: position and height [m].
+    pub fn surface(&mut self, low: f64, high: f64) -> Vec<[f64; 2]> {
+        self.ground.surface(low, high)
+    }
+
+    fn let_down(&mut self) -> Result<(), SimulationError> {
+        let steps = (LET_DOWN * self.rate.hertz()) as u64;
+        for step in 0..steps {
+            // The hand lets go over the second half.
+            let hold = (2.0 - 2.0 * step as f64 / steps as f64).min(1.0);
+            self.advance([0.0, 0.0], hold * LET_DOWN_DAMPING)?;
+        }
+        Ok(())
+    }
+
+    /// One step at these speeds [m/s, rad/s], the hand on the axle.
+    fn advance(&mut self, [forward_speed, wheel_speed]: [f64; 2], hand: f64) -> Result<WheelState, SimulationError> {
+        let dt = self.rate.period();
+        let before = self.world.wheel_motion();
+        let reach = self.ground.push(&self.geometry, &before, dt);
+        let spring = self.push_leg(&before, hand);
+        let weight = if self.world.has_leg() { self.rig.unsprung_weight(&self.wheel) } else { self.load };
+        let mut wrench = reach.wrench;
+        wrench.fy += spring - weight - hand * self.mass * before.vy;
+        self.world.command(forward_speed, wheel_speed);
+        self.world.push_wheel(wrench);
+        self.world.step();
+        let after = self.world.wheel_motion();
+        self.check(&after)?;
+        Ok(self.read(&before, &after, weight - spring, reach))
+    }
+
+    /// Loads the leg's body; returns the force [N] of its spring and damper on the wheel.
+    fn push_leg(&mut self, wheel: &WheelMotion, hand: f64) -> f64 {
+        let (Some([stretch, rate]), Rig::RoverLeg(leg)) = (self.world.leg_stretch(wheel), &self.rig) else {
+            return 0.0;
+        };
+        let body_weight = self.load - self.rig.unsprung_weight(&self.wheel);
+        // At rest the spring carries the body; stretch counts from there.
+        let spring = leg.stiffness * stretch + leg.damping * rate - body_weight;
+        self.world.push_leg(-spring - body_weight, hand);
+        spring
+    }
+
+    fn check(&self, motion: &WheelMotion) -> Result<(), SimulationError> {
+        let time = self.step as f64 * self.rate.period();
+        if !(motion.x.is_finite() && motion.y.is_finite() && motion.omega.is_finite()) {
+            return Err(SimulationError::NotFinite { time, rate: self.rate.hertz() });
+        }
+        Ok(())
+    }
+
+    /// The state after a step, `weight` [N] being all that pressed the wheel down.
+    fn read(&mut self, before: &WheelMotion, after: &WheelMotion, weight: f64, reach: contact::Reach) -> WheelState {
+        let rate = self.rate.hertz();
+        let (ax, ay) = ((after.vx - before.vx) * rate, (after.vy - before.vy) * rate);
+        let drive = self.world.drive_wrench();
+        let spin_up = self.wheel.inertia * (after.omega - before.omega) * rate;
+        let clamped = self.rig.clearance() > 0.0;
+        let ground = Loads {
+            normal_force: if clamped { reach.wrench.fy } else { self.mass * ay + weight },
+            drawbar_pull: self.mass * ax - drive.fx,
+            driving_torque: drive.torque - spin_up,
+        };
+        let hub = Loads {
+            normal_force: ground.normal_force - self.wheel.mass * ay,
+            drawbar_pull: ground.drawbar_pull - self.wheel.mass * ax,
+            driving_torque: drive.torque,
+        };
+        let (undisturbed, on_soil) = self.ground.undisturbed(after.x);
+        WheelState {
+            time: self.step as f64 / rate,
+            position: after.x,
+            height: after.y,
+            wheel_angle: after.angle,
+            forward_speed: after.vx,
+            vertical_speed: after.vy,
+            wheel_speed: after.omega,
+            forward_acceleration: ax,
+            vertical_acceleration: ay,
+            ground,
+            hub,
+            sinkage: undisturbed - (after.y - self.wheel.radius),
+            on_soil,
+            lugs_touching: reach.touching,
+            lugs_entered: reach.entered,
+        }
+    }
+}
+
+impl Iterator for Simulation {
+    type Item = Result<WheelState, SimulationError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        self.step += 1;
+        let speeds = self.command.at(self.step as f64 * self.rate.period());
+        let result = self.advance(speeds, 0.0).and_then(|state| {
+            if state.sinkage < self.wheel.radius {
+                return Ok(state);
+            }
+            let (radius, load) = (self.wheel.radius, self.rig.load());
+            Err(SimulationError::Sunk { time: state.time, sinkage: state.sinkage, radius, load })
+        });
+        self.failed = result.is_err();
+        Some(result)
+    }
 }

@@ -2,6 +2,8 @@
 //!
 //! The simulator runs these functions forward and the identifier inverts the same ones.
 
+pub mod wheel_load;
+
 use crate::quantity::RangeError;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,9 @@
 //! What holds, loads and drives the wheel.
 
+use super::GRAVITY;
 use crate::quantity::{RangeError, SlipRatio};
+use crate::wheel::Wheel;
+use libm::{cos, sin};
 use serde::{Deserialize, Serialize};
 
 /// How the carriage moves and the motor turns.
@@ -82,6 +85,91 @@ impl Rig {
             Self::SingleWheel(rig) => rig.load,
             Self::RoverLeg(rig) => rig.load,
         }
+    }
+}
+
+impl Rig {
+    /// Slope of the track [rad], above 0 uphill.
+    fn slope(&self) -> f64 {
+        match self {
+            Self::SingleWheel(rig) => rig.slope_deg.to_radians(),
+            Self::RoverLeg(rig) => rig.slope_deg.to_radians(),
+        }
+    }
+
+    /// Load at rest normal to the track [N]. The carriage carries what acts along it.
+    pub fn normal_load(&self) -> f64 {
+        self.load() * cos(self.slope())
+    }
+
+    /// Gravity along and away from the track [m/s²].
+    pub fn gravity(&self) -> [f64; 2] {
+        [-GRAVITY * sin(self.slope()), -GRAVITY * cos(self.slope())]
+    }
+
+    /// Clearance [m] at which the wheel is held off the ground; 0 where it stands on it.
+    pub fn clearance(&self) -> f64 {
+        match self {
+            Self::SingleWheel(rig) => rig.lifted.unwrap_or(0.0),
+            Self::RoverLeg(_) => 0.0,
+        }
+    }
+
+    /// Mass [kg] that moves vertically with the axle.
+    ///
+    /// On the test bed a counterweight over a pulley takes what the moving mass weighs beyond the
+    /// load, and moves with it; where the moving mass weighs less, dead weight makes up for it.
+    pub fn moving_mass(&self, wheel: &Wheel) -> f64 {
+        match self {
+            Self::SingleWheel(rig) => {
+                let carried = rig.load / GRAVITY;
+                let counterweight = (rig.moving_mass - carried).max(0.0);
+                rig.moving_mass.max(carried) + counterweight
+            }
+            Self::RoverLeg(_) => wheel.mass,
+        }
+    }
+
+    /// Mass [kg] on the leg's spring; `None` on a rig without one.
+    pub fn sprung_mass(&self, wheel: &Wheel) -> Option<f64> {
+        match self {
+            Self::SingleWheel(_) => None,
+            Self::RoverLeg(rig) => Some((rig.load / GRAVITY - wheel.mass).max(0.1)),
+        }
+    }
+
+    /// Weight [N] below the leg's spring, normal to the track.
+    pub(super) fn unsprung_weight(&self, wheel: &Wheel) -> f64 {
+        wheel.mass * GRAVITY * cos(self.slope())
+    }
+}
+
+/// Speeds commanded over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    full: [f64; 2],
+    start_up: f64,
+    stop_at: Option<f64>,
+}
+
+impl Command {
+    /// What `drive` commands on a rim of `radius` [m].
+    ///
+    /// # Errors
+    /// `RangeError` where neither slip nor wheel speed tells how fast the wheel turns.
+    pub fn new(drive: &Drive, radius: f64) -> Result<Self, RangeError> {
+        let full = [drive.forward_speed, drive.full_wheel_speed(radius)?];
+        Ok(Self { full, start_up: drive.start_up, stop_at: drive.stop_at })
+    }
+
+    /// Forward speed [m/s] and wheel speed [rad/s] at `time` [s]: both rise and fall together,
+    /// smoothly, so that slip holds from the first motion on.
+    pub fn at(&self, time: f64) -> [f64; 2] {
+        let rise = |since: f64| {
+            if since >= self.start_up { 1.0 } else { 0.5 - 0.5 * cos(std::f64::consts::PI * since.max(0.0) / self.start_up) }
+        };
+        let share = rise(time) - self.stop_at.map_or(0.0, |stop| if time > stop { rise(time - stop) } else { 0.0 });
+        self.full.map(|speed| speed * share)
     }
 }
 

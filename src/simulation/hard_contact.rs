@@ -1,0 +1,161 @@
+//! Fixed hard ground: Hunt-Crossley contact and friction at lug edges and rim.
+//!
+//! The normal force is `F_0 (δ/δ_0)ⁿ (1 + d δ̇)`, never a pull. Friction is elastic up to the
+//! Coulomb limit: a tangential spring (Mindlin's stiffness ratio 2(1-ν)/(2-ν), ν = 0.3) whose
+//! stretch stops growing where it would pull harder than `μ F`. The alternative, a friction
+//! coefficient that fades in with sliding speed, lets a standing wheel creep, needs a speed
+//! scale that no ground has, and turns unstable at cheaper rates than 128 kHz; the spring has
+//! neither fault and holds the static friction that hard ground shows at zero slip.
+//!
+//! A lug is its edge: flanks meet no bricks.
+
+use super::contact::{Edge, Reach, WheelGeometry};
+use super::world::{WheelMotion, Wrench};
+use crate::terrain::HardContact;
+use crate::terrain::profile::Profile;
+use libm::{pow, sqrt};
+
+/// Tangential over normal stiffness of a contact (Mindlin 1949, ν = 0.3).
+const MINDLIN: f64 = 0.82;
+
+/// A stretch of hard ground and the contacts on it.
+pub(super) struct HardGround {
+    profile: Profile,
+    contact: HardContact,
+    friction: f64,
+    range: [f64; 2],
+    offset: f64,
+    /// Stretch of the tangential spring at every lug's edge [m].
+    stretch: [f64; 64],
+    rim_stretch: f64,
+    /// Highest ground near the wheel and where that was looked up [m].
+    ceiling: [f64; 2],
+}
+
+/// How far the wheel may roll before the highest ground near it is looked up again [m].
+const LOOK_UP: f64 = 0.005;
+
+impl HardGround {
+    /// Ground on `range` [m], `offset` [m] above the datum, under a wheel with this friction.
+    pub fn new(profile: Profile, contact: HardContact, friction: f64, range: [f64; 2], offset: f64) -> Self {
+        let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
+        Self { profile, contact, friction, range, offset, stretch, rim_stretch: 0.0, ceiling }
+    }
+
+    /// The ground's profile and its offset [m].
+    pub fn profile(&mut self) -> (&mut Profile, f64) {
+        (&mut self.profile, self.offset)
+    }
+
+    /// Load of the ground on the wheel over one step of `dt` [s].
+    pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
+        let ceiling = self.ceiling(wheel, motion.x);
+        let mut reach = Reach::default();
+        for edge in wheel.lowest_edges(motion) {
+            if edge.y >= ceiling || !within(self.range, edge.x) {
+                self.stretch[edge.lug] = 0.0;
+                continue;
+            }
+            let mut stretch = self.stretch[edge.lug];
+            let wrench = self.press(&edge, motion, dt, &mut stretch);
+            self.stretch[edge.lug] = stretch;
+            if wrench.fy.abs() + wrench.fx.abs() > wheel.touch_force {
+                reach.touching |= 1 << edge.lug;
+            }
+            reach.wrench += wrench;
+        }
+        if motion.y - wheel.radius < ceiling {
+            reach.wrench += self.push_rim(wheel, motion, dt);
+        } else {
+            self.rim_stretch = 0.0;
+        }
+        reach
+    }
+
+    /// Highest ground that wheel could touch.
+    fn ceiling(&mut self, wheel: &WheelGeometry, x: f64) -> f64 {
+        let [looked_up_at, ceiling] = self.ceiling;
+        if (x - looked_up_at).abs() <= LOOK_UP {
+            return ceiling;
+        }
+        let span = wheel.tip_radius + 2.0 * LOOK_UP;
+        self.profile.extend(x - span, x + span);
+        let highest = self.profile.highest(x - span, x + span) + self.offset;
+        // Between nodes the cubic may overshoot them by a fraction of their difference.
+        let ceiling = highest + 0.1 * self.profile.spacing();
+        self.ceiling = [x, ceiling];
+        ceiling
+    }
+
+    /// Normal force and friction at one point of the wheel.
+    fn press(&self, point: &Edge, motion: &WheelMotion, dt: f64, stretch: &mut f64) -> Wrench {
+        let surface = self.profile.at(point.x);
+        let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
+        let indentation = (surface.height + self.offset - point.y) * scale;
+        if indentation <= 0.0 {
+            *stretch = 0.0;
+            return Wrench::default();
+        }
+        let [rx, ry] = point.arm;
+        let (vx, vy) = (motion.vx + motion.omega * ry, motion.vy - motion.omega * rx);
+        let rate = -(vy - surface.slope * vx) * scale;
+        let sliding = (vx + surface.slope * vy) * scale;
+        let HardContact { reference_load, reference_indentation, exponent, dissipation } = self.contact;
+        let elastic = reference_load * pow(indentation / reference_indentation, exponent);
+        let normal = elastic * (1.0 + dissipation * rate).max(0.0);
+        let stiffness = MINDLIN * exponent * reference_load / reference_indentation;
+        let friction = self.friction_of(normal, sliding, stiffness, dt, stretch);
+        let fx = (friction - normal * surface.slope) * scale;
+        let fy = (normal + friction * surface.slope) * scale;
+        Wrench { fx, fy, torque: ry * fx - rx * fy }
+    }
+
+    /// Friction [N] along the ground from the stretch of the tangential spring.
+    fn friction_of(&self, normal: f64, sliding: f64, stiffness: f64, dt: f64, stretch: &mut f64) -> f64 {
+        let limit = self.friction * normal;
+        *stretch = (*stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
+        // The same loss as along the normal, kept under the limit.
+        let viscous = self.contact.dissipation * normal * MINDLIN * sliding;
+        (-stiffness * *stretch - viscous).clamp(-limit, limit)
+    }
+
+    /// The rim against every summit that reaches into it.
+    fn push_rim(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Wrench {
+        let mut points: Vec<Edge> = Vec::new();
+        let r = wheel.radius;
+        let half = sqrt((r * r - (motion.y - self.ceiling[1]).max(0.0).powi(2)).max(0.0));
+        let depth = |[x, height]: [f64; 2]| {
+            let u = x - motion.x;
+            height + self.offset - (motion.y - sqrt((r * r - u * u).max(0.0)))
+        };
+        let near: Vec<[f64; 2]> = self
+            .profile
+            .nodes(motion.x - half - 2.0 * self.profile.spacing(), motion.x + half + 2.0 * self.profile.spacing())
+            .filter(|[x, _]| within(self.range, *x))
+            .map(|node| [node[0] - motion.x, depth(node)])
+            .collect();
+        for three in near.windows(3) {
+            let [[_, before], [u, here], [_, after]] = [three[0], three[1], three[2]];
+            if here > before && here >= after {
+                let bend = before - 2.0 * here + after;
+                let shift = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+                let u = (u + shift * self.profile.spacing()).clamp(-r, r);
+                let down = sqrt(r * r - u * u);
+                points.push(Edge { lug: 0, x: motion.x + u, y: motion.y - down, arm: [u, -down] });
+            }
+        }
+        // All summits stretch the rim's one spring alike.
+        let before = self.rim_stretch;
+        let mut sum = Wrench::default();
+        for point in &points {
+            let mut stretch = before;
+            sum += self.press(point, motion, dt, &mut stretch);
+            self.rim_stretch = stretch;
+        }
+        sum
+    }
+}
+
+fn within([low, high]: [f64; 2], x: f64) -> bool {
+    x >= low && x < high
+}

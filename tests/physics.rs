@@ -1,0 +1,205 @@
+//! The simulator against mechanics: statics, kinematics of the paper, signs, balances.
+
+mod common;
+
+use common::*;
+use lugwheel::simulation::rig::{Rig, SingleWheel};
+use lugwheel::wheel::Wheel;
+
+#[test]
+fn a_standing_wheel_carries_its_load_and_stands_still_on_rock_and_sand() {
+    for terrain in [reference(), sandy()] {
+        let mut rig = rig(0.01, 0.0, 100.0);
+        if let Rig::SingleWheel(single) = &mut rig {
+            single.drive.forward_speed = 0.0;
+        }
+        let states = run(&terrain, &Wheel::single_wheel(), &rig, 16e3, 2.0);
+        let load = mean(states.iter().map(|state| state.ground.normal_force));
+        assert!((load - 100.0).abs() < 0.01, "{load}");
+        let moved = range(states.iter().map(|state| state.height));
+        // A tenth of the indentation of stone; noise that a sensor could not see.
+        assert!(moved < 1.0e-6, "{moved}");
+    }
+}
+
+#[test]
+fn solver_noise_of_a_standing_wheel_stays_below_a_third_of_the_slowest_reference_run() {
+    let rolling = rms(steady(&run(&reference(), &Wheel::rover(), &leg(0.003, 0.0), 16e3, 14.0))
+        .iter()
+        .map(|state| state.vertical_acceleration));
+    for terrain in [reference(), sandy()] {
+        let mut standing = leg(0.0, 0.0);
+        if let Rig::RoverLeg(leg) = &mut standing {
+            leg.drive.forward_speed = 0.0;
+        }
+        let states = run(&terrain, &Wheel::rover(), &standing, 16e3, 3.0);
+        let noise = rms(steady(&states).iter().map(|state| state.vertical_acceleration));
+        assert!(noise < rolling / 3.0, "standing {noise}, rolling {rolling}");
+    }
+}
+
+/// Eq. (10): `y(t) = (r + l) (cos φ - cos(α/2))` between lug changes.
+#[test]
+fn on_flat_ground_the_axle_follows_eq_10_within_1_percent_of_its_amplitude() {
+    for (wheel, rig) in [(Wheel::single_wheel(), rig(0.01, 0.0, 100.0)), (Wheel::rover(), leg(0.01, 0.0))] {
+        let states = run(&reference(), &wheel, &rig, 16e3, 8.0);
+        let alpha = wheel.lug_angle().unwrap();
+        let amplitude = wheel.tip_radius() * (1.0 - (0.5 * alpha).cos());
+        let late = steady(&states);
+        let offset = mean(late.iter().map(|s| s.height - eq_10(&wheel, alpha, s.wheel_angle)));
+        let worst = late
+            .iter()
+            .map(|s| (s.height - eq_10(&wheel, alpha, s.wheel_angle) - offset).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 0.01 * amplitude, "{worst} of {amplitude}");
+    }
+}
+
+fn eq_10(wheel: &Wheel, alpha: f64, wheel_angle: f64) -> f64 {
+    let phi = wheel_angle - alpha * (wheel_angle / alpha).round();
+    wheel.tip_radius() * phi.cos()
+}
+
+#[test]
+fn the_vertical_velocity_jumps_by_2_w_r_plus_l_sin_half_alpha_at_a_lug_change() {
+    let wheel = Wheel::single_wheel();
+    let states = run(&reference(), &wheel, &rig(0.02, 0.0, 100.0), 64e3, 5.0);
+    let alpha = wheel.lug_angle().unwrap();
+    let expected = 2.0 * (0.02 / wheel.radius) * wheel.tip_radius() * (0.5 * alpha).sin();
+    // Just before the change, and when the contact's ringing has died away.
+    let speed_at = |phase: f64, change: f64| {
+        let target = (change + 0.5) * alpha + phase * alpha;
+        let at = steady(&states).iter().min_by(|a, b| {
+            (a.wheel_angle - target).abs().total_cmp(&(b.wheel_angle - target).abs())
+        });
+        at.unwrap().vertical_speed
+    };
+    let slope = wheel.tip_radius() * 0.02 / wheel.radius;
+    for change in [1.0, 2.0] {
+        let (before, after) = (speed_at(-0.02, change), speed_at(0.15, change));
+        // Carried to the change itself along Eq. (10).
+        let before = before - slope * 0.02 * alpha;
+        let after = after + slope * 0.15 * alpha;
+        let jump = after - before;
+        assert!((jump / expected - 1.0).abs() < 0.02, "{jump} against {expected}");
+    }
+}
+
+#[test]
+fn mean_normal_force_is_the_load_within_half_a_percent() {
+    for terrain in [reference(), sandy()] {
+        for load in [30.0, 100.0, 300.0] {
+            let states = run(&terrain, &Wheel::single_wheel(), &rig(0.03, 0.1, load), 16e3, 4.0);
+            let force = mean(steady(&states).iter().map(|state| state.ground.normal_force));
+            assert!((force / load - 1.0).abs() < 0.005, "{force} for {load}");
+        }
+    }
+}
+
+#[test]
+fn torque_of_the_drive_motor_equals_the_torque_of_the_ground_at_steady_state() {
+    for terrain in [reference(), sandy()] {
+        let states = run(&terrain, &Wheel::single_wheel(), &rig(0.02, 0.2, 100.0), 16e3, 4.0);
+        let motor = mean(steady(&states).iter().map(|state| state.hub.driving_torque));
+        let ground = mean(steady(&states).iter().map(|state| state.ground.driving_torque));
+        assert!((motor / ground - 1.0).abs() < 1.0e-3, "{motor} against {ground}");
+    }
+}
+
+/// Sign of pull and torque when driving, braking and reversing; the README's table.
+#[test]
+fn pull_and_torque_have_the_signs_of_the_table() {
+    let signs = |speed: f64, slip: f64| {
+        let states = run(&reference(), &Wheel::single_wheel(), &rig(speed, slip, 100.0), 16e3, 3.0);
+        let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
+        let torque = mean(steady(&states).iter().map(|state| state.ground.driving_torque));
+        [pull.signum(), torque.signum()]
+    };
+    assert_eq!(signs(0.02, 0.3), [1.0, 1.0], "driving forward");
+    assert_eq!(signs(0.02, -0.3), [-1.0, -1.0], "braking forward");
+    assert_eq!(signs(-0.02, 0.3), [-1.0, -1.0], "driving in reverse");
+    assert_eq!(signs(-0.02, -0.3), [1.0, 1.0], "braking in reverse");
+}
+
+#[test]
+fn a_sliding_wheel_on_rock_pulls_with_its_friction() {
+    let states = run(&reference(), &Wheel::single_wheel(), &rig(0.02, 0.3, 100.0), 16e3, 3.0);
+    let late = steady(&states);
+    let pull = mean(late.iter().map(|state| state.ground.drawbar_pull));
+    let load = mean(late.iter().map(|state| state.ground.normal_force));
+    assert!((pull / load - 0.6).abs() < 0.006, "{}", pull / load);
+}
+
+#[test]
+fn forward_and_reverse_are_mirror_images_on_sand() {
+    let at = |speed: f64| {
+        let states = run(&sandy(), &Wheel::single_wheel(), &rig(speed, 0.2, 100.0), 16e3, 4.0);
+        let late = steady(&states);
+        [
+            mean(late.iter().map(|s| s.ground.drawbar_pull)),
+            mean(late.iter().map(|s| s.ground.driving_torque)),
+            mean(late.iter().map(|s| s.sinkage)),
+        ]
+    };
+    let (forward, reverse) = (at(0.02), at(-0.02));
+    assert!((forward[0] + reverse[0]).abs() < 0.01 * forward[0].abs(), "{forward:?} {reverse:?}");
+    assert!((forward[1] + reverse[1]).abs() < 0.01 * forward[1].abs(), "{forward:?} {reverse:?}");
+    assert!((forward[2] - reverse[2]).abs() < 0.01 * forward[2].abs(), "{forward:?} {reverse:?}");
+}
+
+#[test]
+fn a_lifted_wheel_feels_no_ground() {
+    let mut lifted = rig(0.02, 0.2, 100.0);
+    if let Rig::SingleWheel(SingleWheel { lifted, .. }) = &mut lifted {
+        *lifted = Some(0.02);
+    }
+    let states = run(&reference(), &Wheel::single_wheel(), &lifted, 16e3, 2.0);
+    for state in steady(&states) {
+        assert!(state.ground.normal_force.abs() < 1e-9 && state.lugs_touching == 0);
+        assert!(state.ground.driving_torque.abs() < 1e-6, "{}", state.ground.driving_torque);
+        assert!((state.sinkage + 0.02 + 0.015).abs() < 1e-3, "{}", state.sinkage);
+    }
+}
+
+#[test]
+fn on_a_slope_the_ground_carries_the_normal_part_of_the_load() {
+    let mut sloped = rig(0.02, 0.1, 100.0);
+    if let Rig::SingleWheel(SingleWheel { slope_deg, .. }) = &mut sloped {
+        *slope_deg = 20.0;
+    }
+    let states = run(&sandy(), &Wheel::single_wheel(), &sloped, 16e3, 3.0);
+    let load = mean(steady(&states).iter().map(|state| state.ground.normal_force));
+    assert!((load / (100.0 * 20.0_f64.to_radians().cos()) - 1.0).abs() < 0.005, "{load}");
+}
+
+#[test]
+fn start_and_stop_hold_the_slip_and_leave_the_wheel_at_rest() {
+    let mut stopping = rig(0.02, 0.2, 100.0);
+    if let Rig::SingleWheel(single) = &mut stopping {
+        single.drive.stop_at = Some(2.0);
+    }
+    let states = run(&sandy(), &Wheel::single_wheel(), &stopping, 16e3, 3.0);
+    let last = states.last().unwrap();
+    // What the engine's joints yield under load: a hundred thousandth of the speed.
+    assert!(last.forward_speed.abs() < 2e-7 && last.wheel_speed.abs() < 2e-6, "{last:?}");
+    for state in states.iter().filter(|state| state.forward_speed > 1e-3) {
+        let slip = 1.0 - state.forward_speed / (0.14 * state.wheel_speed);
+        assert!((slip - 0.2).abs() < 1e-4, "{slip} at {}", state.time);
+    }
+}
+
+#[test]
+fn a_wheel_that_spins_in_place_digs_on_sand_and_pulls_with_its_friction_on_rock() {
+    let mut spinning = rig(0.0, 1.0, 100.0);
+    if let Rig::SingleWheel(single) = &mut spinning {
+        single.drive.forward_speed = 0.0;
+        single.drive.slip = None;
+        single.drive.wheel_speed = Some(0.2);
+    }
+    let states = run(&reference(), &Wheel::single_wheel(), &spinning, 16e3, 3.0);
+    let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
+    assert!((pull - 60.0).abs() < 0.6, "{pull}");
+    let states = run(&sandy(), &Wheel::single_wheel(), &spinning, 16e3, 3.0);
+    let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
+    assert!(pull > 10.0, "{pull}");
+}
