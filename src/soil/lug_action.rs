@@ -12,9 +12,10 @@
 //! only it pushes ([`last_lug_push`]).
 //!
 //! # Reference
-//! Passive wedge and pressure: Rankine (1857); lugs as bearing and pushing blades: Bekker (1969).
-//! A shear radius between `r` and `r + l`, with an entry angle of its own: Ding et al. (2011),
-//! J. Terramechanics 48(1):27-45, who take its place from trials; the saw-tooth predicts it.
+//! Passive wedge and pressure: Rankine (1857). Lugs as bearing and pushing blades: Bekker (1969),
+//! *Introduction to Terrain-Vehicle Systems*. A shear radius `r + λ l` of chosen `λ` is usual for
+//! lugged rover wheels; the saw-tooth predicts `λ`. Checked against measured pull, sinkage and
+//! torque of a smooth and a lugged wheel in `tests/ding2011.rs`.
 
 use crate::soil::Soil;
 use crate::wheel::{Lugs, Wheel};

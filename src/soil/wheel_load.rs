@@ -148,7 +148,7 @@ impl Contact {
     /// ```
     ///
     /// # Reference
-    /// Wong and Reece (1967); with a shear radius, Ding et al. (2011).
+    /// Wong and Reece (1967), J. Terramechanics 4(1):81-98, whose `r_s` is `r`.
     pub fn loads(&self) -> WheelLoad {
         self.loads_over(PANELS)
     }
@@ -282,27 +282,28 @@ pub fn sinkage_at(wheel: &Wheel, soil: &Soil, load: f64, slip: f64) -> Result<f6
     Ok(root(surplus, bracket, 1e-9 * load))
 }
 
-/// Where `f`, below 0 at `low` and not below 0 at `high`, is within `tolerance` of 0: regula falsi
-/// that halves the value kept at a stagnant end (Illinois), and bisects when that is slow.
+/// Where `f`, below 0 at `low` and not below 0 at `high`, is within `tolerance` of 0.
+///
+/// Regula falsi that halves the value kept at an end which stays twice (Illinois).
 fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], tolerance: f64) -> f64 {
     const STEPS: u32 = 200;
     let (mut at_low, mut at_high) = (f(low), f(high));
-    for step in 1..=STEPS {
-        let middle = if step % 3 == 0 {
-            0.5 * (low + high)
-        } else {
-            low - at_low * (high - low) / (at_high - at_low)
-        };
+    let mut low_stayed = false;
+    let mut high_stayed = false;
+    for _ in 0..STEPS {
+        let middle = low - at_low * (high - low) / (at_high - at_low);
         let value = f(middle);
         if value.abs() <= tolerance || high - low <= f64::EPSILON * high {
             return middle;
         }
         if value < 0.0 {
             (low, at_low) = (middle, value);
-            at_high *= 0.5;
+            at_high *= if high_stayed { 0.5 } else { 1.0 };
+            (low_stayed, high_stayed) = (false, true);
         } else {
             (high, at_high) = (middle, value);
-            at_low *= 0.5;
+            at_low *= if low_stayed { 0.5 } else { 1.0 };
+            (low_stayed, high_stayed) = (true, false);
         }
     }
     0.5 * (low + high)
@@ -456,6 +457,20 @@ mod tests {
         assert_eq!(message(-1.0), "load [N] must be above 0 and finite, got -1");
         assert!(message(1e9).starts_with("load [N] must be "));
         assert!(message(1e9).contains("sunk to its axle, got 1000000000"));
+    }
+
+    #[test]
+    fn a_sinkage_costs_fewer_than_25_integrations() {
+        let count = std::cell::Cell::new(0);
+        for load in [1.0, 100.0, 300.0] {
+            count.set(0);
+            let surplus = |sinkage| {
+                count.set(count.get() + 1);
+                loads(&Wheel::rover(), &wong_reece_sand(), sinkage, 0.2).normal_force - load
+            };
+            root(surplus, [-0.010, 0.155], 1e-9 * load);
+            assert!(count.get() < 25, "{} for {load} N", count.get());
+        }
     }
 
     proptest! {
