@@ -13,7 +13,7 @@
 //! | `z` | sinkage of the rim, positive down | m | `sinkage` |
 //! | `s` | slip ratio by the rim | - | [`crate::quantity::SlipRatio`] |
 //! | `k_c`, `k_φ`, `k_s` | cohesive, frictional, sinkage modulus | N·m⁻⁽ᴺ⁺¹⁾, N·m⁻⁽ᴺ⁺²⁾ twice | [`Soil::sinkage_modulus`] |
-//! | `n_0`, `n_1`, `N` | sinkage exponent `N = n_0 + n_1 s` | - | [`Soil::exponent`] |
+//! | `n_0`, `n_1`, `N` | sinkage exponent `N = n_0 + n_1 abs(s)` | - | [`Soil::exponent`] |
 //! | `c`, `φ` | cohesion, internal friction angle | Pa, ° | [`shear::Shear`] |
 //! | `K` | shear deformation modulus | m | [`shear::Shear`] |
 //! | `j`, `E` | shear displacement, part of the strength it mobilises | m, - | [`shear`] |
