@@ -1,7 +1,35 @@
 //! Wheel-soil mechanics: pressure-sinkage, shear, and their integral over the wheel.
 //!
 //! The simulator runs these functions forward and the identifier inverts the same ones.
+//!
+//! Symbols of the whole project, SI units, angles [rad] at the axle from straight down, positive
+//! ahead:
+//!
+//! | symbol | quantity | unit | here |
+//! |---|---|---|---|
+//! | `r`, `b` | rim radius, width | m | [`closed_form::Rim`] |
+//! | `l`, `n_l`, `t` | lug height, number, thickness | m, -, m | [`crate::wheel::Lugs`] |
+//! | `r_s` | shear radius | m | [`lug_action::shear_radius`] |
+//! | `z` | sinkage of the rim, positive down | m | `sinkage` |
+//! | `s` | slip ratio by the rim | - | [`crate::quantity::SlipRatio`] |
+//! | `k_c`, `k_φ`, `k_s` | cohesive, frictional, sinkage modulus | N·m⁻⁽ᴺ⁺¹⁾, N·m⁻⁽ᴺ⁺²⁾ twice | [`Soil::sinkage_modulus`] |
+//! | `n_0`, `n_1`, `N` | sinkage exponent `N = n_0 + n_1 abs(s)` | - | [`Soil::exponent`] |
+//! | `c`, `φ` | cohesion, internal friction angle | Pa, ° | [`shear::Shear`] |
+//! | `K` | shear deformation modulus | m | [`shear::Shear`] |
+//! | `j`, `E` | shear displacement, part of the strength it mobilises | m, - | [`shear`] |
+//! | `θ_1`, `θ_m`, `θ_2` | entry, maximum stress, exit | rad | [`contact::ContactAngles`] |
+//! | `c_1`, `c_2`, `c_3` | `θ_m = (c_1 + c_2 s) θ_1`, `θ_2 = c_3 θ_1` | - | [`contact::ContactAngles`] |
+//! | `σ`, `τ`, `σ_m` | normal, shear, maximum normal stress | Pa | [`wheel_load::Contact`] |
+//! | `A`, `B`, `C` | coefficients of Eq. (65) | - | [`closed_form::ArcCoefficients`] |
+//! | `F_N`, `W` | normal force, load | N | [`wheel_load::WheelLoad`] |
+//! | `F_DP` | drawbar pull | N | [`wheel_load::WheelLoad`] |
+//! | `M_R`, `T_D` | resistance moment, driving torque | N·m | [`wheel_load::WheelLoad`] |
 
+pub mod closed_form;
+pub mod contact;
+pub mod lug_action;
+pub mod pressure_sinkage;
+pub mod shear;
 pub mod wheel_load;
 
 use crate::quantity::RangeError;
@@ -123,5 +151,62 @@ impl Soil {
         RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
         RangeError::check("angle of repose", "°", self.repose_angle_deg, [5.0, 60.0])?;
         Ok(self)
+    }
+}
+
+/// Rows of Table 6, for tests: `c` of the sand in Pa (printed in kPa; corrected), `c_3 = 0`.
+#[cfg(test)]
+pub(crate) mod table_6 {
+    use super::{Soil, StressConvention};
+
+    /// T1, hard terrain.
+    pub fn hard() -> Soil {
+        Soil {
+            frictional_modulus: 3.9999e8,
+            sinkage_exponent: 0.6104,
+            sinkage_exponent_slip: 0.0,
+            cohesion: 0.0,
+            friction_angle_deg: 33.34,
+            shear_modulus: 0.0,
+            stress_angle: 0.8069,
+            stress_angle_slip: 0.0,
+            ..sand()
+        }
+    }
+
+    /// T2, gravel terrain.
+    pub fn gravel() -> Soil {
+        Soil {
+            frictional_modulus: 4.0053e8,
+            sinkage_exponent: 0.5680,
+            sinkage_exponent_slip: 0.054,
+            cohesion: 0.0,
+            friction_angle_deg: 32.17,
+            shear_modulus: 0.0006,
+            stress_angle: 0.0,
+            stress_angle_slip: 0.0,
+            ..sand()
+        }
+    }
+
+    /// T3, sandy terrain.
+    pub fn sand() -> Soil {
+        Soil {
+            convention: StressConvention::Triangular,
+            cohesive_modulus: 0.0,
+            frictional_modulus: 2.4904e6,
+            sinkage_exponent: 0.8169,
+            sinkage_exponent_slip: 1.296,
+            cohesion: 308.6,
+            friction_angle_deg: 29.67,
+            shear_modulus: 0.0066,
+            stress_angle: 0.4424,
+            stress_angle_slip: -0.6379,
+            exit_angle: 0.0,
+            unloading_stiffness: 2.0e8,
+            damping: 0.0,
+            bulk_density: 1600.0,
+            repose_angle_deg: 30.0,
+        }
     }
 }

@@ -57,8 +57,7 @@ impl GroundForce {
                 (profile.at(x).height + offset, false)
             }
             Filling::Soil(track) => {
-                track.profile().extend(x, x);
-                (track.profile().at(x).height, true)
+                (track.undisturbed(x), true)
             }
         }
     }
@@ -88,7 +87,7 @@ impl GroundForce {
                     surface.extend(profile.nodes(low, high).map(|[x, height]| [x, height + offset]));
                 }
                 Filling::Soil(track) => {
-                    surface.extend(track.surface().filter(|[x, _]| (low..=high).contains(x)));
+                    surface.extend(track.surface(low, high));
                 }
             }
         }

@@ -1,0 +1,227 @@
+//! The ground itself: columns that remember what pressed them.
+
+use super::Pressed;
+use crate::simulation::contact::WheelGeometry;
+use crate::simulation::world::WheelMotion;
+use crate::soil::Soil;
+use crate::terrain::profile::Profile;
+use libm::{asin, sqrt, tan};
+use std::collections::VecDeque;
+use std::ops::Range;
+
+/// Width of a column [m].
+pub(super) const COLUMN: f64 = 1.0e-3;
+
+/// Columns made at once.
+const BLOCK: i64 = 128;
+
+/// Loose slopes are relaxed this often [s].
+const RELAX_EVERY: f64 = 0.02;
+
+/// One millimetre of track.
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    /// Undisturbed height [m].
+    virgin: f64,
+    /// Height when the wheel arrived [m].
+    arrival: f64,
+    /// Lowest level it was pressed to [m].
+    pressed: f64,
+    /// Whether the rim bears on it.
+    loaded: bool,
+}
+
+/// The columns of one stretch; 32 kB a metre, kept for the run.
+pub(super) struct Columns {
+    profile: Profile,
+    range: [f64; 2],
+    first: i64,
+    columns: VecDeque<Column>,
+    /// Columns under the wheel at the last look.
+    under: Range<i64>,
+    /// Greatest step between neighbours at the angle of repose [m].
+    steepest: f64,
+    since_relaxed: f64,
+}
+
+impl Columns {
+    pub fn new(profile: Profile, soil: &Soil, range: [f64; 2]) -> Self {
+        let steepest = COLUMN * tan(soil.repose_angle_deg.to_radians());
+        Self { profile, range, first: 0, columns: VecDeque::new(), under: 0..0, steepest, since_relaxed: 0.0 }
+    }
+
+    /// Undisturbed height at `x` [m].
+    pub fn undisturbed(&mut self, x: f64) -> f64 {
+        self.profile.extend(x, x);
+        self.profile.at(x).height
+    }
+
+    /// The surface as it is now between two places: position and height [m].
+    pub fn surface(&mut self, low: f64, high: f64) -> Vec<[f64; 2]> {
+        self.extend(low, high);
+        self.indices(low, high).map(|index| [index as f64 * COLUMN, self.column(index).height()]).collect()
+    }
+
+    /// Keeps up with a wheel at `x` [m]: new columns ahead, old ones left behind, slopes relaxed.
+    pub fn follow(&mut self, wheel: &WheelGeometry, x: f64, elapsed: f64) {
+        let span = wheel.tip_radius + 10.0 * COLUMN;
+        self.extend(x - 1.5 * span, x + 1.5 * span);
+        self.leave_behind(x - wheel.radius, x + wheel.radius);
+        self.since_relaxed += elapsed;
+        if self.since_relaxed >= RELAX_EVERY {
+            self.since_relaxed = 0.0;
+            self.relax(x - 1.5 * span, x + 1.5 * span);
+        }
+    }
+
+    /// Columns in `[low, high]` [m] that belong to this stretch.
+    pub fn indices(&self, low: f64, high: f64) -> Range<i64> {
+        let low = (low.max(self.range[0]) / COLUMN).ceil() as i64;
+        let high = (high.min(self.range[1]) / COLUMN).floor() as i64 + 1;
+        low..high.max(low)
+    }
+
+    /// The column at `x` [m], where it belongs to this stretch.
+    pub fn index_at(&self, x: f64) -> Option<i64> {
+        let index = (x / COLUMN).round() as i64;
+        self.contains(index).then_some(index)
+    }
+
+    fn contains(&self, index: i64) -> bool {
+        let x = index as f64 * COLUMN;
+        x >= self.range[0] && x < self.range[1]
+    }
+
+    /// Presses a column down to `level` [m] if it stands higher.
+    pub fn press(&mut self, index: i64, level: f64) -> Pressed {
+        let column = self.column_mut(index);
+        if level < column.arrival {
+            column.pressed = column.pressed.min(level);
+        }
+        Pressed { virgin: column.virgin, lowest: column.pressed }
+    }
+
+    /// Notes whether the rim bears on a column.
+    pub fn set_loaded(&mut self, index: i64, loaded: bool) {
+        self.column_mut(index).loaded = loaded;
+    }
+
+    /// Undisturbed height and height when the wheel arrived [m].
+    pub fn heights(&self, index: i64) -> [f64; 2] {
+        let column = self.column(index);
+        [column.virgin, column.arrival]
+    }
+
+    /// Leaves a print down to `level` [m] where no rim lies above it.
+    pub fn print(&mut self, index: i64, level: f64) {
+        let column = self.column_mut(index);
+        if !column.loaded {
+            column.pressed = column.pressed.min(level);
+        }
+    }
+
+    /// Angle [rad] ahead of straight down at which the rim meets the soil it has come upon.
+    pub fn entry_angle(&self, radius: f64, motion: &WheelMotion, direction: f64) -> f64 {
+        let reach = (radius * 0.95 / COLUMN) as i64;
+        let middle = (motion.x / COLUMN).round() as i64;
+        let mut ahead: Option<[f64; 2]> = None;
+        for step in (-reach..=reach).rev() {
+            let index = middle + step * direction as i64;
+            if !self.contains(index) {
+                continue;
+            }
+            let u = (index as f64 * COLUMN - motion.x) * direction;
+            let rim = motion.y - sqrt(radius * radius - u * u);
+            let depth = self.column(index).arrival - rim;
+            if depth > 0.0 {
+                let entry = match ahead {
+                    Some([u_ahead, above]) => u + (u_ahead - u) * depth / (depth - above),
+                    None => u,
+                };
+                return asin((entry / radius).clamp(-1.0, 1.0));
+            }
+            ahead = Some([u, depth]);
+        }
+        0.0
+    }
+
+    fn extend(&mut self, low: f64, high: f64) {
+        let wanted = [(low / COLUMN).floor() as i64, (high / COLUMN).ceil() as i64 + 1];
+        if self.columns.is_empty() {
+            self.first = wanted[0];
+        } else if self.first <= wanted[0] && self.first + (self.columns.len() as i64) >= wanted[1] {
+            return;
+        }
+        let margin = BLOCK as f64 * COLUMN;
+        self.profile.extend(low - margin, high + margin);
+        while self.first > wanted[0] {
+            for _ in 0..BLOCK {
+                self.first -= 1;
+                let column = self.fresh(self.first);
+                self.columns.push_front(column);
+            }
+        }
+        while self.first + (self.columns.len() as i64) < wanted[1] {
+            for _ in 0..BLOCK {
+                let column = self.fresh(self.first + self.columns.len() as i64);
+                self.columns.push_back(column);
+            }
+        }
+    }
+
+    fn fresh(&self, index: i64) -> Column {
+        let virgin = self.profile.at(index as f64 * COLUMN).height;
+        Column { virgin, arrival: virgin, pressed: virgin, loaded: false }
+    }
+
+    fn column(&self, index: i64) -> &Column {
+        &self.columns[(index - self.first) as usize]
+    }
+
+    fn column_mut(&mut self, index: i64) -> &mut Column {
+        &mut self.columns[(index - self.first) as usize]
+    }
+
+    /// Columns the rim has left meet the next pass as they are now.
+    fn leave_behind(&mut self, low: f64, high: f64) {
+        let under = self.indices(low, high);
+        let before = std::mem::replace(&mut self.under, under.clone());
+        for index in before {
+            if !under.contains(&index) {
+                let column = self.column_mut(index);
+                column.arrival = column.height();
+                column.loaded = false;
+            }
+        }
+    }
+
+    /// Slopes beyond the angle of repose slide, soil for soil, where the wheel is not.
+    fn relax(&mut self, low: f64, high: f64) {
+        let indices = self.indices(low, high);
+        for index in indices.start..(indices.end - 1).max(indices.start) {
+            let (left, right) = (*self.column(index), *self.column(index + 1));
+            if left.loaded || right.loaded {
+                continue;
+            }
+            let step = right.pressed - left.pressed;
+            let slide = 0.5 * (step.abs() - self.steepest).max(0.0) * step.signum();
+            if slide != 0.0 {
+                self.column_mut(index).settle(slide);
+                self.column_mut(index + 1).settle(-slide);
+            }
+        }
+    }
+}
+
+impl Column {
+    fn height(&self) -> f64 {
+        self.pressed.min(self.arrival)
+    }
+
+    /// Takes up or gives away soil of this height [m].
+    fn settle(&mut self, height: f64) {
+        self.pressed += height;
+        self.arrival += height;
+        self.virgin = self.virgin.max(self.pressed);
+    }
+}

@@ -1,0 +1,114 @@
+//! Lugs in soil: they cut, bear, shear and push.
+//!
+//! Soil between the lugs moves with the wheel. It shears along a surface from each lug's edge up
+//! to the rim ([`crate::soil::lug_action`]), which sets the rim's shear displacement, area and
+//! torque arm. What acts at the lugs themselves is here. The edge presses the soil below it over
+//! the lug's thickness, with the rim's modulus: a blade lies far below the widths `k_c` was
+//! measured with. Its depth counts along the arc as the rim's does. A lug outside the rim's
+//! contact, where nothing confines the soil before it, pushes it with passive pressure. The cut
+//! closes behind the lug; its print remains where the rim has already left, and relaxes to the
+//! angle of repose. What lugs throw backward is not moved: `N = n_0 + n_1 s` stands for it.
+
+use super::columns::Columns;
+use super::{Contact, Field, Pressed};
+use crate::simulation::contact::{Edge, WheelGeometry};
+use crate::simulation::world::{WheelMotion, Wrench};
+use crate::soil::Soil;
+use crate::soil::contact::{ContactAngles, EffectiveDepth, entry_angle};
+use crate::soil::lug_action::last_lug_push;
+use crate::wheel::Wheel;
+use libm::asin;
+
+/// A lug has entered when its edge lies deeper than this below the undisturbed soil [m].
+const ENTERED: f64 = 1.0e-3;
+
+/// What a lug's edge remembers of its stay in the soil.
+#[derive(Debug, Clone, Copy)]
+struct Bite {
+    /// Lowest level pressed [m].
+    lowest: f64,
+    /// Shear displacement [m].
+    shear: f64,
+}
+
+const NO_BITE: Bite = Bite { lowest: f64::INFINITY, shear: 0.0 };
+
+/// All lugs' bites.
+pub(super) struct LugBites {
+    wheel: Wheel,
+    soil: Soil,
+    /// Area of one lug's edge [m²].
+    area: f64,
+    bites: [Bite; 64],
+}
+
+impl LugBites {
+    pub fn new(wheel: &Wheel, soil: &Soil) -> Self {
+        let area = wheel.lugs.map_or(0.0, |lugs| lugs.thickness * wheel.width);
+        Self { wheel: *wheel, soil: *soil, area, bites: [NO_BITE; 64] }
+    }
+
+    /// Load of the soil on every lug in it.
+    pub fn push(
+        &mut self,
+        wheel: &WheelGeometry,
+        motion: &WheelMotion,
+        contact: &Contact,
+        columns: &mut Columns,
+        field: &mut Field,
+    ) {
+        for edge in wheel.lowest_edges(motion) {
+            let Some(index) = columns.index_at(edge.x) else {
+                self.bites[edge.lug] = NO_BITE;
+                continue;
+            };
+            let [virgin, arrival] = columns.heights(index);
+            if edge.y >= arrival {
+                let bite = std::mem::replace(&mut self.bites[edge.lug], NO_BITE);
+                if bite.lowest.is_finite() {
+                    columns.print(index, bite.lowest.max(arrival - self.wheel.lug_height()));
+                }
+                continue;
+            }
+            if virgin - edge.y > ENTERED {
+                field.reach.entered |= 1 << edge.lug;
+            }
+            let wrench = self.push_lug(motion, contact, &edge, virgin, field);
+            if wrench.fx.abs() + wrench.fy.abs() > wheel.touch_force {
+                field.reach.touching |= 1 << edge.lug;
+            }
+            field.reach.wrench += wrench;
+        }
+    }
+
+    /// One lug's edge pressed into the soil, and its face against the soil behind it.
+    fn push_lug(&mut self, motion: &WheelMotion, contact: &Contact, edge: &Edge, virgin: f64, field: &mut Field) -> Wrench {
+        let (radius, d) = (self.wheel.tip_radius(), contact.direction);
+        let (sine, cosine) = (edge.arm[0] * d / radius, -edge.arm[1] / radius);
+        let angle = asin(sine.clamp(-1.0, 1.0));
+        let spring_back = if angle < 0.0 { contact.developed * radius * (1.0 - cosine) } else { 0.0 };
+        let level = edge.y - spring_back;
+        let bite = &mut self.bites[edge.lug];
+        bite.lowest = bite.lowest.min(level);
+        bite.shear += (radius * contact.wheel_speed - contact.forward_speed * cosine) * contact.elapsed;
+        let (pressed, mobilised) = (Pressed { virgin, lowest: bite.lowest }, contact.shear.mobilised(bite.shear));
+        let entry = entry_angle(radius, virgin - (motion.y - radius));
+        let angles = ContactAngles::from_entry(&self.soil, entry, contact.slip).developed(contact.developed);
+        let share = EffectiveDepth::over(angles, &self.soil, radius, contact.slip).share(angle);
+        let (mut along, mut radial) = (0.0, 0.0);
+        if let Some(bearing) = contact.bearing(pressed, level, angle, share) {
+            along += self.area * contact.shear.strength(bearing.pressure) * mobilised;
+            radial += self.area * bearing.pressure;
+            field.stiffen(self.area, &bearing, &self.soil);
+        }
+        let rim = contact.depth.angles;
+        if angle > rim.entry || angle < rim.exit {
+            along += last_lug_push(&self.wheel, &self.soil, virgin - edge.y).force * mobilised;
+        }
+        Wrench {
+            fx: d * (along * cosine - radial * sine),
+            fy: along * sine + radial * cosine,
+            torque: -d * along * radius,
+        }
+    }
+}

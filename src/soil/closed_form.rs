@@ -1,0 +1,255 @@
+//! The paper's closed forms (Eq. 62-69, 73-75): stresses triangular over the rim's arc.
+//!
+//! They use rim geometry throughout; fitted to a lugged wheel, as Table 6 is, their parameters
+//! already contain what its lugs do.
+
+use crate::soil::Soil;
+use crate::soil::contact::ContactAngles;
+use crate::soil::shear::{ShearDisplacement, speed_ratio};
+use crate::soil::wheel_load::WheelLoad;
+use crate::wheel::Wheel;
+
+/// The cylinder that meets the soil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rim {
+    /// Radius `r` [m].
+    pub radius: f64,
+    /// Width `b` [m].
+    pub width: f64,
+}
+
+impl From<&Wheel> for Rim {
+    fn from(wheel: &Wheel) -> Self {
+        Self {
+            radius: wheel.radius,
+            width: wheel.width,
+        }
+    }
+}
+
+/// `A`, `B`, `C` [-] of Eq. (65).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArcCoefficients {
+    /// Part of the peak stress, times `r b`, that stands upright: `∫ tri cos θ dθ`.
+    pub a: f64,
+    /// Part that lies along the track: `∫ tri sin θ dθ`.
+    pub b: f64,
+    /// Mean over the arc, `∫ tri dθ = (θ_1 - θ_2)/2`.
+    pub c: f64,
+}
+
+impl From<ContactAngles> for ArcCoefficients {
+    /// Eq. (65), written with `sin x/x` so that `θ_m → θ_1`, `θ_m → θ_2` and `z → 0` need no
+    /// special case.
+    fn from(ContactAngles { entry, peak, exit }: ContactAngles) -> Self {
+        let (rear, front) = (0.5 * (peak + exit), 0.5 * (entry + peak));
+        let (rear_sinc, front_sinc) = (sinc(0.5 * (peak - exit)), sinc(0.5 * (entry - peak)));
+        Self {
+            a: libm::sin(front) * front_sinc - libm::sin(rear) * rear_sinc,
+            b: libm::cos(rear) * rear_sinc - libm::cos(front) * front_sinc,
+            c: 0.5 * (entry - exit),
+        }
+    }
+}
+
+/// `sin x/x`.
+fn sinc(x: f64) -> f64 {
+    // Below this x, 1 - x²/6 is exact in double precision.
+    if x.abs() < 1e-4 {
+        1.0 - x * x / 6.0
+    } else {
+        libm::sin(x) / x
+    }
+}
+
+impl ArcCoefficients {
+    /// Pull per load `μ = F_DP/F_N` [-] where the ground neither coheres nor deforms in shear
+    /// (Eq. 68); towards `tan φ` as the contact shrinks.
+    pub fn pull_per_load(&self, tan_friction_angle: f64) -> f64 {
+        (self.a * tan_friction_angle - self.b) / (self.a + self.b * tan_friction_angle)
+    }
+
+    /// Torque per pull and radius `λ_c = M_R/(r F_DP)` [-] on such ground (Eq. 69).
+    pub fn torque_per_pull(&self, tan_friction_angle: f64) -> f64 {
+        self.c * tan_friction_angle / (self.a * tan_friction_angle - self.b)
+    }
+
+    /// Drawbar pull [N] that goes with a `normal_force` [N] and the tangential force at the rim
+    /// `M_R/r` [N], whatever the soil's strength (Eq. 73).
+    pub fn drawbar_pull(&self, normal_force: f64, rim_force: f64) -> f64 {
+        let Self { a, b, c } = *self;
+        (a * a + b * b) / (a * c) * rim_force - b / a * normal_force
+    }
+
+    /// Normal force [N] from the pressure force `r b k_s zᴺ` [N] and the tangential force at the
+    /// rim `M_R/r` [N] (Eq. 74).
+    pub fn normal_force(&self, pressure_force: f64, rim_force: f64) -> f64 {
+        self.a * pressure_force + self.b / self.c * rim_force
+    }
+}
+
+/// Part of the shear strength mobilised at the peak, `E` [-] (Eq. 66), in [-1, 1].
+///
+/// The paper leaves `j(θ_m)` open: it is Wong and Reece's with the rim as shear surface. `K = 0`
+/// gives `E = 1` driving and -1 braking.
+pub fn mobilised(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> f64 {
+    let angles = ContactAngles::new(soil, rim.radius, sinkage, slip);
+    let displacement = ShearDisplacement {
+        shear_radius: rim.radius,
+        entry_angle: angles.entry,
+        travel: rim.radius * speed_ratio(slip),
+    };
+    soil.shear().mobilised(displacement.at(angles.peak))
+}
+
+/// Loads on a rim at `sinkage` [m] and `slip` [-] (Eq. 62-64).
+///
+/// ```text
+/// F_N  = r b (A + B E tan φ) k_s zᴺ + r b c B E
+/// F_DP = r b (A E tan φ - B) k_s zᴺ + r b c A E
+/// M_R  = r² b C E (c + k_s zᴺ tan φ)
+/// ```
+pub fn loads(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> WheelLoad {
+    let Rim { radius, width } = rim;
+    let angles = ContactAngles::new(soil, radius, sinkage, slip);
+    let ArcCoefficients { a, b, c } = angles.into();
+    let normal = soil.pressure_sinkage(width, slip).pressure(sinkage);
+    let shear = soil.shear().strength(normal) * mobilised(rim, soil, sinkage, slip);
+    let area = radius * width;
+    WheelLoad {
+        normal_force: area * (a * normal + b * shear),
+        drawbar_pull: area * (a * shear - b * normal),
+        driving_torque: radius * area * c * shear,
+    }
+}
+
+/// Driving torque [N·m] from the normal force [N] and the mobilised part `E` [-] (Eq. 75).
+pub fn driving_torque(
+    rim: Rim,
+    soil: &Soil,
+    arc: ArcCoefficients,
+    [normal_force, mobilised]: [f64; 2],
+) -> f64 {
+    let Rim { radius, width } = rim;
+    let ArcCoefficients { a, b, c } = arc;
+    let tan_phi = soil.tan_friction_angle();
+    let strength = width * soil.cohesion + normal_force * tan_phi / (radius * a);
+    radius * radius * c * mobilised * strength / (1.0 + b * mobilised * tan_phi / a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::soil::table_6;
+
+    fn rover_rim() -> Rim {
+        Rim::from(&Wheel::rover())
+    }
+
+    fn arc(soil: &Soil, sinkage: f64, slip: f64) -> ArcCoefficients {
+        ContactAngles::new(soil, rover_rim().radius, sinkage, slip).into()
+    }
+
+    fn assert_near(value: f64, expected: f64, tolerance: f64) {
+        assert!(
+            (value - expected).abs() < tolerance,
+            "{value}, not {expected}"
+        );
+    }
+
+    #[test]
+    fn the_sand_row_of_table_6_gives_the_check_values_at_6_and_20_mm() {
+        // Half a unit of the last digit printed.
+        let shallow = loads(rover_rim(), &table_6::sand(), 0.006, 0.2);
+        assert_near(shallow.normal_force, 34.04, 0.005);
+        assert_near(shallow.drawbar_pull, 8.085, 0.0005);
+        assert_near(shallow.driving_torque, 1.8908, 0.00005);
+        let deep = loads(rover_rim(), &table_6::sand(), 0.020, 0.2);
+        assert_near(deep.normal_force, 238.7, 0.05);
+        assert_near(deep.drawbar_pull, 58.93, 0.005);
+        assert_near(deep.driving_torque, 17.26, 0.005);
+    }
+
+    #[test]
+    fn the_hard_row_of_table_6_carries_47_newtons_at_a_hundredth_of_a_millimetre() {
+        let soil = table_6::hard();
+        let released = loads(rover_rim(), &soil, 1e-5, 0.1);
+        assert_near(released.normal_force, 47.07, 0.005);
+        // θ_1 = 0.65°: the pull is within 1 % of friction.
+        let tan_phi = soil.tan_friction_angle();
+        assert_near(released.drawbar_pull / released.normal_force, tan_phi, 0.01);
+        let symmetric = Soil {
+            exit_angle: -1.0,
+            ..soil
+        };
+        let held = loads(rover_rim(), &symmetric, 1e-5, 0.1);
+        assert_near(held.normal_force, 93.90, 0.005);
+    }
+
+    #[test]
+    fn the_gravel_row_peaks_at_the_exit_and_takes_the_limit_of_equation_65() {
+        let soil = table_6::gravel();
+        let angles = ContactAngles::new(&soil, 0.155, 1e-5, 0.3);
+        assert_eq!(angles.peak, angles.exit);
+        let ArcCoefficients { a, b, .. } = angles.into();
+        let theta = angles.entry;
+        assert_near(a, (1.0 - theta.cos()) / theta, 1e-12);
+        assert_near(b, 1.0 - theta.sin() / theta, 1e-12);
+        assert!(loads(rover_rim(), &soil, 1e-5, 0.3).normal_force > 0.0);
+    }
+
+    #[test]
+    fn equation_65_as_printed_is_the_same_away_from_its_limits() {
+        let (entry, peak, exit) = (0.5f64, 0.2f64, -0.1f64);
+        let arc = ArcCoefficients::from(ContactAngles { entry, peak, exit });
+        let a =
+            (peak.cos() - exit.cos()) / (peak - exit) + (peak.cos() - entry.cos()) / (entry - peak);
+        let b =
+            (peak.sin() - exit.sin()) / (peak - exit) + (peak.sin() - entry.sin()) / (entry - peak);
+        assert_near(arc.a, a, 1e-14);
+        assert_near(arc.b, b, 1e-14);
+    }
+
+    #[test]
+    fn loads_vanish_with_sinkage_and_are_never_undefined() {
+        for soil in [table_6::hard(), table_6::gravel(), table_6::sand()] {
+            for slip in [-1.0, 0.0, 1.0] {
+                assert_eq!(loads(rover_rim(), &soil, 0.0, slip), WheelLoad::default());
+                assert_eq!(loads(rover_rim(), &soil, -0.01, slip), WheelLoad::default());
+                let tiny = loads(rover_rim(), &soil, 1e-12, slip);
+                assert!(tiny.normal_force.is_finite() && tiny.normal_force > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn pull_and_torque_ratios_are_those_of_the_loads_on_hard_ground() {
+        let soil = table_6::hard();
+        let load = loads(rover_rim(), &soil, 1e-5, 0.1);
+        let (arc, tan_phi) = (arc(&soil, 1e-5, 0.1), soil.tan_friction_angle());
+        let pull = load.drawbar_pull / load.normal_force;
+        assert_near(arc.pull_per_load(tan_phi), pull, 1e-12);
+        let torque = load.driving_torque / (0.155 * load.drawbar_pull);
+        assert_near(arc.torque_per_pull(tan_phi), torque, 1e-10);
+    }
+
+    #[test]
+    fn the_decoupled_equations_73_to_75_return_the_loads_of_62_to_64() {
+        let soil = table_6::sand();
+        for (sinkage, slip) in [(0.006, 0.2), (0.015, 0.0), (0.01, 0.6), (0.01, -0.3)] {
+            let rim = rover_rim();
+            let load = loads(rim, &soil, sinkage, slip);
+            let arc = arc(&soil, sinkage, slip);
+            let rim_force = load.driving_torque / rim.radius;
+            let pressure = soil.pressure_sinkage(rim.width, slip).pressure(sinkage);
+            let pressure_force = rim.radius * rim.width * pressure;
+            let e = mobilised(rim, &soil, sinkage, slip);
+            let pull = arc.drawbar_pull(load.normal_force, rim_force);
+            assert_near(pull, load.drawbar_pull, 1e-10);
+            let normal = arc.normal_force(pressure_force, rim_force);
+            assert_near(normal, load.normal_force, 1e-10);
+            let torque = driving_torque(rim, &soil, arc, [load.normal_force, e]);
+            assert_near(torque, load.driving_torque, 1e-10);
+        }
+    }
+}
