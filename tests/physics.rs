@@ -4,6 +4,8 @@ mod common;
 
 use common::*;
 use lugwheel::simulation::rig::{Rig, SingleWheel};
+use lugwheel::soil::{Soil, StressConvention, wheel_load};
+use lugwheel::terrain::TerrainSpec;
 use lugwheel::wheel::Wheel;
 
 #[test]
@@ -202,4 +204,40 @@ fn a_wheel_that_spins_in_place_digs_on_sand_and_pulls_with_its_friction_on_rock(
     let states = run(&sandy(), &Wheel::single_wheel(), &spinning, 16e3, 3.0);
     let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
     assert!(pull > 10.0, "{pull}");
+}
+
+/// In steady rolling the columns under a smooth wheel carry what the quadrature of the soil's
+/// stress convention says at the same sinkage and slip.
+#[test]
+fn column_forces_of_a_smooth_wheel_agree_with_the_quadrature_within_3_percent() {
+    let smooth = Wheel { lugs: None, ..Wheel::single_wheel() };
+    for convention in [StressConvention::WongReece, StressConvention::Triangular] {
+        for (exit_angle, slip) in [(0.0, 0.1), (-0.3, 0.3), (0.0, 0.6), (-0.2, 0.2)] {
+            let soil = Soil { convention, exit_angle, sinkage_exponent_slip: 0.4, ..sand() };
+            let terrain = TerrainSpec::Sand { soil, roughness: None };
+            let states = run(&terrain, &smooth, &rig(0.05, slip, 100.0), 16e3, 5.0);
+            let late = &states[states.len() / 2..];
+            let sinkage = mean(late.iter().map(|state| state.sinkage));
+            let expected = wheel_load::loads(&smooth, &soil, sinkage, slip);
+            let found = [
+                mean(late.iter().map(|state| state.ground.normal_force)) / expected.normal_force,
+                mean(late.iter().map(|state| state.ground.driving_torque)) / expected.driving_torque,
+            ];
+            let pull = mean(late.iter().map(|state| state.ground.drawbar_pull)) - expected.drawbar_pull;
+            println!("{convention:?} c_3 {exit_angle} s {slip}: z {sinkage:.5} F_N, M_R ratio {found:?}, pull {pull:.3} N of {:.2}", expected.drawbar_pull);
+            assert!(found.iter().all(|ratio| (ratio - 1.0).abs() < 0.03), "{convention:?} {slip} {found:?}");
+            assert!(pull.abs() < 0.03 * expected.normal_force.abs().min(100.0), "{convention:?} {slip} {pull}");
+        }
+    }
+}
+
+#[test]
+fn a_smooth_wheel_sinks_deeper_the_more_it_slips() {
+    let smooth = Wheel { lugs: None, ..Wheel::single_wheel() };
+    let sinkage = |slip: f64| {
+        let terrain = TerrainSpec::Sand { soil: Soil { sinkage_exponent_slip: 0.4, ..sand() }, roughness: None };
+        mean(steady(&run(&terrain, &smooth, &rig(0.05, slip, 100.0), 16e3, 3.0)).iter().map(|state| state.sinkage))
+    };
+    assert!(sinkage(0.3) > 1.05 * sinkage(0.0));
+    assert!(sinkage(0.6) > 1.05 * sinkage(0.3));
 }

@@ -187,7 +187,7 @@ impl SoilTrack {
             let spring_back = if u < 0.0 { contact.developed * (r - down) } else { 0.0 };
             let level = motion.y - down - spring_back;
             let pressed = self.columns.press(index, level);
-            let Some(bearing) = contact.bearing(pressed, level, angle, contact.depth.share(angle)) else {
+            let Some(bearing) = contact.bearing(pressed, level, angle, contact.depth.share(angle, spring_back)) else {
                 self.columns.set_loaded(index, false);
                 continue;
             };

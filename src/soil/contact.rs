@@ -97,16 +97,20 @@ impl EffectiveDepth {
         }
     }
 
-    /// Effective depth over the depth of the rim itself at `angle` [-]: by how much to scale the
-    /// depth of ground that remembers its own.
-    pub fn share(&self, angle: f64) -> f64 {
-        let own = self.radius * (libm::cos(angle) - self.cos_entry);
+    /// Effective depth at `angle` over the depth to which ground there has been pressed in steady
+    /// rolling [-]: by how much to scale the depth of ground that remembers its own.
+    ///
+    /// That depth is the rim's own, `r (cos θ - cos θ_1)`, and `spring_back` [m] more where the
+    /// ground has risen since.
+    pub fn share(&self, angle: f64, spring_back: f64) -> f64 {
+        let pressed = self.radius * (libm::cos(angle) - self.cos_entry) + spring_back;
+        let ahead_of_peak = self.convention == StressConvention::WongReece && angle >= self.angles.peak;
         if angle <= self.angles.exit {
             0.0
-        } else if own <= 0.0 || (self.convention == StressConvention::WongReece && angle >= self.angles.peak) {
+        } else if pressed <= 0.0 || (ahead_of_peak && spring_back == 0.0) {
             1.0
         } else {
-            self.at(angle) / own
+            self.at(angle) / pressed
         }
     }
 

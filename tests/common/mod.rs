@@ -25,7 +25,7 @@ pub fn sand() -> Soil {
         stress_angle: 0.4,
         stress_angle_slip: 0.2,
         exit_angle: 0.0,
-        unloading_stiffness: 2.0e8,
+        unloading_stiffness: 2.0e7,
         damping: 3.0e4,
         bulk_density: 1600.0,
         repose_angle_deg: 32.0,

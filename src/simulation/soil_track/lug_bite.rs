@@ -94,7 +94,7 @@ impl LugBites {
         let (pressed, mobilised) = (Pressed { virgin, lowest: bite.lowest }, contact.shear.mobilised(bite.shear));
         let entry = entry_angle(radius, virgin - (motion.y - radius));
         let angles = ContactAngles::from_entry(&self.soil, entry, contact.slip).developed(contact.developed);
-        let share = EffectiveDepth::over(angles, &self.soil, radius, contact.slip).share(angle);
+        let share = EffectiveDepth::over(angles, &self.soil, radius, contact.slip).share(angle, spring_back);
         let (mut along, mut radial) = (0.0, 0.0);
         if let Some(bearing) = contact.bearing(pressed, level, angle, share) {
             along += self.area * contact.shear.strength(bearing.pressure) * mobilised;
