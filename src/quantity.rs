@@ -7,19 +7,29 @@ use sha2::{Digest, Sha256};
 
 /// A number outside the range in which its quantity has a meaning.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{quantity} [{unit}] must be {range}, got {value}")]
+#[error("{quantity} [{unit}] must {}, got {value}", self.rule())]
 pub struct RangeError {
     /// What the number is, in the field's words.
     pub quantity: &'static str,
     /// Its unit; `-` where it has none.
     pub unit: &'static str,
-    /// The range allowed, and a way out where there is one.
+    /// The range allowed, and a way out where there is one: `in [0, 1]`, `above 0 and finite`,
+    /// or `divide ...` for a number that has to divide another.
     pub range: String,
     /// The number given.
     pub value: f64,
 }
 
 impl RangeError {
+    fn rule(&self) -> String {
+        let verb = if self.range.starts_with("divide ") {
+            ""
+        } else {
+            "be "
+        };
+        format!("{verb}{}", self.range)
+    }
+
     /// Passes `value` on when it lies in `[low, high]`.
     ///
     /// # Errors
@@ -131,6 +141,9 @@ impl SampleRate {
     /// 128 kHz, at which the paper samples its accelerometer.
     pub const REFERENCE: Self = Self(128_000);
 
+    /// 2 kHz, at which samples are kept unless a scenario says otherwise.
+    pub const OUTPUT: Self = Self(2_000);
+
     /// # Errors
     /// `RangeError` below 1 Hz, above 1 MHz, or when not whole.
     pub fn new(hertz: f64) -> Result<Self, RangeError> {
@@ -215,6 +228,20 @@ mod tests {
     fn a_slip_outside_its_range_states_the_range() {
         let message = SlipRatio::new(1.3).unwrap_err().to_string();
         assert_eq!(message, "slip ratio [-] must be in [-1, 1], got 1.3");
+    }
+
+    #[test]
+    fn a_rate_that_must_divide_another_says_so_without_be() {
+        let error = RangeError {
+            quantity: "output rate",
+            unit: "Hz",
+            range: "divide the sensor rate 128000 Hz".to_owned(),
+            value: 40_000.0,
+        };
+        assert_eq!(
+            error.to_string(),
+            "output rate [Hz] must divide the sensor rate 128000 Hz, got 40000"
+        );
     }
 
     #[test]

@@ -1,0 +1,557 @@
+//! What is measured: [`WheelState`] in, [`Channel`]s of a trace out.
+//!
+//! ```text
+//! state -> rate up -> delay, clock -> mount, bandwidth -> gain, bias -> noise -> range, steps -> rate down
+//!        (physics rate to sensor rate)                                        (sensor rate to output rate)
+//! ```
+//!
+//! That is the way of the fast channels: acceleration, forces, torque, speed. The wheel angle is
+//! latched at the output rate, and a camera tells sinkage and slip frame by frame. Every figure of
+//! a sensor has a neutral value, which is its default.
+
+pub mod accelerometer;
+pub mod decimator;
+pub mod encoder;
+mod fast_channel;
+mod fir;
+pub mod force_torque;
+mod interpolator;
+mod noise;
+mod sampling;
+mod second_order;
+#[cfg(test)]
+mod spectrum;
+pub mod transducer;
+pub mod vision;
+
+use crate::quantity::{RangeError, SampleRate, Seed};
+use crate::simulation::WheelState;
+use crate::trace::Channel;
+use accelerometer::{Accelerometer, Axis};
+use decimator::whole_ratio;
+use encoder::{Encoder, Latch};
+use fast_channel::{FastChannel, Signal};
+use force_torque::ForceTorque;
+use sampling::Instants;
+use serde::{Deserialize, Serialize};
+use vision::{Camera, Vision};
+
+/// All sensors of a rig and how they are sampled.
+///
+/// The default is ideal: 128 kHz down to 2 kHz, no error anywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sensors {
+    /// Rate [Hz] at which accelerometer and force sensor are sampled.
+    pub rate: SampleRate,
+    /// Rate [Hz] of the samples kept; divides `rate`.
+    pub output_rate: SampleRate,
+    /// Whether to keep the samples of the fast channels at the sensor rate too, as
+    /// `<channel>_raw`. They hold nothing but noise above half of the physics rate.
+    pub raw: bool,
+    /// Whether samples pass an anti-alias filter before most of them are dropped.
+    pub anti_alias: bool,
+    /// Relative error [-] of the sampling clock: above 0 it runs slow, so that samples lie
+    /// farther apart than their rate says.
+    pub clock_error: f64,
+    /// On the axle.
+    pub accelerometer: Accelerometer,
+    /// Between wheel and axle.
+    pub force_torque: ForceTorque,
+    /// Wheel angle and forward speed.
+    pub encoder: Encoder,
+    /// Sinkage and slip.
+    pub vision: Vision,
+}
+
+impl Default for Sensors {
+    fn default() -> Self {
+        Self {
+            rate: SampleRate::REFERENCE,
+            output_rate: SampleRate::OUTPUT,
+            raw: false,
+            anti_alias: true,
+            clock_error: 0.0,
+            accelerometer: Accelerometer::default(),
+            force_torque: ForceTorque::default(),
+            encoder: Encoder::default(),
+            vision: Vision::default(),
+        }
+    }
+}
+
+impl Sensors {
+    /// Sensors as a good laboratory has them, calibrated and tared; the figures and the kind of
+    /// device they describe stand at each sensor's own `realistic`.
+    pub fn realistic() -> Self {
+        Self {
+            accelerometer: Accelerometer::realistic(),
+            force_torque: ForceTorque::realistic(),
+            encoder: Encoder::realistic(),
+            vision: Vision::realistic(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether such sensors can be.
+    ///
+    /// # Errors
+    /// `RangeError` for the first figure that cannot, such as an output rate that does not divide
+    /// the sensor rate; it names the nearest that do.
+    pub fn check(&self) -> Result<(), RangeError> {
+        whole_ratio("output rate", self.output_rate, "sensor rate", self.rate)?;
+        RangeError::check("clock error", "-", self.clock_error, [-0.1, 0.1])?;
+        let rate = self.rate.hertz();
+        self.accelerometer.check(rate)?;
+        self.force_torque.check(rate)?;
+        self.encoder.check(rate)?;
+        self.vision.check()
+    }
+}
+
+/// The sensors at work on one run; memory grows with the samples kept, not with the physics rate.
+pub struct SensorChain {
+    output_rate: f64,
+    axis: Axis,
+    force_torque: ForceTorque,
+    fast: [FastChannel; 5],
+    latch: Latch,
+    camera: Camera,
+    frame_rate: f64,
+    slip_baseline: f64,
+    /// Time [s] of the first state.
+    start: f64,
+    steps: u64,
+}
+
+impl SensorChain {
+    /// Sensors on a wheel of rim radius `wheel_radius` [m] whose states come at `physics_rate`.
+    /// Their noise belongs to `run` of `seed`, one stream a channel.
+    ///
+    /// # Errors
+    /// `RangeError` where [`Sensors::check`] finds one, or where the physics rate does not divide
+    /// the sensor rate.
+    pub fn new(
+        sensors: &Sensors,
+        physics_rate: SampleRate,
+        wheel_radius: f64,
+        seed: Seed,
+        run: u64,
+    ) -> Result<Self, RangeError> {
+        sensors.check()?;
+        whole_ratio("physics rate", physics_rate, "sensor rate", sensors.rate)?;
+        RangeError::positive("wheel radius", "m", wheel_radius)?;
+        let Sensors {
+            accelerometer,
+            force_torque,
+            encoder,
+            vision,
+            ..
+        } = *sensors;
+        let fast = |name: &'static str, unit, transducer| {
+            let rng = seed.rng(&format!("sensors.{name}"), run);
+            let signal = Signal {
+                name,
+                unit,
+                transducer,
+            };
+            FastChannel::new(sensors, physics_rate, signal, rng)
+        };
+        let instants = |rate: f64, delay: f64| {
+            let steps = physics_rate.hertz() / rate * (1.0 + sensors.clock_error);
+            Instants::new(steps, delay * physics_rate.hertz())
+        };
+        let output_rate = sensors.output_rate.hertz();
+        let mut acceleration = fast("acceleration_y", "m/s^2", accelerometer.acceleration_y)?;
+        acceleration.stand_on(accelerometer.mount(sensors.rate.hertz()));
+        Ok(Self {
+            output_rate,
+            axis: accelerometer.axis(),
+            force_torque,
+            fast: [
+                acceleration,
+                fast("normal_force", "N", force_torque.normal_force)?,
+                fast("drawbar_pull", "N", force_torque.drawbar_pull)?,
+                fast("driving_torque", "N m", force_torque.driving_torque)?,
+                fast("forward_speed", "m/s", encoder.forward_speed)?,
+            ],
+            latch: Latch::new(
+                encoder.wheel_angle,
+                instants(output_rate, encoder.wheel_angle.delay),
+                seed.rng("sensors.wheel_angle", run),
+            ),
+            camera: Camera::new(
+                vision,
+                wheel_radius,
+                instants(vision.frame_rate, vision.delay),
+                (seed, run),
+            ),
+            frame_rate: vision.frame_rate,
+            slip_baseline: vision.baseline(),
+            start: 0.0,
+            steps: 0,
+        })
+    }
+
+    /// Measures the next state.
+    pub fn push(&mut self, state: &WheelState) {
+        if self.steps == 0 {
+            self.start = state.time;
+        }
+        let [normal, pull, torque] = self.force_torque.bridges(&state.hub);
+        let values = [
+            self.axis.along(state),
+            normal,
+            pull,
+            torque,
+            state.forward_speed,
+        ];
+        for (channel, value) in self.fast.iter_mut().zip(values) {
+            channel.push(value);
+        }
+        self.latch.push(self.steps, state.wheel_angle);
+        self.camera.push(self.steps, state);
+        self.steps += 1;
+    }
+
+    /// The channels of the run: the fast ones and the wheel angle at the output rate, sample `k`
+    /// at `k / output_rate` after the first state; sinkage and slip at the frame rate, slip from
+    /// the first frame that has a partner; raw ones last, if kept.
+    pub fn finish(self) -> Vec<Channel> {
+        let start = self.start;
+        let (mut channels, raw): (Vec<_>, Vec<_>) =
+            self.fast.into_iter().map(|fast| fast.finish(start)).unzip();
+        let count = channels[0].samples.len();
+        let Camera {
+            sinkage,
+            slip_ratio,
+            ..
+        } = self.camera;
+        let angles = self.latch.finish(count);
+        let slip_start = start + self.slip_baseline;
+        channels.push(channel(
+            "wheel_angle",
+            "rad",
+            self.output_rate,
+            start,
+            angles,
+        ));
+        channels.push(channel("sinkage", "m", self.frame_rate, start, sinkage));
+        channels.push(channel(
+            "slip_ratio",
+            "1",
+            self.frame_rate,
+            slip_start,
+            slip_ratio,
+        ));
+        channels.extend(raw.into_iter().flatten());
+        channels
+    }
+}
+
+fn channel(name: &str, unit: &str, sample_rate: f64, start: f64, samples: Vec<f64>) -> Channel {
+    Channel {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        sample_rate,
+        start,
+        samples,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spectrum::{amplitude, decibels};
+    use super::*;
+    use sha2::{Digest, Sha256};
+    use std::f64::consts::TAU;
+
+    const SEED: Seed = Seed(42);
+
+    fn rate(hertz: u32) -> SampleRate {
+        SampleRate::new(f64::from(hertz)).unwrap()
+    }
+
+    /// A wheel that rolls steadily at a slip of 0.2 while a tone shakes and loads it.
+    fn shaken(time: f64, frequency: f64) -> WheelState {
+        let tone = libm::sin(TAU * frequency * time);
+        let mut state = WheelState {
+            time,
+            position: 0.014 * time,
+            wheel_angle: 0.125 * time,
+            forward_speed: 0.014,
+            vertical_acceleration: tone,
+            sinkage: 0.012,
+            ..WheelState::default()
+        };
+        state.hub.normal_force = 100.0 + 10.0 * tone;
+        state.hub.drawbar_pull = 20.0 + 3.0 * tone;
+        state.hub.driving_torque = 3.0 + 0.4 * tone;
+        state
+    }
+
+    fn measured(sensors: &Sensors, physics: u32, seconds: f64, frequency: f64) -> Vec<Channel> {
+        let mut chain = SensorChain::new(sensors, rate(physics), 0.14, SEED, 17).unwrap();
+        for step in 0..(seconds * f64::from(physics)) as u32 {
+            chain.push(&shaken(f64::from(step) / f64::from(physics), frequency));
+        }
+        chain.finish()
+    }
+
+    fn named<'a>(channels: &'a [Channel], name: &str) -> &'a [f64] {
+        let found = channels.iter().find(|channel| channel.name == name);
+        &found.unwrap_or_else(|| panic!("no {name}")).samples
+    }
+
+    #[test]
+    fn channels_have_the_names_units_and_rates_of_a_run_file() {
+        let found: Vec<_> = measured(&Sensors::default(), 16_000, 0.5, 10.0)
+            .into_iter()
+            .map(|c| (c.name, c.unit, c.sample_rate, c.start, c.samples.len()))
+            .collect();
+        let expected = [
+            ("acceleration_y", "m/s^2", 2000.0, 0.0, 1000),
+            ("normal_force", "N", 2000.0, 0.0, 1000),
+            ("drawbar_pull", "N", 2000.0, 0.0, 1000),
+            ("driving_torque", "N m", 2000.0, 0.0, 1000),
+            ("forward_speed", "m/s", 2000.0, 0.0, 1000),
+            ("wheel_angle", "rad", 2000.0, 0.0, 1000),
+            ("sinkage", "m", 10.0, 0.0, 5),
+            ("slip_ratio", "1", 10.0, 0.1, 4),
+        ];
+        let expected = expected.map(|(name, unit, rate, start, samples)| {
+            (name.to_owned(), unit.to_owned(), rate, start, samples)
+        });
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn ideal_sensors_pass_constants_without_changing_a_bit() {
+        for physics in [128_000, 8_000] {
+            let mut chain =
+                SensorChain::new(&Sensors::default(), rate(physics), 0.14, SEED, 0).unwrap();
+            for _ in 0..physics / 4 {
+                let mut state = shaken(0.0173, 7.0);
+                state.position = 0.0;
+                chain.push(&state);
+            }
+            let state = shaken(0.0173, 7.0);
+            let channels = chain.finish();
+            for (name, value) in [
+                ("acceleration_y", state.vertical_acceleration),
+                ("normal_force", state.hub.normal_force),
+                ("drawbar_pull", state.hub.drawbar_pull),
+                ("driving_torque", state.hub.driving_torque),
+                ("forward_speed", state.forward_speed),
+                ("wheel_angle", state.wheel_angle),
+            ] {
+                assert_eq!(
+                    named(&channels, name),
+                    vec![value; 500],
+                    "{name} at {physics} Hz"
+                );
+            }
+            assert_eq!(named(&channels, "sinkage"), [state.sinkage; 3]);
+        }
+    }
+
+    #[test]
+    fn the_whole_chain_is_flat_and_in_time_from_either_physics_rate() {
+        for (physics, frequency) in [(128_000, 800.0), (8_000, 800.0), (8_000, 30.0)] {
+            let channels = measured(&Sensors::default(), physics, 1.0, frequency);
+            let acceleration = named(&channels, "acceleration_y");
+            for (k, found) in acceleration.iter().enumerate().take(1500).skip(500) {
+                let wave = shaken(k as f64 / 2000.0, frequency).vertical_acceleration;
+                // 0.1 dB is 1.2 %; the filters' ripple is a hundredth of it, and any shift in time
+                // of a thousandth of a sample would show at 800 Hz as 2.5e-3.
+                assert!((found - wave).abs() < 5e-4, "{physics}, {frequency}: {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_above_the_outputs_nyquist_frequency_comes_out_80_db_down() {
+        for frequency in [1_010.0, 1_700.0, 2_300.0, 7_950.0, 31_950.0, 62_700.0] {
+            let channels = measured(&Sensors::default(), 128_000, 0.6, frequency);
+            let middle = &named(&channels, "acceleration_y")[300..900];
+            let found = decibels(amplitude(middle, frequency / 2000.0));
+            assert!(found < -80.0, "{frequency} Hz at {found} dB");
+        }
+    }
+
+    #[test]
+    fn without_its_filter_the_chain_aliases() {
+        let sensors = Sensors {
+            anti_alias: false,
+            ..Sensors::default()
+        };
+        let channels = measured(&sensors, 128_000, 0.5, 2_300.0);
+        let found = amplitude(
+            &named(&channels, "acceleration_y")[200..800],
+            300.0 / 2000.0,
+        );
+        assert!((found - 1.0).abs() < 1e-6, "{found}");
+    }
+
+    #[test]
+    fn noise_of_the_output_has_the_stated_density() {
+        let mut sensors = Sensors::default();
+        sensors.accelerometer.acceleration_y.noise_density = 1e-3;
+        let chain = |run| {
+            let mut chain = SensorChain::new(&sensors, rate(8_000), 0.14, SEED, run).unwrap();
+            (0..80_000).for_each(|_| chain.push(&WheelState::default()));
+            chain.finish().swap_remove(0).samples
+        };
+        let noise = chain(0);
+        // Power in the flat band, by tones spread over it (bins of a 20 000-point transform).
+        let mut planner = realfft::RealFftPlanner::<f64>::new();
+        let transform = planner.plan_fft_forward(noise.len());
+        let mut spectrum = transform.make_output_vec();
+        transform
+            .process(&mut noise.clone(), &mut spectrum)
+            .unwrap();
+        let flat = &spectrum[10..8000];
+        let power = flat.iter().map(|c| c.norm_sqr()).sum::<f64>() / flat.len() as f64;
+        let density = libm::sqrt(2.0 * power / (2000.0 * noise.len() as f64));
+        // Five standard errors of the root of a mean of 7990 exponential numbers.
+        assert!((density / 1e-3 - 1.0).abs() < 0.028, "{density}");
+    }
+
+    #[test]
+    fn the_same_seed_and_run_give_the_same_bits_and_another_run_does_not() {
+        let sensors = Sensors::realistic();
+        let samples = |run| {
+            let mut chain = SensorChain::new(&sensors, rate(8_000), 0.14, SEED, run).unwrap();
+            (0..8_000).for_each(|k| chain.push(&shaken(f64::from(k) / 8e3, 9.0)));
+            chain.finish()
+        };
+        assert_eq!(samples(3), samples(3));
+        for (a, b) in samples(3).iter().zip(&samples(4)) {
+            assert!(
+                a.samples != b.samples || a.name == "wheel_angle",
+                "{}",
+                a.name
+            );
+        }
+    }
+
+    #[test]
+    fn noise_on_one_sensor_shifts_no_other_sensors_draws() {
+        let before = Sensors::realistic();
+        let mut after = before;
+        after.accelerometer.acceleration_y.noise_density *= 2.0;
+        after.vision.mark_noise = 0.0;
+        after.encoder.wheel_angle.noise = 1e-4;
+        let [before, after] = [before, after].map(|sensors| measured(&sensors, 8_000, 3.0, 9.0));
+        for (a, b) in before.iter().zip(&after) {
+            let changed =
+                ["acceleration_y", "wheel_angle", "slip_ratio"].contains(&a.name.as_str());
+            assert_eq!(a != b, changed, "{}", a.name);
+        }
+    }
+
+    #[test]
+    fn a_delayed_channel_lags_and_a_slow_clock_stretches() {
+        let mut sensors = Sensors {
+            clock_error: 1e-3,
+            ..Sensors::default()
+        };
+        sensors.force_torque.drawbar_pull.delay = 0.0123;
+        let channels = measured(&sensors, 16_000, 1.0, 40.0);
+        let (force, pull) = (
+            named(&channels, "normal_force"),
+            named(&channels, "drawbar_pull"),
+        );
+        let angle = named(&channels, "wheel_angle");
+        for k in 300..1700 {
+            let time = 1.001 * k as f64 / 2000.0;
+            let (now, then) = (shaken(time, 40.0), shaken(time - 0.0123, 40.0));
+            assert!((force[k] - now.hub.normal_force).abs() < 1e-3, "{k}");
+            assert!((pull[k] - then.hub.drawbar_pull).abs() < 1e-3, "{k}");
+            assert!((angle[k] - now.wheel_angle).abs() < 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn raw_channels_keep_every_sample_at_the_sensor_rate() {
+        let sensors = Sensors {
+            raw: true,
+            ..Sensors::default()
+        };
+        let channels = measured(&sensors, 16_000, 0.25, 100.0);
+        let raw = channels
+            .iter()
+            .find(|c| c.name == "acceleration_y_raw")
+            .unwrap();
+        assert_eq!((raw.sample_rate, raw.samples.len()), (128_000.0, 32_000));
+        for k in 200..31_000 {
+            let wave = shaken(k as f64 / 128_000.0, 100.0).vertical_acceleration;
+            assert!((raw.samples[k] - wave).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn an_output_rate_that_does_not_divide_names_the_nearest_that_do() {
+        let sensors = Sensors {
+            output_rate: rate(40_000),
+            ..Sensors::default()
+        };
+        assert_eq!(
+            sensors.check().unwrap_err().to_string(),
+            "output rate [Hz] must divide the sensor rate 128000 Hz; use 32000 or 25600, got 40000"
+        );
+        let error = SensorChain::new(&Sensors::default(), rate(9_000), 0.14, SEED, 0).err();
+        assert_eq!(
+            error.unwrap().to_string(),
+            "physics rate [Hz] must divide the sensor rate 128000 Hz; use 8000 or 6400, got 9000"
+        );
+    }
+
+    #[test]
+    fn a_scenario_names_only_what_departs_from_the_ideal() {
+        let text = "
+            output_rate = 4_000
+            [accelerometer]
+            tilt_deg = 1
+            acceleration_y = { noise_density = 4.9e-5, bandwidth = 10_000 }
+            [force_torque.normal_force]
+            range = 330";
+        let mut expected = Sensors {
+            output_rate: rate(4_000),
+            ..Sensors::default()
+        };
+        expected.accelerometer.tilt_deg = 1.0;
+        expected.accelerometer.acceleration_y.noise_density = 4.9e-5;
+        expected.accelerometer.acceleration_y.bandwidth = 10_000.0;
+        expected.force_torque.normal_force.range = 330.0;
+        assert_eq!(toml::from_str::<Sensors>(text).unwrap(), expected);
+        for sensors in [Sensors::default(), Sensors::realistic()] {
+            let back = toml::from_str::<Sensors>(&toml::to_string(&sensors).unwrap());
+            assert_eq!(back.unwrap(), sensors);
+            sensors.check().unwrap();
+        }
+        assert!(toml::from_str::<Sensors>("[vision]\nframes = 3").is_err());
+    }
+
+    /// May change only with a change that is meant to alter samples: filters, order of the
+    /// stages, streams or figures of `realistic`. Not with the machine, compiler or block length.
+    #[test]
+    fn bits_of_a_realistic_run_are_pinned() {
+        let mut hash = Sha256::new();
+        for channel in measured(&Sensors::realistic(), 16_000, 2.5, 37.0) {
+            hash.update(channel.name.as_bytes());
+            for sample in channel.samples {
+                hash.update(sample.to_le_bytes());
+            }
+        }
+        let found: String = hash
+            .finalize()
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        assert_eq!(
+            found,
+            "62406915a849e0521f95c41441f1650cc5522e7142d8ae122848dad7b3125745"
+        );
+    }
+}

@@ -1,0 +1,293 @@
+//! What every analogue channel has: bandwidth, gain, bias, noise, range, resolution.
+
+use super::noise::WhiteNoise;
+use super::second_order::SecondOrder;
+use crate::quantity::RangeError;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Frequency [Hz] of the mains.
+const MAINS: f64 = 50.0;
+
+/// One analogue channel from quantity to sample; `unit` is the channel's.
+///
+/// The default is ideal: it changes nothing and draws no random numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Transducer {
+    /// Corner [Hz], -3 dB, of a Butterworth low pass of second order; `inf` passes everything.
+    pub bandwidth: f64,
+    /// Reading over quantity [-].
+    pub gain: f64,
+    /// Reading at zero [unit].
+    pub bias: f64,
+    /// Growth of the bias [unit/s].
+    pub drift: f64,
+    /// Density [unit/√Hz] of white noise, one-sided, up to half the sensor rate.
+    pub noise_density: f64,
+    /// Amplitude [unit] of 50 Hz hum from the mains.
+    pub hum: f64,
+    /// Largest reading [unit], either way; beyond it the channel clips.
+    pub range: f64,
+    /// Step [unit] between readings; 0 is continuous.
+    pub resolution: f64,
+    /// Time [s] by which readings lag their time stamps.
+    pub delay: f64,
+}
+
+impl Default for Transducer {
+    fn default() -> Self {
+        Self {
+            bandwidth: f64::INFINITY,
+            gain: 1.0,
+            bias: 0.0,
+            drift: 0.0,
+            noise_density: 0.0,
+            hum: 0.0,
+            range: f64::INFINITY,
+            resolution: 0.0,
+            delay: 0.0,
+        }
+    }
+}
+
+impl Transducer {
+    /// Whether a channel in `unit` that is sampled at `rate` [Hz] can have these figures.
+    ///
+    /// # Errors
+    /// `RangeError` for the first that it cannot.
+    pub(super) fn check(&self, unit: &'static str, rate: f64) -> Result<(), RangeError> {
+        corner("bandwidth", self.bandwidth, rate)?;
+        finite("gain", "-", self.gain)?;
+        finite("bias", unit, self.bias)?;
+        finite("drift per second", unit, self.drift)?;
+        not_negative("noise density per root hertz", unit, self.noise_density)?;
+        finite("hum", unit, self.hum)?;
+        if self.range.is_finite() {
+            RangeError::positive("range", unit, self.range)?;
+        }
+        not_negative("resolution", unit, self.resolution)?;
+        not_negative("delay", "s", self.delay)
+    }
+}
+
+/// Whether a filter's corner [Hz] lies below half the sensor `rate` [Hz], or is `inf`.
+pub(super) fn corner(quantity: &'static str, value: f64, rate: f64) -> Result<(), RangeError> {
+    if value == f64::INFINITY || (value > 0.0 && value < rate / 2.0) {
+        return Ok(());
+    }
+    Err(RangeError {
+        quantity,
+        unit: "Hz",
+        range: format!(
+            "above 0 and below half the sensor rate, {} Hz, or inf",
+            rate / 2.0
+        ),
+        value,
+    })
+}
+
+/// Whether a number is one.
+pub(super) fn finite(
+    quantity: &'static str,
+    unit: &'static str,
+    value: f64,
+) -> Result<(), RangeError> {
+    RangeError::check(quantity, unit, value, [f64::MIN, f64::MAX]).map(drop)
+}
+
+/// Whether a number is finite and 0 or more.
+pub(super) fn not_negative(
+    quantity: &'static str,
+    unit: &'static str,
+    value: f64,
+) -> Result<(), RangeError> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(RangeError {
+        quantity,
+        unit,
+        range: "0 or more and finite".to_owned(),
+        value,
+    })
+}
+
+/// Nearest multiple of `resolution`, halves to even; the value itself where the resolution is 0.
+pub(super) fn quantised(value: f64, resolution: f64) -> f64 {
+    /// A sum with it has no room for a fraction; unlike `round` this stays in vector registers.
+    const ROUNDER: f64 = 1.5 * (1_u64 << 52) as f64;
+    const LARGEST: f64 = (1_u64 << 51) as f64;
+    let steps = value / resolution;
+    if steps.abs() < LARGEST {
+        ((steps + ROUNDER) - ROUNDER) * resolution
+    } else {
+        value
+    }
+}
+
+/// A [`Transducer`] at work on samples at the sensor rate.
+pub(super) struct Reading {
+    figures: Transducer,
+    low_pass: Option<SecondOrder>,
+    noise: Option<WhiteNoise>,
+    period: f64,
+    taken: u64,
+}
+
+impl Reading {
+    /// Sampled at `rate` [Hz]; noise draws from `rng`.
+    pub(super) fn new(figures: Transducer, rate: f64, rng: ChaCha8Rng) -> Self {
+        Self {
+            figures,
+            low_pass: SecondOrder::new(figures.bandwidth, FRAC_1_SQRT_2, rate),
+            noise: WhiteNoise::of_density(figures.noise_density, rate, rng),
+            period: 1.0 / rate,
+            taken: 0,
+        }
+    }
+
+    /// Turns quantities into readings, in place.
+    pub(super) fn read(&mut self, samples: &mut [f64]) {
+        if let Some(low_pass) = &mut self.low_pass {
+            low_pass.apply(samples);
+        }
+        self.amplify(samples);
+        if self.figures.hum != 0.0 {
+            self.add_hum(samples);
+        }
+        if let Some(noise) = &mut self.noise {
+            noise.add_to(samples);
+        }
+        self.digitise(samples);
+        self.taken += samples.len() as u64;
+    }
+
+    fn time(&self) -> f64 {
+        self.taken as f64 * self.period
+    }
+
+    fn amplify(&self, samples: &mut [f64]) {
+        let Transducer {
+            gain, bias, drift, ..
+        } = self.figures;
+        let (bias, step) = (bias + drift * self.time(), drift * self.period);
+        for (i, sample) in (0_u32..).zip(samples) {
+            *sample = gain * *sample + (bias + step * f64::from(i));
+        }
+    }
+
+    /// One sine of the mains, turned on from sample to sample.
+    fn add_hum(&self, samples: &mut [f64]) {
+        let cycles = MAINS * self.time();
+        let (mut sine, mut cosine) = libm::sincos(TAU * (cycles - cycles.floor()));
+        let (turn_sine, turn_cosine) = libm::sincos(TAU * MAINS * self.period);
+        for sample in samples {
+            *sample += self.figures.hum * sine;
+            (sine, cosine) = (
+                sine * turn_cosine + cosine * turn_sine,
+                cosine * turn_cosine - sine * turn_sine,
+            );
+        }
+    }
+
+    fn digitise(&self, samples: &mut [f64]) {
+        let Transducer {
+            range, resolution, ..
+        } = self.figures;
+        if range.is_finite() {
+            samples.iter_mut().for_each(|x| *x = x.clamp(-range, range));
+        }
+        if resolution > 0.0 {
+            samples
+                .iter_mut()
+                .for_each(|x| *x = quantised(*x, resolution));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::spectrum::amplitude;
+    use super::*;
+    use crate::quantity::Seed;
+
+    fn read(figures: Transducer, quantity: &[f64]) -> Vec<f64> {
+        let mut samples = quantity.to_vec();
+        let mut reading = Reading::new(figures, 128_000.0, Seed(1).rng("sensors", 0));
+        samples
+            .chunks_mut(100)
+            .for_each(|block| reading.read(block));
+        samples
+    }
+
+    #[test]
+    fn an_ideal_transducer_changes_no_bit() {
+        let quantity: Vec<f64> = (0..1000).map(|i| libm::sin(f64::from(i)) * 1e3).collect();
+        assert_eq!(read(Transducer::default(), &quantity), quantity);
+    }
+
+    #[test]
+    fn readings_clip_at_the_range_and_sit_on_multiples_of_the_resolution() {
+        let figures = Transducer {
+            range: 2.0,
+            resolution: 0.25,
+            ..Transducer::default()
+        };
+        let readings = read(figures, &[0.1, 0.13, -0.13, 1.9, 2.5, -7.0]);
+        assert_eq!(readings, [0.0, 0.25, -0.25, 2.0, 2.0, -2.0]);
+    }
+
+    #[test]
+    fn gain_bias_and_drift_are_a_line_in_quantity_and_time() {
+        let figures = Transducer {
+            gain: 1.01,
+            bias: 0.2,
+            drift: 3.0,
+            ..Transducer::default()
+        };
+        let readings = read(figures, &[10.0; 1280]);
+        for (i, reading) in readings.iter().enumerate() {
+            let line = 1.01 * 10.0 + 0.2 + 3.0 * i as f64 / 128_000.0;
+            assert!((reading - line).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn hum_is_a_tone_of_50_hz_across_blocks() {
+        let figures = Transducer {
+            hum: 0.3,
+            ..Transducer::default()
+        };
+        let readings = read(figures, &[1.0; 12_800]);
+        let found = amplitude(&readings, 50.0 / 128_000.0);
+        assert!((found - 0.3).abs() < 1e-9, "{found}");
+    }
+
+    #[test]
+    fn noise_has_the_stated_density() {
+        let figures = Transducer {
+            noise_density: 0.01,
+            ..Transducer::default()
+        };
+        let readings = read(figures, &[0.0; 200_000]);
+        let square = readings.iter().map(|x| x * x).sum::<f64>() / 200_000.0;
+        let density = (square / 64_000.0).sqrt();
+        // Five standard errors: 5 / sqrt(2 n).
+        assert!((density / 0.01 - 1.0).abs() < 0.008, "{density}");
+    }
+
+    #[test]
+    fn a_bandwidth_beyond_nyquist_says_what_is_possible() {
+        let figures = Transducer {
+            bandwidth: 70_000.0,
+            ..Transducer::default()
+        };
+        assert_eq!(
+            figures.check("N", 128_000.0).unwrap_err().to_string(),
+            "bandwidth [Hz] must be above 0 and below half the sensor rate, 64000 Hz, or inf, \
+             got 70000"
+        );
+    }
+}
