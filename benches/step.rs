@@ -17,18 +17,34 @@ const STEPS: usize = 1000;
 fn bare_engine() -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
     world.integration_parameters.dt = 1.0 / 128.0e3;
-    world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::halfspace(Vector::Y));
-    let carriage = world.insert_body(
-        RigidBodyBuilder::kinematic_velocity_based().translation(Vector::new(0.0, 0.155)).linvel(Vector::new(0.02, 0.0)),
+    world.insert(
+        RigidBodyBuilder::fixed(),
+        ColliderBuilder::halfspace(Vector::Y),
     );
-    let wheel = world.insert_body(RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.155)).can_sleep(false));
+    let carriage = world.insert_body(
+        RigidBodyBuilder::kinematic_velocity_based()
+            .translation(Vector::new(0.0, 0.155))
+            .linvel(Vector::new(0.02, 0.0)),
+    );
+    let wheel = world.insert_body(
+        RigidBodyBuilder::dynamic()
+            .translation(Vector::new(0.0, 0.155))
+            .can_sleep(false),
+    );
     world.insert_collider(ColliderBuilder::ball(0.14).density(150.0), Some(wheel));
     for lug in 0..28 {
         let angle = f64::from(lug) * std::f64::consts::TAU / 28.0;
         let place = Vector::new(angle.sin(), -angle.cos()) * 0.1475;
-        world.insert_collider(ColliderBuilder::cuboid(0.0015, 0.0075).translation(place).rotation(angle), Some(wheel));
+        world.insert_collider(
+            ColliderBuilder::cuboid(0.0015, 0.0075)
+                .translation(place)
+                .rotation(angle),
+            Some(wheel),
+        );
     }
-    let joint = GenericJointBuilder::new(JointAxesMask::LIN_X).motor_velocity(JointAxis::AngX, -0.02 / 0.14, 1.0e9).build();
+    let joint = GenericJointBuilder::new(JointAxesMask::LIN_X)
+        .motor_velocity(JointAxis::AngX, -0.02 / 0.14, 1.0e9)
+        .build();
     world.insert_impulse_joint(carriage, wheel, joint);
     world
 }
@@ -38,15 +54,17 @@ fn body_and_joint() -> (PhysicsWorld, RigidBodyHandle) {
     let mut world = PhysicsWorld::new();
     world.integration_parameters.dt = 1.0 / 128.0e3;
     world.integration_parameters.num_solver_iterations = 1;
-    let carriage = world.insert_body(RigidBodyBuilder::kinematic_velocity_based().linvel(Vector::new(0.02, 0.0)));
+    let carriage = world
+        .insert_body(RigidBodyBuilder::kinematic_velocity_based().linvel(Vector::new(0.02, 0.0)));
     let wheel = world.insert_body(
-        RigidBodyBuilder::dynamic().gravity_scale(0.0).can_sleep(false).additional_mass_properties(MassProperties::new(
-            Vector::ZERO,
-            14.0,
-            0.05,
-        )),
+        RigidBodyBuilder::dynamic()
+            .gravity_scale(0.0)
+            .can_sleep(false)
+            .additional_mass_properties(MassProperties::new(Vector::ZERO, 14.0, 0.05)),
     );
-    let joint = GenericJointBuilder::new(JointAxesMask::LIN_X).motor_velocity(JointAxis::AngX, -0.02 / 0.14, 1.0e9).build();
+    let joint = GenericJointBuilder::new(JointAxesMask::LIN_X)
+        .motor_velocity(JointAxis::AngX, -0.02 / 0.14, 1.0e9)
+        .build();
     world.insert_impulse_joint(carriage, wheel, joint);
     (world, wheel)
 }
@@ -56,20 +74,43 @@ fn scenario_terrain(text: &str) -> TerrainSpec {
 }
 
 fn rig() -> Rig {
-    let drive = Drive { forward_speed: 0.02, slip: None, wheel_speed: Some(0.16), start_up: 0.1, stop_at: None };
-    Rig::SingleWheel(SingleWheel { drive, load: 100.0, moving_mass: 12.0, lifted: None, slope_deg: 0.0 })
+    let drive = Drive {
+        forward_speed: 0.02,
+        slip: None,
+        wheel_speed: Some(0.16),
+        start_up: 0.1,
+        stop_at: None,
+    };
+    Rig::SingleWheel(SingleWheel {
+        drive,
+        load: 100.0,
+        moving_mass: 12.0,
+        lifted: None,
+        slope_deg: 0.0,
+    })
 }
 
 fn simulation(terrain: &TerrainSpec) -> Simulation {
     let terrain = Terrain::generate(terrain, Seed(1), 0);
-    Simulation::new(&terrain, &Wheel::single_wheel(), &rig(), SampleRate::REFERENCE).expect("a bench's own rig")
+    Simulation::new(
+        &terrain,
+        &Wheel::single_wheel(),
+        &rig(),
+        SampleRate::REFERENCE,
+    )
+    .expect("a bench's own rig")
 }
 
 fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("1000 steps at 128 kHz");
-    group.sample_size(20).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(2));
     let mut engine = bare_engine();
-    group.bench_function("bare engine, lugged wheel on a half-space", |b| b.iter(|| (0..STEPS).for_each(|_| engine.step())));
+    group.bench_function("bare engine, lugged wheel on a half-space", |b| {
+        b.iter(|| (0..STEPS).for_each(|_| engine.step()))
+    });
     let (mut world, wheel) = body_and_joint();
     group.bench_function("bare engine, body and joint", |b| {
         b.iter(|| {
@@ -81,12 +122,30 @@ fn steps(criterion: &mut Criterion) {
             }
         })
     });
-    let contact = HardContact { reference_load: 94.0, reference_indentation: 1.0e-5, exponent: 1.11, dissipation: 100.0 };
+    let contact = HardContact {
+        reference_load: 94.0,
+        reference_indentation: 1.0e-5,
+        exponent: 1.11,
+        dissipation: 100.0,
+    };
     let mut reference = simulation(&TerrainSpec::Reference { contact });
-    group.bench_function("REF", |b| b.iter(|| reference.by_ref().take(STEPS).for_each(|s| drop(s.expect("runs on")))));
+    group.bench_function("REF", |b| {
+        b.iter(|| {
+            reference
+                .by_ref()
+                .take(STEPS)
+                .for_each(|s| drop(s.expect("runs on")))
+        })
+    });
     let sand = scenario_terrain(SAND);
     let mut sand = simulation(&sand);
-    group.bench_function("ST", |b| b.iter(|| sand.by_ref().take(STEPS).for_each(|s| drop(s.expect("runs on")))));
+    group.bench_function("ST", |b| {
+        b.iter(|| {
+            sand.by_ref()
+                .take(STEPS)
+                .for_each(|s| drop(s.expect("runs on")))
+        })
+    });
     group.finish();
 }
 

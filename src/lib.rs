@@ -1,6 +1,7 @@
 //! Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test rig would.
 
 pub mod quantity;
+pub mod scenario;
 pub mod sensors;
 pub mod simulation;
 pub mod soil;

@@ -78,7 +78,9 @@ pub struct WheelState {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// The wheel sank to its axle.
-    #[error("at {time:.3} s the wheel had sunk {sinkage:.4} m, to its axle at {radius} m: the ground does not carry {load} N; lower the load or the slip")]
+    #[error(
+        "at {time:.3} s the wheel had sunk {sinkage:.4} m, to its axle at {radius} m: the ground does not carry {load} N; lower the load or the slip"
+    )]
     Sunk {
         /// When [s].
         time: f64,
@@ -90,7 +92,9 @@ pub enum SimulationError {
         load: f64,
     },
     /// A quantity stopped being a number.
-    #[error("at {time:.3} s the wheel's motion was no longer a number; raise physics_rate above {rate} Hz")]
+    #[error(
+        "at {time:.3} s the wheel's motion was no longer a number; raise physics_rate above {rate} Hz"
+    )]
     NotFinite {
         /// When [s].
         time: f64,
@@ -129,22 +133,46 @@ impl Simulation {
     ///
     /// # Errors
     /// `Range` where the rig's motion is not defined; `Sunk` where the ground cannot carry it.
-    pub fn new(terrain: &Terrain, wheel: &Wheel, rig: &Rig, rate: SampleRate) -> Result<Self, SimulationError> {
+    pub fn new(
+        terrain: &Terrain,
+        wheel: &Wheel,
+        rig: &Rig,
+        rate: SampleRate,
+    ) -> Result<Self, SimulationError> {
         let command = Command::new(rig.drive(), wheel.radius)?;
         let geometry = WheelGeometry::new(wheel, rig.load());
         let mut ground = GroundForce::new(terrain, wheel);
         let start = ground.resting_height(&geometry) + rig.clearance();
         let mass = rig.moving_mass(wheel);
-        let guide = if rig.clearance() > 0.0 { Guide::ClampedCarriage } else { Guide::Carriage };
-        let body = WheelBody { mass, inertia: wheel.inertia, start: [0.0, start] };
+        let guide = if rig.clearance() > 0.0 {
+            Guide::ClampedCarriage
+        } else {
+            Guide::Carriage
+        };
+        let body = WheelBody {
+            mass,
+            inertia: wheel.inertia,
+            start: [0.0, start],
+        };
         let mut world = World::new(body, guide, rig.gravity(), rate.period());
         if let Some(leg) = rig.sprung_mass(wheel) {
             world.add_leg(leg, start);
         }
         let (wheel, rig) = (*wheel, *rig);
         let load = rig.normal_load();
-        let mut simulation =
-            Self { world, ground, wheel, geometry, rig, command, mass, load, rate, step: 0, failed: false };
+        let mut simulation = Self {
+            world,
+            ground,
+            wheel,
+            geometry,
+            rig,
+            command,
+            mass,
+            load,
+            rate,
+            step: 0,
+            failed: false,
+        };
         simulation.let_down()?;
         Ok(simulation)
     }
@@ -171,12 +199,20 @@ impl Simulation {
     }
 
     /// One step at these speeds [m/s, rad/s], the hand on the axle.
-    fn advance(&mut self, [forward_speed, wheel_speed]: [f64; 2], hand: f64) -> Result<WheelState, SimulationError> {
+    fn advance(
+        &mut self,
+        [forward_speed, wheel_speed]: [f64; 2],
+        hand: f64,
+    ) -> Result<WheelState, SimulationError> {
         let dt = self.rate.period();
         let before = self.world.wheel_motion();
         let reach = self.ground.push(&self.geometry, &before, dt);
         let spring = self.push_leg(&before, hand);
-        let weight = if self.world.has_leg() { self.rig.unsprung_weight(&self.wheel) } else { self.load };
+        let weight = if self.world.has_leg() {
+            self.rig.unsprung_weight(&self.wheel)
+        } else {
+            self.load
+        };
         let mut wrench = reach.wrench;
         wrench.fy += spring - weight - hand * self.mass * before.vy;
         self.world.command(forward_speed, wheel_speed);
@@ -189,7 +225,9 @@ impl Simulation {
 
     /// Loads the leg's body; returns the force [N] of its spring and damper on the wheel.
     fn push_leg(&mut self, wheel: &WheelMotion, hand: f64) -> f64 {
-        let (Some([stretch, rate]), Rig::RoverLeg(leg)) = (self.world.leg_stretch(wheel), &self.rig) else {
+        let (Some([stretch, rate]), Rig::RoverLeg(leg)) =
+            (self.world.leg_stretch(wheel), &self.rig)
+        else {
             return 0.0;
         };
         let body_weight = self.load - self.rig.unsprung_weight(&self.wheel);
@@ -202,20 +240,33 @@ impl Simulation {
     fn check(&self, motion: &WheelMotion) -> Result<(), SimulationError> {
         let time = self.step as f64 * self.rate.period();
         if !(motion.x.is_finite() && motion.y.is_finite() && motion.omega.is_finite()) {
-            return Err(SimulationError::NotFinite { time, rate: self.rate.hertz() });
+            return Err(SimulationError::NotFinite {
+                time,
+                rate: self.rate.hertz(),
+            });
         }
         Ok(())
     }
 
     /// The state after a step, `weight` [N] being all that pressed the wheel down.
-    fn read(&mut self, before: &WheelMotion, after: &WheelMotion, weight: f64, reach: contact::Reach) -> WheelState {
+    fn read(
+        &mut self,
+        before: &WheelMotion,
+        after: &WheelMotion,
+        weight: f64,
+        reach: contact::Reach,
+    ) -> WheelState {
         let rate = self.rate.hertz();
         let (ax, ay) = ((after.vx - before.vx) * rate, (after.vy - before.vy) * rate);
         let drive = self.world.drive_wrench();
         let spin_up = self.wheel.inertia * (after.omega - before.omega) * rate;
         let clamped = self.rig.clearance() > 0.0;
         let ground = Loads {
-            normal_force: if clamped { reach.wrench.fy } else { self.mass * ay + weight },
+            normal_force: if clamped {
+                reach.wrench.fy
+            } else {
+                self.mass * ay + weight
+            },
             drawbar_pull: self.mass * ax - drive.fx,
             driving_torque: drive.torque - spin_up,
         };
@@ -259,7 +310,12 @@ impl Iterator for Simulation {
                 return Ok(state);
             }
             let (radius, load) = (self.wheel.radius, self.rig.load());
-            Err(SimulationError::Sunk { time: state.time, sinkage: state.sinkage, radius, load })
+            Err(SimulationError::Sunk {
+                time: state.time,
+                sinkage: state.sinkage,
+                radius,
+                load,
+            })
         });
         self.failed = result.is_err();
         Some(result)

@@ -147,7 +147,7 @@ impl Soil {
             [-2.0, 2.0],
         )?;
         RangeError::positive("unloading stiffness", "Pa/m", self.unloading_stiffness)?;
-        RangeError::check("soil damping", "Pa·s/m", self.damping, [0.0, infinity])?;
+        RangeError::check("soil damping", "Pa·s/m", self.damping, [0.0, 1.0e9])?;
         RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
         RangeError::check("angle of repose", "°", self.repose_angle_deg, [5.0, 60.0])?;
         Ok(self)

@@ -3,7 +3,7 @@
 pub mod class;
 pub mod profile;
 
-use crate::quantity::Seed;
+use crate::quantity::{RangeError, Seed};
 use crate::soil::Soil;
 use class::TerrainLabel;
 use profile::Profile;
@@ -76,6 +76,8 @@ pub struct SizeRange {
 }
 
 /// The ground a scenario asks for.
+///
+/// Reading one from a file settles its shape; [`TerrainSpec::check`] its values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TerrainSpec {
@@ -158,17 +160,143 @@ impl TerrainSpec {
             Self::GravelOnHard { .. } => TerrainLabel::HardWithGravel,
             Self::Sand { .. } => TerrainLabel::Sand,
             Self::GravelInSand { .. } => TerrainLabel::SandWithGravel,
-            Self::Sequence(sections) => sections.first().map_or(TerrainLabel::Reference, |s| s.ground.label()),
+            Self::Sequence(sections) => sections
+                .first()
+                .map_or(TerrainLabel::Reference, |s| s.ground.label()),
         }
     }
 
     /// Roughness and joints of the fixed surface.
     fn surface(&self) -> (Option<&Roughness>, Option<&Joints>) {
         match self {
-            Self::Hard { roughness, joints, .. } => (Some(roughness), joints.as_ref()),
+            Self::Hard {
+                roughness, joints, ..
+            } => (Some(roughness), joints.as_ref()),
             Self::GravelOnHard { roughness, .. } => (Some(roughness), None),
-            Self::Sand { roughness, .. } | Self::GravelInSand { roughness, .. } => (roughness.as_ref(), None),
+            Self::Sand { roughness, .. } | Self::GravelInSand { roughness, .. } => {
+                (roughness.as_ref(), None)
+            }
             Self::Reference { .. } | Self::Gravel { .. } | Self::Sequence(_) => (None, None),
+        }
+    }
+}
+
+impl HardContact {
+    /// # Errors
+    /// `RangeError` for a load or indentation that is not positive, an exponent outside [1, 3],
+    /// or a negative dissipation.
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::positive("reference load", "N", self.reference_load)?;
+        RangeError::positive("reference indentation", "m", self.reference_indentation)?;
+        RangeError::check("contact exponent", "-", self.exponent, [1.0, 3.0])?;
+        RangeError::check("contact dissipation", "s/m", self.dissipation, [0.0, 1.0e6])?;
+        Ok(())
+    }
+}
+
+impl Roughness {
+    /// # Errors
+    /// `RangeError` for a height above 0.5 m, a Hurst exponent outside [0, 1], or a shortest
+    /// wavelength that is not below the longest.
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::check("roughness rms", "m", self.rms, [0.0, 0.5])?;
+        RangeError::check("Hurst exponent (hurst)", "-", self.hurst, [0.0, 1.0])?;
+        RangeError::positive("longest wavelength", "m", self.longest)?;
+        RangeError::positive("shortest wavelength", "m", self.shortest)?;
+        below(
+            "shortest wavelength",
+            self.shortest,
+            "longest",
+            self.longest,
+        )
+    }
+}
+
+impl Joints {
+    /// # Errors
+    /// `RangeError` for a spacing or width that is not positive, a joint wider than a brick, or
+    /// a depth or step outside [0, 0.1] m.
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::positive("joint spacing", "m", self.spacing)?;
+        RangeError::positive("joint width", "m", self.width)?;
+        below("joint width", self.width, "spacing", self.spacing)?;
+        RangeError::check("joint depth", "m", self.depth, [0.0, 0.1])?;
+        RangeError::check("step between bricks", "m", self.step, [0.0, 0.1])?;
+        Ok(())
+    }
+}
+
+impl Stones {
+    /// # Errors
+    /// `RangeError` for sizes that do not grow from above 0 to 1 m, an angularity outside [0, 1],
+    /// a density that is not positive, or a friction outside [0, 2].
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::positive("min stone size", "m", self.size.min)?;
+        RangeError::check("max stone size", "m", self.size.max, [0.0, 1.0])?;
+        below("min stone size", self.size.min, "max", self.size.max)?;
+        RangeError::check("stone angularity", "-", self.angularity, [0.0, 1.0])?;
+        RangeError::positive("stone density", "kg/m³", self.density)?;
+        RangeError::check("stone friction", "-", self.friction, [0.0, 2.0])?;
+        Ok(())
+    }
+}
+
+impl TerrainSpec {
+    /// # Errors
+    /// `RangeError` for the first value outside its physical range, a sequence without sections,
+    /// and a sequence inside a sequence.
+    pub fn check(&self) -> Result<(), RangeError> {
+        match self {
+            Self::Reference { contact } => contact.check(),
+            Self::Hard {
+                contact,
+                roughness,
+                joints,
+            } => {
+                contact.check()?;
+                roughness.check()?;
+                joints.as_ref().map_or(Ok(()), Joints::check)
+            }
+            Self::Gravel {
+                contact,
+                stones,
+                depth,
+            } => {
+                contact.check()?;
+                stones.check()?;
+                RangeError::positive("gravel depth", "m", *depth)?;
+                RangeError::check("gravel depth", "m", *depth, [stones.size.max, 10.0])?;
+                Ok(())
+            }
+            Self::GravelOnHard {
+                contact,
+                roughness,
+                stones,
+                stones_per_metre,
+            } => {
+                contact.check()?;
+                roughness.check()?;
+                check_scattered(stones, *stones_per_metre)
+            }
+            Self::Sand { soil, roughness } => check_sand(soil, roughness.as_ref()),
+            Self::GravelInSand {
+                soil,
+                roughness,
+                stones,
+                stones_per_metre,
+            } => {
+                check_sand(soil, roughness.as_ref())?;
+                check_scattered(stones, *stones_per_metre)
+            }
+            Self::Sequence(sections) => {
+                RangeError::check(
+                    "number of sections",
+                    "-",
+                    sections.len() as f64,
+                    [1.0, 10_000.0],
+                )?;
+                sections.iter().try_for_each(Section::check)
+            }
         }
     }
 }
@@ -199,7 +327,10 @@ impl Terrain {
     /// The ground of `run`. The run starts at 0; the first stretch reaches back without end and
     /// the last one forward.
     pub fn generate(spec: &TerrainSpec, seed: Seed, run: u64) -> Self {
-        let whole = [Section { length: f64::INFINITY, ground: spec.clone() }];
+        let whole = [Section {
+            length: f64::INFINITY,
+            ground: spec.clone(),
+        }];
         let sections = match spec {
             TerrainSpec::Sequence(sections) => sections.as_slice(),
             _ => whole.as_slice(),
@@ -211,7 +342,11 @@ impl Terrain {
                 let start = end;
                 end += section.length;
                 let ground = section.ground.clone();
-                Stretch { range: [start, end], label: ground.label(), ground }
+                Stretch {
+                    range: [start, end],
+                    label: ground.label(),
+                    ground,
+                }
             })
             .collect();
         if let Some(first) = stretches.first_mut() {
@@ -220,7 +355,11 @@ impl Terrain {
         if let Some(last) = stretches.last_mut() {
             last.range[1] = f64::INFINITY;
         }
-        Self { stretches, seed, run }
+        Self {
+            stretches,
+            seed,
+            run,
+        }
     }
 
     /// The stretches in their order along the track.
@@ -237,5 +376,105 @@ impl Terrain {
     /// Where the run's draws come from.
     pub fn seed(&self) -> (Seed, u64) {
         (self.seed, self.run)
+    }
+}
+
+impl Section {
+    /// # Errors
+    /// `RangeError` for a length that is not positive, a sequence as its ground, or a value of
+    /// its ground.
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::positive("section length", "m", self.length)?;
+        if let TerrainSpec::Sequence(inner) = &self.ground {
+            return Err(RangeError {
+                quantity: "number of sections inside a section",
+                unit: "-",
+                range:
+                    "0, as a sequence holds no other sequence; put the sections one after another"
+                        .to_owned(),
+                value: inner.len() as f64,
+            });
+        }
+        self.ground.check()
+    }
+}
+
+fn check_sand(soil: &Soil, roughness: Option<&Roughness>) -> Result<(), RangeError> {
+    soil.checked()?;
+    roughness.map_or(Ok(()), Roughness::check)
+}
+
+fn check_scattered(stones: &Stones, stones_per_metre: f64) -> Result<(), RangeError> {
+    stones.check()?;
+    RangeError::check("stones per metre", "1/m", stones_per_metre, [0.0, 1000.0])?;
+    Ok(())
+}
+
+/// Refuses a length [m] that is not below another.
+fn below(
+    quantity: &'static str,
+    length: f64,
+    bound: &'static str,
+    limit: f64,
+) -> Result<(), RangeError> {
+    if length < limit {
+        return Ok(());
+    }
+    Err(RangeError {
+        quantity,
+        unit: "m",
+        range: format!("below `{bound}`, which is {limit} m"),
+        value: length,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one_section() -> TerrainSpec {
+        let contact = HardContact {
+            reference_load: 94.0,
+            reference_indentation: 1.0e-5,
+            exponent: 1.11,
+            dissipation: 100.0,
+        };
+        TerrainSpec::Sequence(vec![Section {
+            length: 1.0,
+            ground: TerrainSpec::Reference { contact },
+        }])
+    }
+
+    #[test]
+    fn a_sequence_holds_one_section_or_more_and_no_sequence() {
+        assert_eq!(one_section().check(), Ok(()));
+        assert!(TerrainSpec::Sequence(Vec::new()).check().is_err());
+        let nested = TerrainSpec::Sequence(vec![Section {
+            length: 1.0,
+            ground: one_section(),
+        }]);
+        assert!(
+            nested
+                .check()
+                .unwrap_err()
+                .range
+                .starts_with("0, as a sequence")
+        );
+    }
+
+    #[test]
+    fn the_smallest_stone_is_smaller_than_the_largest() {
+        let stones = |min| Stones {
+            size: SizeRange { min, max: 0.05 },
+            angularity: 0.5,
+            density: 2650.0,
+            friction: 0.6,
+        };
+        assert_eq!(stones(0.02).check(), Ok(()));
+        assert_eq!(
+            stones(0.06).check().unwrap_err().to_string(),
+            "min stone size [m] must be below `max`, which is 0.05 m, got 0.06"
+        );
+        assert!(stones(f64::NAN).check().is_err());
     }
 }

@@ -41,7 +41,7 @@ pub struct Wheel {
 /// A `[wheel]` table before its checks.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WheelTable {
+pub(crate) struct WheelTable {
     radius: f64,
     width: f64,
     mass: f64,
@@ -50,26 +50,24 @@ struct WheelTable {
     lugs: Option<Lugs>,
 }
 
+impl WheelTable {
+    /// The wheel, its values unchecked; no lugs, no `Lugs`.
+    pub(crate) fn into_wheel(self) -> Wheel {
+        Wheel {
+            radius: self.radius,
+            width: self.width,
+            mass: self.mass,
+            inertia: self.inertia,
+            friction: self.friction,
+            lugs: self.lugs.filter(|lugs| lugs.count > 0),
+        }
+    }
+}
+
 impl TryFrom<WheelTable> for Wheel {
     type Error = RangeError;
     fn try_from(table: WheelTable) -> Result<Self, RangeError> {
-        let WheelTable {
-            radius,
-            width,
-            mass,
-            inertia,
-            friction,
-            lugs,
-        } = table;
-        Wheel {
-            radius,
-            width,
-            mass,
-            inertia,
-            friction,
-            lugs: lugs.filter(|l| l.count > 0),
-        }
-        .checked()
+        table.into_wheel().checked()
     }
 }
 

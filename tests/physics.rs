@@ -26,16 +26,24 @@ fn a_standing_wheel_carries_its_load_and_stands_still_on_rock_and_sand() {
 
 #[test]
 fn solver_noise_of_a_standing_wheel_stays_below_a_third_of_the_slowest_reference_run() {
-    let rolling = rms(steady(&run(&reference(), &Wheel::rover(), &leg(0.003, 0.0), 16e3, 14.0))
-        .iter()
-        .map(|state| state.vertical_acceleration));
+    let rolling = rms(steady(&run(
+        &reference(),
+        &Wheel::rover(),
+        &leg(0.003, 0.0),
+        16e3,
+        14.0,
+    ))
+    .iter()
+    .map(|state| state.vertical_acceleration));
     for terrain in [reference(), sandy()] {
         let mut standing = leg(0.0, 0.0);
         if let Rig::RoverLeg(leg) = &mut standing {
             leg.drive.forward_speed = 0.0;
         }
         let states = run(&terrain, &Wheel::rover(), &standing, 16e3, 3.0);
-        let noise = rms(steady(&states).iter().map(|state| state.vertical_acceleration));
+        let noise = rms(steady(&states)
+            .iter()
+            .map(|state| state.vertical_acceleration));
         assert!(noise < rolling / 3.0, "standing {noise}, rolling {rolling}");
     }
 }
@@ -43,12 +51,18 @@ fn solver_noise_of_a_standing_wheel_stays_below_a_third_of_the_slowest_reference
 /// Eq. (10): `y(t) = (r + l) (cos φ - cos(α/2))` between lug changes.
 #[test]
 fn on_flat_ground_the_axle_follows_eq_10_within_1_percent_of_its_amplitude() {
-    for (wheel, rig) in [(Wheel::single_wheel(), rig(0.01, 0.0, 100.0)), (Wheel::rover(), leg(0.01, 0.0))] {
+    for (wheel, rig) in [
+        (Wheel::single_wheel(), rig(0.01, 0.0, 100.0)),
+        (Wheel::rover(), leg(0.01, 0.0)),
+    ] {
         let states = run(&reference(), &wheel, &rig, 16e3, 8.0);
         let alpha = wheel.lug_angle().unwrap();
         let amplitude = wheel.tip_radius() * (1.0 - (0.5 * alpha).cos());
         let late = steady(&states);
-        let offset = mean(late.iter().map(|s| s.height - eq_10(&wheel, alpha, s.wheel_angle)));
+        let offset = mean(
+            late.iter()
+                .map(|s| s.height - eq_10(&wheel, alpha, s.wheel_angle)),
+        );
         let worst = late
             .iter()
             .map(|s| (s.height - eq_10(&wheel, alpha, s.wheel_angle) - offset).abs())
@@ -72,7 +86,9 @@ fn the_vertical_velocity_jumps_by_2_w_r_plus_l_sin_half_alpha_at_a_lug_change() 
     let speed_at = |phase: f64, change: f64| {
         let target = (change + 0.5) * alpha + phase * alpha;
         let at = steady(&states).iter().min_by(|a, b| {
-            (a.wheel_angle - target).abs().total_cmp(&(b.wheel_angle - target).abs())
+            (a.wheel_angle - target)
+                .abs()
+                .total_cmp(&(b.wheel_angle - target).abs())
         });
         at.unwrap().vertical_speed
     };
@@ -83,7 +99,10 @@ fn the_vertical_velocity_jumps_by_2_w_r_plus_l_sin_half_alpha_at_a_lug_change() 
         let before = before - slope * 0.02 * alpha;
         let after = after + slope * 0.15 * alpha;
         let jump = after - before;
-        assert!((jump / expected - 1.0).abs() < 0.02, "{jump} against {expected}");
+        assert!(
+            (jump / expected - 1.0).abs() < 0.02,
+            "{jump} against {expected}"
+        );
     }
 }
 
@@ -91,8 +110,18 @@ fn the_vertical_velocity_jumps_by_2_w_r_plus_l_sin_half_alpha_at_a_lug_change() 
 fn mean_normal_force_is_the_load_within_half_a_percent() {
     for terrain in [reference(), sandy()] {
         for load in [30.0, 100.0, 300.0] {
-            let states = run(&terrain, &Wheel::single_wheel(), &rig(0.03, 0.1, load), 16e3, 4.0);
-            let force = mean(steady(&states).iter().map(|state| state.ground.normal_force));
+            let states = run(
+                &terrain,
+                &Wheel::single_wheel(),
+                &rig(0.03, 0.1, load),
+                16e3,
+                4.0,
+            );
+            let force = mean(
+                steady(&states)
+                    .iter()
+                    .map(|state| state.ground.normal_force),
+            );
             assert!((force / load - 1.0).abs() < 0.005, "{force} for {load}");
         }
     }
@@ -101,10 +130,23 @@ fn mean_normal_force_is_the_load_within_half_a_percent() {
 #[test]
 fn torque_of_the_drive_motor_equals_the_torque_of_the_ground_at_steady_state() {
     for terrain in [reference(), sandy()] {
-        let states = run(&terrain, &Wheel::single_wheel(), &rig(0.02, 0.2, 100.0), 16e3, 4.0);
+        let states = run(
+            &terrain,
+            &Wheel::single_wheel(),
+            &rig(0.02, 0.2, 100.0),
+            16e3,
+            4.0,
+        );
         let motor = mean(steady(&states).iter().map(|state| state.hub.driving_torque));
-        let ground = mean(steady(&states).iter().map(|state| state.ground.driving_torque));
-        assert!((motor / ground - 1.0).abs() < 1.0e-3, "{motor} against {ground}");
+        let ground = mean(
+            steady(&states)
+                .iter()
+                .map(|state| state.ground.driving_torque),
+        );
+        assert!(
+            (motor / ground - 1.0).abs() < 1.0e-3,
+            "{motor} against {ground}"
+        );
     }
 }
 
@@ -112,9 +154,23 @@ fn torque_of_the_drive_motor_equals_the_torque_of_the_ground_at_steady_state() {
 #[test]
 fn pull_and_torque_have_the_signs_of_the_table() {
     let signs = |speed: f64, slip: f64| {
-        let states = run(&reference(), &Wheel::single_wheel(), &rig(speed, slip, 100.0), 16e3, 3.0);
-        let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
-        let torque = mean(steady(&states).iter().map(|state| state.ground.driving_torque));
+        let states = run(
+            &reference(),
+            &Wheel::single_wheel(),
+            &rig(speed, slip, 100.0),
+            16e3,
+            3.0,
+        );
+        let pull = mean(
+            steady(&states)
+                .iter()
+                .map(|state| state.ground.drawbar_pull),
+        );
+        let torque = mean(
+            steady(&states)
+                .iter()
+                .map(|state| state.ground.driving_torque),
+        );
         [pull.signum(), torque.signum()]
     };
     assert_eq!(signs(0.02, 0.3), [1.0, 1.0], "driving forward");
@@ -125,7 +181,13 @@ fn pull_and_torque_have_the_signs_of_the_table() {
 
 #[test]
 fn a_sliding_wheel_on_rock_pulls_with_its_friction() {
-    let states = run(&reference(), &Wheel::single_wheel(), &rig(0.02, 0.3, 100.0), 16e3, 3.0);
+    let states = run(
+        &reference(),
+        &Wheel::single_wheel(),
+        &rig(0.02, 0.3, 100.0),
+        16e3,
+        3.0,
+    );
     let late = steady(&states);
     let pull = mean(late.iter().map(|state| state.ground.drawbar_pull));
     let load = mean(late.iter().map(|state| state.ground.normal_force));
@@ -135,7 +197,13 @@ fn a_sliding_wheel_on_rock_pulls_with_its_friction() {
 #[test]
 fn forward_and_reverse_are_mirror_images_on_sand() {
     let at = |speed: f64| {
-        let states = run(&sandy(), &Wheel::single_wheel(), &rig(speed, 0.2, 100.0), 16e3, 4.0);
+        let states = run(
+            &sandy(),
+            &Wheel::single_wheel(),
+            &rig(speed, 0.2, 100.0),
+            16e3,
+            4.0,
+        );
         let late = steady(&states);
         [
             mean(late.iter().map(|s| s.ground.drawbar_pull)),
@@ -144,9 +212,18 @@ fn forward_and_reverse_are_mirror_images_on_sand() {
         ]
     };
     let (forward, reverse) = (at(0.02), at(-0.02));
-    assert!((forward[0] + reverse[0]).abs() < 0.01 * forward[0].abs(), "{forward:?} {reverse:?}");
-    assert!((forward[1] + reverse[1]).abs() < 0.01 * forward[1].abs(), "{forward:?} {reverse:?}");
-    assert!((forward[2] - reverse[2]).abs() < 0.01 * forward[2].abs(), "{forward:?} {reverse:?}");
+    assert!(
+        (forward[0] + reverse[0]).abs() < 0.01 * forward[0].abs(),
+        "{forward:?} {reverse:?}"
+    );
+    assert!(
+        (forward[1] + reverse[1]).abs() < 0.01 * forward[1].abs(),
+        "{forward:?} {reverse:?}"
+    );
+    assert!(
+        (forward[2] - reverse[2]).abs() < 0.01 * forward[2].abs(),
+        "{forward:?} {reverse:?}"
+    );
 }
 
 #[test]
@@ -158,8 +235,16 @@ fn a_lifted_wheel_feels_no_ground() {
     let states = run(&reference(), &Wheel::single_wheel(), &lifted, 16e3, 2.0);
     for state in steady(&states) {
         assert!(state.ground.normal_force.abs() < 1e-9 && state.lugs_touching == 0);
-        assert!(state.ground.driving_torque.abs() < 1e-6, "{}", state.ground.driving_torque);
-        assert!((state.sinkage + 0.02 + 0.015).abs() < 1e-3, "{}", state.sinkage);
+        assert!(
+            state.ground.driving_torque.abs() < 1e-6,
+            "{}",
+            state.ground.driving_torque
+        );
+        assert!(
+            (state.sinkage + 0.02 + 0.015).abs() < 1e-3,
+            "{}",
+            state.sinkage
+        );
     }
 }
 
@@ -170,8 +255,15 @@ fn on_a_slope_the_ground_carries_the_normal_part_of_the_load() {
         *slope_deg = 20.0;
     }
     let states = run(&sandy(), &Wheel::single_wheel(), &sloped, 16e3, 3.0);
-    let load = mean(steady(&states).iter().map(|state| state.ground.normal_force));
-    assert!((load / (100.0 * 20.0_f64.to_radians().cos()) - 1.0).abs() < 0.005, "{load}");
+    let load = mean(
+        steady(&states)
+            .iter()
+            .map(|state| state.ground.normal_force),
+    );
+    assert!(
+        (load / (100.0 * 20.0_f64.to_radians().cos()) - 1.0).abs() < 0.005,
+        "{load}"
+    );
 }
 
 #[test]
@@ -183,7 +275,10 @@ fn start_and_stop_hold_the_slip_and_leave_the_wheel_at_rest() {
     let states = run(&sandy(), &Wheel::single_wheel(), &stopping, 16e3, 3.0);
     let last = states.last().unwrap();
     // What the engine's joints yield under load: a hundred thousandth of the speed.
-    assert!(last.forward_speed.abs() < 2e-7 && last.wheel_speed.abs() < 2e-6, "{last:?}");
+    assert!(
+        last.forward_speed.abs() < 2e-7 && last.wheel_speed.abs() < 2e-6,
+        "{last:?}"
+    );
     for state in states.iter().filter(|state| state.forward_speed > 1e-3) {
         let slip = 1.0 - state.forward_speed / (0.14 * state.wheel_speed);
         assert!((slip - 0.2).abs() < 1e-4, "{slip} at {}", state.time);
@@ -199,10 +294,18 @@ fn a_wheel_that_spins_in_place_digs_on_sand_and_pulls_with_its_friction_on_rock(
         single.drive.wheel_speed = Some(0.2);
     }
     let states = run(&reference(), &Wheel::single_wheel(), &spinning, 16e3, 3.0);
-    let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
+    let pull = mean(
+        steady(&states)
+            .iter()
+            .map(|state| state.ground.drawbar_pull),
+    );
     assert!((pull - 60.0).abs() < 0.6, "{pull}");
     let states = run(&sandy(), &Wheel::single_wheel(), &spinning, 16e3, 3.0);
-    let pull = mean(steady(&states).iter().map(|state| state.ground.drawbar_pull));
+    let pull = mean(
+        steady(&states)
+            .iter()
+            .map(|state| state.ground.drawbar_pull),
+    );
     assert!(pull > 10.0, "{pull}");
 }
 
@@ -210,33 +313,68 @@ fn a_wheel_that_spins_in_place_digs_on_sand_and_pulls_with_its_friction_on_rock(
 /// stress convention says at the same sinkage and slip.
 #[test]
 fn column_forces_of_a_smooth_wheel_agree_with_the_quadrature_within_3_percent() {
-    let smooth = Wheel { lugs: None, ..Wheel::single_wheel() };
+    let smooth = Wheel {
+        lugs: None,
+        ..Wheel::single_wheel()
+    };
     for convention in [StressConvention::WongReece, StressConvention::Triangular] {
         for (exit_angle, slip) in [(0.0, 0.1), (-0.3, 0.3), (0.0, 0.6), (-0.2, 0.2)] {
-            let soil = Soil { convention, exit_angle, sinkage_exponent_slip: 0.4, ..sand() };
-            let terrain = TerrainSpec::Sand { soil, roughness: None };
+            let soil = Soil {
+                convention,
+                exit_angle,
+                sinkage_exponent_slip: 0.4,
+                ..sand()
+            };
+            let terrain = TerrainSpec::Sand {
+                soil,
+                roughness: None,
+            };
             let states = run(&terrain, &smooth, &rig(0.05, slip, 100.0), 16e3, 5.0);
             let late = &states[states.len() / 2..];
             let sinkage = mean(late.iter().map(|state| state.sinkage));
             let expected = wheel_load::loads(&smooth, &soil, sinkage, slip);
             let found = [
                 mean(late.iter().map(|state| state.ground.normal_force)) / expected.normal_force,
-                mean(late.iter().map(|state| state.ground.driving_torque)) / expected.driving_torque,
+                mean(late.iter().map(|state| state.ground.driving_torque))
+                    / expected.driving_torque,
             ];
-            let pull = mean(late.iter().map(|state| state.ground.drawbar_pull)) - expected.drawbar_pull;
-            println!("{convention:?} c_3 {exit_angle} s {slip}: z {sinkage:.5} F_N, M_R ratio {found:?}, pull {pull:.3} N of {:.2}", expected.drawbar_pull);
-            assert!(found.iter().all(|ratio| (ratio - 1.0).abs() < 0.03), "{convention:?} {slip} {found:?}");
-            assert!(pull.abs() < 0.03 * expected.normal_force.abs().min(100.0), "{convention:?} {slip} {pull}");
+            let pull =
+                mean(late.iter().map(|state| state.ground.drawbar_pull)) - expected.drawbar_pull;
+            println!(
+                "{convention:?} c_3 {exit_angle} s {slip}: z {sinkage:.5} F_N, M_R ratio {found:?}, pull {pull:.3} N of {:.2}",
+                expected.drawbar_pull
+            );
+            assert!(
+                found.iter().all(|ratio| (ratio - 1.0).abs() < 0.03),
+                "{convention:?} {slip} {found:?}"
+            );
+            assert!(
+                pull.abs() < 0.03 * expected.normal_force.abs().min(100.0),
+                "{convention:?} {slip} {pull}"
+            );
         }
     }
 }
 
 #[test]
 fn a_smooth_wheel_sinks_deeper_the_more_it_slips() {
-    let smooth = Wheel { lugs: None, ..Wheel::single_wheel() };
+    let smooth = Wheel {
+        lugs: None,
+        ..Wheel::single_wheel()
+    };
     let sinkage = |slip: f64| {
-        let terrain = TerrainSpec::Sand { soil: Soil { sinkage_exponent_slip: 0.4, ..sand() }, roughness: None };
-        mean(steady(&run(&terrain, &smooth, &rig(0.05, slip, 100.0), 16e3, 3.0)).iter().map(|state| state.sinkage))
+        let terrain = TerrainSpec::Sand {
+            soil: Soil {
+                sinkage_exponent_slip: 0.4,
+                ..sand()
+            },
+            roughness: None,
+        };
+        mean(
+            steady(&run(&terrain, &smooth, &rig(0.05, slip, 100.0), 16e3, 3.0))
+                .iter()
+                .map(|state| state.sinkage),
+        )
     };
     assert!(sinkage(0.3) > 1.05 * sinkage(0.0));
     assert!(sinkage(0.6) > 1.05 * sinkage(0.3));

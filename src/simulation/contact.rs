@@ -57,7 +57,11 @@ impl WheelGeometry {
             .map(|place| [cos(place), sin(place)])
             .collect();
         let most = (lugs.len() as i64 - 1) / 2;
-        let spread = if lugs.is_empty() { 0 } else { ((REACH / lug_angle).ceil() as i64).min(most) };
+        let spread = if lugs.is_empty() {
+            0
+        } else {
+            ((REACH / lug_angle).ceil() as i64).min(most)
+        };
         Self {
             radius: wheel.radius,
             tip_radius: wheel.tip_radius(),
@@ -72,16 +76,29 @@ impl WheelGeometry {
     /// Edges of the lowest lugs, foremost last when driving forward.
     pub fn lowest_edges(&self, motion: &WheelMotion) -> impl Iterator<Item = Edge> + '_ {
         let count = self.lugs.len() as i64;
-        let lowest = if count > 0 { (motion.angle / self.lug_angle).round() as i64 } else { 0 };
+        let lowest = if count > 0 {
+            (motion.angle / self.lug_angle).round() as i64
+        } else {
+            0
+        };
         let WheelMotion { x, y, cos, sin, .. } = *motion;
-        let steps = if count > 0 { -self.spread..self.spread + 1 } else { 0..0 };
+        let steps = if count > 0 {
+            -self.spread..self.spread + 1
+        } else {
+            0..0
+        };
         steps.map(move |step| {
             let lug = (lowest + step).rem_euclid(count) as usize;
             let [cos_place, sin_place] = self.lugs[lug];
             // Angle from straight down, positive ahead: place on the rim less the angle turned.
             let ahead = self.tip_radius * (sin_place * cos - cos_place * sin);
             let down = self.tip_radius * (cos_place * cos + sin_place * sin);
-            Edge { lug, x: x + ahead, y: y - down, arm: [ahead, -down] }
+            Edge {
+                lug,
+                x: x + ahead,
+                y: y - down,
+                arm: [ahead, -down],
+            }
         })
     }
 }

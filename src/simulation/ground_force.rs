@@ -27,7 +27,11 @@ pub(super) struct GroundForce {
 
 impl GroundForce {
     pub fn new(terrain: &Terrain, wheel: &Wheel) -> Self {
-        let layers = terrain.stretches().iter().map(|stretch| Layer::new(terrain, stretch, wheel)).collect();
+        let layers = terrain
+            .stretches()
+            .iter()
+            .map(|stretch| Layer::new(terrain, stretch, wheel))
+            .collect();
         Self { layers }
     }
 
@@ -35,7 +39,11 @@ impl GroundForce {
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
         let mut sum = Reach::default();
         let [low, high] = [motion.x - wheel.tip_radius, motion.x + wheel.tip_radius];
-        for layer in self.layers.iter_mut().filter(|layer| layer.range[0] < high && layer.range[1] > low) {
+        for layer in self
+            .layers
+            .iter_mut()
+            .filter(|layer| layer.range[0] < high && layer.range[1] > low)
+        {
             let reach = match &mut layer.filling {
                 Filling::Hard(ground) => ground.push(wheel, motion, dt),
                 Filling::Soil(track) => track.push(wheel, motion, dt),
@@ -56,17 +64,21 @@ impl GroundForce {
                 profile.extend(x, x);
                 (profile.at(x).height + offset, false)
             }
-            Filling::Soil(track) => {
-                (track.undisturbed(x), true)
-            }
+            Filling::Soil(track) => (track.undisturbed(x), true),
         }
     }
 
     /// Height [m] of the axle at which the wheel, at rest at 0, just touches.
     pub fn resting_height(&mut self, wheel: &WheelGeometry) -> f64 {
-        let motion = WheelMotion { cos: 1.0, ..WheelMotion::default() };
+        let motion = WheelMotion {
+            cos: 1.0,
+            ..WheelMotion::default()
+        };
         let edges: Vec<[f64; 2]> = wheel.lowest_edges(&motion).map(|edge| edge.arm).collect();
-        let at_edges = edges.into_iter().map(|[x, down]| self.undisturbed(x).0 - down).fold(f64::NEG_INFINITY, f64::max);
+        let at_edges = edges
+            .into_iter()
+            .map(|[x, down]| self.undisturbed(x).0 - down)
+            .fold(f64::NEG_INFINITY, f64::max);
         let steps = 400;
         (-steps..=steps)
             .map(|step| f64::from(step) / f64::from(steps) * 0.9 * wheel.radius)
@@ -84,7 +96,11 @@ impl GroundForce {
                 Filling::Hard(ground) => {
                     let (profile, offset) = ground.profile();
                     profile.extend(low, high);
-                    surface.extend(profile.nodes(low, high).map(|[x, height]| [x, height + offset]));
+                    surface.extend(
+                        profile
+                            .nodes(low, high)
+                            .map(|[x, height]| [x, height + offset]),
+                    );
                 }
                 Filling::Soil(track) => {
                     surface.extend(track.surface(low, high));
@@ -100,7 +116,11 @@ impl GroundForce {
     }
 
     fn layer(&mut self, x: f64) -> &mut Layer {
-        let index = self.layers.iter().position(|layer| x < layer.range[1]).unwrap_or(self.layers.len() - 1);
+        let index = self
+            .layers
+            .iter()
+            .position(|layer| x < layer.range[1])
+            .unwrap_or(self.layers.len() - 1);
         &mut self.layers[index]
     }
 }
@@ -110,7 +130,13 @@ impl Layer {
         let range = stretch.range;
         let profile = terrain.profile(stretch);
         let hard = |contact, offset| {
-            Filling::Hard(Box::new(HardGround::new(profile.clone(), contact, wheel.friction, range, offset)))
+            Filling::Hard(Box::new(HardGround::new(
+                profile.clone(),
+                contact,
+                wheel.friction,
+                range,
+                offset,
+            )))
         };
         let filling = match &stretch.ground {
             TerrainSpec::Reference { contact }
@@ -122,6 +148,10 @@ impl Layer {
             }
             TerrainSpec::Sequence(_) => unreachable!("a terrain's stretches hold no sequences"),
         };
-        Self { label: stretch.label, range, filling }
+        Self {
+            label: stretch.label,
+            range,
+            filling,
+        }
     }
 }

@@ -37,9 +37,24 @@ const LOOK_UP: f64 = 0.005;
 
 impl HardGround {
     /// Ground on `range` [m], `offset` [m] above the datum, under a wheel with this friction.
-    pub fn new(profile: Profile, contact: HardContact, friction: f64, range: [f64; 2], offset: f64) -> Self {
+    pub fn new(
+        profile: Profile,
+        contact: HardContact,
+        friction: f64,
+        range: [f64; 2],
+        offset: f64,
+    ) -> Self {
         let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
-        Self { profile, contact, friction, range, offset, stretch, rim_stretch: 0.0, ceiling }
+        Self {
+            profile,
+            contact,
+            friction,
+            range,
+            offset,
+            stretch,
+            rim_stretch: 0.0,
+            ceiling,
+        }
     }
 
     /// The ground's profile and its offset [m].
@@ -100,18 +115,34 @@ impl HardGround {
         let (vx, vy) = (motion.vx + motion.omega * ry, motion.vy - motion.omega * rx);
         let rate = -(vy - surface.slope * vx) * scale;
         let sliding = (vx + surface.slope * vy) * scale;
-        let HardContact { reference_load, reference_indentation, exponent, dissipation } = self.contact;
+        let HardContact {
+            reference_load,
+            reference_indentation,
+            exponent,
+            dissipation,
+        } = self.contact;
         let elastic = reference_load * pow(indentation / reference_indentation, exponent);
         let normal = elastic * (1.0 + dissipation * rate).max(0.0);
         let stiffness = MINDLIN * exponent * reference_load / reference_indentation;
         let friction = self.friction_of(normal, sliding, stiffness, dt, stretch);
         let fx = (friction - normal * surface.slope) * scale;
         let fy = (normal + friction * surface.slope) * scale;
-        Wrench { fx, fy, torque: ry * fx - rx * fy }
+        Wrench {
+            fx,
+            fy,
+            torque: ry * fx - rx * fy,
+        }
     }
 
     /// Friction [N] along the ground from the stretch of the tangential spring.
-    fn friction_of(&self, normal: f64, sliding: f64, stiffness: f64, dt: f64, stretch: &mut f64) -> f64 {
+    fn friction_of(
+        &self,
+        normal: f64,
+        sliding: f64,
+        stiffness: f64,
+        dt: f64,
+        stretch: &mut f64,
+    ) -> f64 {
         let limit = self.friction * normal;
         *stretch = (*stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
         // The same loss as along the normal, kept under the limit.
@@ -130,7 +161,10 @@ impl HardGround {
         };
         let near: Vec<[f64; 2]> = self
             .profile
-            .nodes(motion.x - half - 2.0 * self.profile.spacing(), motion.x + half + 2.0 * self.profile.spacing())
+            .nodes(
+                motion.x - half - 2.0 * self.profile.spacing(),
+                motion.x + half + 2.0 * self.profile.spacing(),
+            )
             .filter(|[x, _]| within(self.range, *x))
             .map(|node| [node[0] - motion.x, depth(node)])
             .collect();
@@ -138,10 +172,19 @@ impl HardGround {
             let [[_, before], [u, here], [_, after]] = [three[0], three[1], three[2]];
             if here > before && here >= after {
                 let bend = before - 2.0 * here + after;
-                let shift = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+                let shift = if bend < 0.0 {
+                    0.5 * (before - after) / bend
+                } else {
+                    0.0
+                };
                 let u = (u + shift * self.profile.spacing()).clamp(-r, r);
                 let down = sqrt(r * r - u * u);
-                points.push(Edge { lug: 0, x: motion.x + u, y: motion.y - down, arm: [u, -down] });
+                points.push(Edge {
+                    lug: 0,
+                    x: motion.x + u,
+                    y: motion.y - down,
+                    arm: [u, -down],
+                });
             }
         }
         // All summits stretch the rim's one spring alike.

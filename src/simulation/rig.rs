@@ -7,8 +7,7 @@ use libm::{cos, sin};
 use serde::{Deserialize, Serialize};
 
 /// How the carriage moves and the motor turns.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Drive {
     /// Forward speed `v` [m/s]; below 0 in reverse.
     pub forward_speed: f64,
@@ -26,7 +25,7 @@ pub struct Drive {
 }
 
 /// The single-wheel test bed (Fig. 9).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SingleWheel {
     /// Motion.
     #[serde(flatten)]
@@ -39,12 +38,11 @@ pub struct SingleWheel {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lifted: Option<f64>,
     /// Slope of the track [°], above 0 uphill.
-    #[serde(default)]
     pub slope_deg: f64,
 }
 
 /// One leg of a rover (Fig. 1).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RoverLeg {
     /// Motion.
     #[serde(flatten)]
@@ -56,13 +54,15 @@ pub struct RoverLeg {
     /// Damping `c_w` [N·s/m] between body and axle.
     pub damping: f64,
     /// Slope of the track [°], above 0 uphill.
-    #[serde(default)]
     pub slope_deg: f64,
 }
 
 /// What holds, loads and drives the wheel.
+///
+/// Read from a `[rig.single_wheel]` or `[rig.rover_leg]` table, in which the keys of [`Drive`]
+/// stand beside those of the rig.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", try_from = "RigTable")]
 pub enum Rig {
     /// The single-wheel test bed.
     SingleWheel(SingleWheel),
@@ -70,7 +70,169 @@ pub enum Rig {
     RoverLeg(RoverLeg),
 }
 
+/// Why a table does not describe a rig.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RigError {
+    /// A value has no meaning.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+    /// Nothing tells the wheel speed.
+    #[error(
+        "missing `slip` [-]; where the wheel spins in place give `wheel_speed` [rad/s] in its stead"
+    )]
+    NoWheelSpeed,
+    /// Two keys tell the wheel speed.
+    #[error(
+        "`slip` and `wheel_speed` are both given, and either tells the other; leave one of them out"
+    )]
+    TwoWheelSpeeds,
+}
+
+/// A `[rig]` table before its checks: flat, so that unknown keys are refused.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum RigTable {
+    SingleWheel(SingleWheelTable),
+    RoverLeg(RoverLegTable),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SingleWheelTable {
+    forward_speed: f64,
+    slip: Option<SlipRatio>,
+    wheel_speed: Option<f64>,
+    start_up: f64,
+    stop_at: Option<f64>,
+    load: f64,
+    moving_mass: f64,
+    lifted: Option<f64>,
+    #[serde(default)]
+    slope_deg: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RoverLegTable {
+    forward_speed: f64,
+    slip: Option<SlipRatio>,
+    wheel_speed: Option<f64>,
+    start_up: f64,
+    stop_at: Option<f64>,
+    load: f64,
+    stiffness: f64,
+    damping: f64,
+    #[serde(default)]
+    slope_deg: f64,
+}
+
+impl RigTable {
+    /// The rig, its values unchecked; exactly one key tells the wheel speed.
+    pub(crate) fn into_rig(self) -> Result<Rig, RigError> {
+        let rig = match self {
+            Self::SingleWheel(table) => Rig::SingleWheel(table.into()),
+            Self::RoverLeg(table) => Rig::RoverLeg(table.into()),
+        };
+        match (rig.drive().slip, rig.drive().wheel_speed) {
+            (None, None) => Err(RigError::NoWheelSpeed),
+            (Some(_), Some(_)) => Err(RigError::TwoWheelSpeeds),
+            _ => Ok(rig),
+        }
+    }
+
+    /// Where the rig's keys stand in a scenario.
+    pub(crate) fn path(&self) -> &'static str {
+        match self {
+            Self::SingleWheel(_) => SINGLE_WHEEL_PATH,
+            Self::RoverLeg(_) => ROVER_LEG_PATH,
+        }
+    }
+}
+
+const SINGLE_WHEEL_PATH: &str = "rig.single_wheel";
+const ROVER_LEG_PATH: &str = "rig.rover_leg";
+
+impl From<SingleWheelTable> for SingleWheel {
+    fn from(table: SingleWheelTable) -> Self {
+        Self {
+            drive: Drive {
+                forward_speed: table.forward_speed,
+                slip: table.slip,
+                wheel_speed: table.wheel_speed,
+                start_up: table.start_up,
+                stop_at: table.stop_at,
+            },
+            load: table.load,
+            moving_mass: table.moving_mass,
+            lifted: table.lifted,
+            slope_deg: table.slope_deg,
+        }
+    }
+}
+
+impl From<RoverLegTable> for RoverLeg {
+    fn from(table: RoverLegTable) -> Self {
+        Self {
+            drive: Drive {
+                forward_speed: table.forward_speed,
+                slip: table.slip,
+                wheel_speed: table.wheel_speed,
+                start_up: table.start_up,
+                stop_at: table.stop_at,
+            },
+            load: table.load,
+            stiffness: table.stiffness,
+            damping: table.damping,
+            slope_deg: table.slope_deg,
+        }
+    }
+}
+
+impl TryFrom<RigTable> for Rig {
+    type Error = RigError;
+    fn try_from(table: RigTable) -> Result<Self, RigError> {
+        let rig = table.into_rig()?;
+        rig.check()?;
+        Ok(rig)
+    }
+}
+
 impl Rig {
+    /// # Errors
+    /// `RangeError` for a load, mass or stiffness that is not positive, a negative damping,
+    /// clearance or time, a slope beyond ±35°, and a slip of 1.
+    pub fn check(&self) -> Result<(), RangeError> {
+        self.drive().check()?;
+        RangeError::positive("load", "N", self.load())?;
+        let slope_deg = match *self {
+            Self::SingleWheel(rig) => {
+                RangeError::positive("moving mass", "kg", rig.moving_mass)?;
+                RangeError::check(
+                    "lifted clearance",
+                    "m",
+                    rig.lifted.unwrap_or(0.0),
+                    [0.0, 1.0],
+                )?;
+                rig.slope_deg
+            }
+            Self::RoverLeg(rig) => {
+                RangeError::positive("leg stiffness", "N/m", rig.stiffness)?;
+                RangeError::check("leg damping", "N·s/m", rig.damping, [0.0, 1.0e9])?;
+                rig.slope_deg
+            }
+        };
+        RangeError::check("slope", "°", slope_deg, [-35.0, 35.0])?;
+        Ok(())
+    }
+
+    /// Where the rig's keys stand in a scenario, for example `rig.single_wheel`.
+    pub fn path(&self) -> &'static str {
+        match self {
+            Self::SingleWheel(_) => SINGLE_WHEEL_PATH,
+            Self::RoverLeg(_) => ROVER_LEG_PATH,
+        }
+    }
+
     /// Motion.
     pub fn drive(&self) -> &Drive {
         match self {
@@ -159,21 +321,51 @@ impl Command {
     /// `RangeError` where neither slip nor wheel speed tells how fast the wheel turns.
     pub fn new(drive: &Drive, radius: f64) -> Result<Self, RangeError> {
         let full = [drive.forward_speed, drive.full_wheel_speed(radius)?];
-        Ok(Self { full, start_up: drive.start_up, stop_at: drive.stop_at })
+        Ok(Self {
+            full,
+            start_up: drive.start_up,
+            stop_at: drive.stop_at,
+        })
     }
 
     /// Forward speed [m/s] and wheel speed [rad/s] at `time` [s]: both rise and fall together,
     /// smoothly, so that slip holds from the first motion on.
     pub fn at(&self, time: f64) -> [f64; 2] {
         let rise = |since: f64| {
-            if since >= self.start_up { 1.0 } else { 0.5 - 0.5 * cos(std::f64::consts::PI * since.max(0.0) / self.start_up) }
+            if since >= self.start_up {
+                1.0
+            } else {
+                0.5 - 0.5 * cos(std::f64::consts::PI * since.max(0.0) / self.start_up)
+            }
         };
-        let share = rise(time) - self.stop_at.map_or(0.0, |stop| if time > stop { rise(time - stop) } else { 0.0 });
+        let share = rise(time)
+            - self.stop_at.map_or(
+                0.0,
+                |stop| if time > stop { rise(time - stop) } else { 0.0 },
+            );
         self.full.map(|speed| speed * share)
     }
 }
 
 impl Drive {
+    /// # Errors
+    /// `RangeError` for a speed that is not finite or absurd, a slip of 1, and a negative time.
+    pub fn check(&self) -> Result<(), RangeError> {
+        RangeError::check("forward speed", "m/s", self.forward_speed, [-10.0, 10.0])?;
+        let given = self.wheel_speed.unwrap_or(0.0);
+        RangeError::check("wheel speed", "rad/s", given, [-1000.0, 1000.0])?;
+        self.full_wheel_speed(1.0)?;
+        RangeError::check("start-up time", "s", self.start_up, [0.0, 1.0e4])?;
+        let earliest = self.start_up;
+        RangeError::check(
+            "stop time",
+            "s",
+            self.stop_at.unwrap_or(earliest),
+            [earliest, 1.0e6],
+        )?;
+        Ok(())
+    }
+
     /// Commanded wheel speed [rad/s] at full speed on a rim of `radius` [m].
     ///
     /// # Errors
@@ -189,5 +381,50 @@ impl Drive {
             range: "below 1, or give wheel_speed [rad/s] in its place".to_owned(),
             value: self.slip.map_or(f64::NAN, SlipRatio::get),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(keys: &str) -> Result<Rig, toml::de::Error> {
+        let rest = "start_up = 1.0\nload = 100.0\nmoving_mass = 12.0";
+        toml::from_str(&format!(
+            "[single_wheel]\nforward_speed = 0.01\n{rest}\n{keys}"
+        ))
+    }
+
+    #[test]
+    fn a_rig_comes_back_from_its_own_file() {
+        let rig = read("slip = 0.2\nstop_at = 9.0\nlifted = 0.01\nslope_deg = 5.0").unwrap();
+        let again: Rig = toml::from_str(&toml::to_string(&rig).unwrap()).unwrap();
+        assert_eq!(again, rig);
+    }
+
+    #[test]
+    fn a_wheel_that_spins_in_place_is_told_by_its_wheel_speed() {
+        assert_eq!(read("wheel_speed = 0.1").unwrap().drive().slip, None);
+        let message = read("slip = 1.0").unwrap_err().to_string();
+        assert!(
+            message.contains("below 1, or give wheel_speed [rad/s]"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn one_key_and_only_one_tells_the_wheel_speed() {
+        let message = read("").unwrap_err().to_string();
+        assert!(message.contains("missing `slip`"), "{message}");
+        let message = read("slip = 0.1\nwheel_speed = 0.1")
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("leave one of them out"), "{message}");
+    }
+
+    #[test]
+    fn keys_of_the_other_rig_are_refused() {
+        let message = read("slip = 0.1\nstiffness = 1e6").unwrap_err().to_string();
+        assert!(message.contains("unknown field `stiffness`"), "{message}");
     }
 }

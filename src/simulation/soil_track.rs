@@ -104,7 +104,10 @@ impl SoilTrack {
             shear_radius: shear_radius(wheel, &soil),
             rim_shear: RimShear::new(),
             bites: LugBites::new(wheel, &soil),
-            facing: Facing { direction: 1.0, rolled: 0.0 },
+            facing: Facing {
+                direction: 1.0,
+                rolled: 0.0,
+            },
             field: Field::default(),
             since_field: f64::INFINITY,
         }
@@ -124,7 +127,11 @@ impl SoilTrack {
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
         self.since_field += dt;
         if self.since_field >= (1.0 - 1.0e-9) / FULL_RATE {
-            let elapsed = if self.since_field.is_finite() { self.since_field } else { dt };
+            let elapsed = if self.since_field.is_finite() {
+                self.since_field
+            } else {
+                dt
+            };
             self.since_field = 0.0;
             self.field = self.stress_field(wheel, motion, elapsed);
         }
@@ -136,9 +143,14 @@ impl SoilTrack {
         self.facing.turn(wheel, motion, elapsed);
         self.columns.follow(wheel, motion.x, elapsed);
         let contact = self.contact(wheel, motion, elapsed);
-        let mut field = Field { height: motion.y, vertical_speed: motion.vy, ..Field::default() };
+        let mut field = Field {
+            height: motion.y,
+            vertical_speed: motion.vy,
+            ..Field::default()
+        };
         self.push_rim(wheel, motion, &contact, &mut field);
-        self.bites.push(wheel, motion, &contact, &mut self.columns, &mut field);
+        self.bites
+            .push(wheel, motion, &contact, &mut self.columns, &mut field);
         field
     }
 
@@ -166,17 +178,31 @@ impl SoilTrack {
     }
 
     /// Pressure and shear of every column under the rim.
-    fn push_rim(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, contact: &Contact, field: &mut Field) {
+    fn push_rim(
+        &mut self,
+        wheel: &WheelGeometry,
+        motion: &WheelMotion,
+        contact: &Contact,
+        field: &mut Field,
+    ) {
         let (r, d) = (wheel.radius, contact.direction);
         let ContactAngles { entry, peak, exit } = contact.depth.angles;
-        self.rim_shear.advance(contact, motion.angle, r, self.shear_radius);
+        self.rim_shear
+            .advance(contact, motion.angle, r, self.shear_radius);
         let at_peak = match contact.depth.convention {
             StressConvention::Triangular => Some(self.rim_shear.at(peak, motion.angle, d)),
             StressConvention::WongReece => None,
         };
         let (behind, front) = (r * libm::sin(exit), r * libm::sin(entry));
-        let [low, high] = if d > 0.0 { [behind, front] } else { [-front, -behind] };
-        for index in self.columns.indices(motion.x + low - COLUMN, motion.x + high + COLUMN) {
+        let [low, high] = if d > 0.0 {
+            [behind, front]
+        } else {
+            [-front, -behind]
+        };
+        for index in self
+            .columns
+            .indices(motion.x + low - COLUMN, motion.x + high + COLUMN)
+        {
             let u = (index as f64 * COLUMN - motion.x) * d;
             if u.abs() >= r {
                 continue;
@@ -184,19 +210,31 @@ impl SoilTrack {
             let down = sqrt(r * r - u * u);
             let angle = asin(u / r);
             // Behind straight down the ground springs back along the rim as far as θ_2.
-            let spring_back = if u < 0.0 { contact.developed * (r - down) } else { 0.0 };
+            let spring_back = if u < 0.0 {
+                contact.developed * (r - down)
+            } else {
+                0.0
+            };
             let level = motion.y - down - spring_back;
             let pressed = self.columns.press(index, level);
-            let Some(bearing) = contact.bearing(pressed, level, angle, contact.depth.share(angle, spring_back)) else {
+            let Some(bearing) = contact.bearing(
+                pressed,
+                level,
+                angle,
+                contact.depth.share(angle, spring_back),
+            ) else {
                 self.columns.set_loaded(index, false);
                 continue;
             };
             self.columns.set_loaded(index, true);
             let stress = match at_peak {
-                None => contact.shear.stress(bearing.pressure, self.rim_shear.at(angle, motion.angle, d)),
+                None => contact
+                    .shear
+                    .stress(bearing.pressure, self.rim_shear.at(angle, motion.angle, d)),
                 Some(shear) => {
                     let cohesion = contact.shear.cohesion * contact.depth.triangle(angle);
-                    (cohesion + bearing.pressure * contact.shear.tan_friction_angle) * contact.shear.mobilised(shear)
+                    (cohesion + bearing.pressure * contact.shear.tan_friction_angle)
+                        * contact.shear.mobilised(shear)
                 }
             };
             // The arc of the shear surface is longer than the rim's.
@@ -262,9 +300,16 @@ impl Facing {
         if motion.vx.abs().max(rim_speed.abs()) < STANDING {
             return;
         }
-        let direction = if motion.vx.abs() >= STANDING { motion.vx.signum() } else { rim_speed.signum() };
+        let direction = if motion.vx.abs() >= STANDING {
+            motion.vx.signum()
+        } else {
+            rim_speed.signum()
+        };
         if direction != self.direction {
-            *self = Self { direction, rolled: 0.0 };
+            *self = Self {
+                direction,
+                rolled: 0.0,
+            };
         }
         self.rolled += rim_speed.abs().max(motion.vx.abs()) * elapsed;
     }
@@ -281,7 +326,11 @@ impl Field {
     /// The load at a height that has changed a little since the field was worked out.
     fn at(&self, motion: &WheelMotion) -> Reach {
         let deeper = self.height - motion.y;
-        let stiffness = if deeper > 0.0 { self.stiffness[0] } else { self.stiffness[1] };
+        let stiffness = if deeper > 0.0 {
+            self.stiffness[0]
+        } else {
+            self.stiffness[1]
+        };
         let change = stiffness * deeper - self.damping * (motion.vy - self.vertical_speed);
         let mut reach = self.reach;
         reach.wrench.fy = (reach.wrench.fy + change).max(0.0);

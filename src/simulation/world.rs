@@ -99,33 +99,55 @@ impl World {
                 .gravity_scale(0.0)
                 .can_sleep(false)
                 .locked_axes(locked)
-                .additional_mass_properties(MassProperties::new(Vector::ZERO, body.mass, body.inertia)),
+                .additional_mass_properties(MassProperties::new(
+                    Vector::ZERO,
+                    body.mass,
+                    body.inertia,
+                )),
         );
         let drive = (guide != Guide::Free).then(|| {
             let carriage = physics.insert_body(
-                RigidBodyBuilder::kinematic_velocity_based().translation(start).can_sleep(false),
+                RigidBodyBuilder::kinematic_velocity_based()
+                    .translation(start)
+                    .can_sleep(false),
             );
             let joint = GenericJointBuilder::new(JointAxesMask::LIN_X)
                 .motor_model(JointAxis::AngX, MotorModel::AccelerationBased)
                 .motor_velocity(JointAxis::AngX, 0.0, SERVO_STIFFNESS)
                 .build();
-            (carriage, physics.insert_impulse_joint(carriage, wheel, joint))
+            (
+                carriage,
+                physics.insert_impulse_joint(carriage, wheel, joint),
+            )
         });
-        Self { physics, wheel, drive, leg: None, dt, angle: 0.0 }
+        Self {
+            physics,
+            wheel,
+            drive,
+            leg: None,
+            dt,
+            angle: 0.0,
+        }
     }
 
     /// Sets the carriage's speed [m/s] and the motor's [rad/s] for the next step.
     pub fn command(&mut self, forward_speed: f64, wheel_speed: f64) {
-        let Some((carriage, joint)) = self.drive else { return };
+        let Some((carriage, joint)) = self.drive else {
+            return;
+        };
         let carriage = &mut self.physics.bodies[carriage];
         if carriage.linvel().x != forward_speed {
             carriage.set_linvel(Vector::new(forward_speed, 0.0), false);
         }
-        let Some(joint) = self.physics.impulse_joints.get(joint) else { return };
+        let Some(joint) = self.physics.impulse_joints.get(joint) else {
+            return;
+        };
         if joint.data.motors[JointAxis::AngX as usize].target_vel != -wheel_speed {
             let handle = self.drive.map(|(_, joint)| joint).expect("checked above");
             if let Some(joint) = self.physics.impulse_joints.get_mut(handle, false) {
-                joint.data.set_motor_velocity(JointAxis::AngX, -wheel_speed, SERVO_STIFFNESS);
+                joint
+                    .data
+                    .set_motor_velocity(JointAxis::AngX, -wheel_speed, SERVO_STIFFNESS);
             }
         }
     }
@@ -177,7 +199,10 @@ impl World {
         let Some((leg, mass)) = self.leg else { return };
         let leg = &mut self.physics.bodies[leg];
         leg.reset_forces(false);
-        leg.add_force(Vector::new(0.0, force - hand * mass * leg.linvel().y), false);
+        leg.add_force(
+            Vector::new(0.0, force - hand * mass * leg.linvel().y),
+            false,
+        );
     }
 
     /// Advances by one step.
@@ -204,11 +229,18 @@ impl World {
 
     /// Load of carriage and motor on the wheel over the last step.
     pub fn drive_wrench(&self) -> Wrench {
-        let Some(joint) = self.drive.and_then(|(_, joint)| self.physics.impulse_joints.get(joint)) else {
+        let Some(joint) = self
+            .drive
+            .and_then(|(_, joint)| self.physics.impulse_joints.get(joint))
+        else {
             return Wrench::default();
         };
         let motor = joint.data.motors[JointAxis::AngX as usize].impulse;
-        Wrench { fx: -joint.impulses.x / self.dt, fy: 0.0, torque: motor / self.dt }
+        Wrench {
+            fx: -joint.impulses.x / self.dt,
+            fy: 0.0,
+            torque: motor / self.dt,
+        }
     }
 }
 

@@ -104,7 +104,8 @@ impl EffectiveDepth {
     /// ground has risen since.
     pub fn share(&self, angle: f64, spring_back: f64) -> f64 {
         let pressed = self.radius * (libm::cos(angle) - self.cos_entry) + spring_back;
-        let ahead_of_peak = self.convention == StressConvention::WongReece && angle >= self.angles.peak;
+        let ahead_of_peak =
+            self.convention == StressConvention::WongReece && angle >= self.angles.peak;
         if angle <= self.angles.exit {
             0.0
         } else if pressed <= 0.0 || (ahead_of_peak && spring_back == 0.0) {

@@ -64,13 +64,26 @@ impl Profile {
         run: u64,
     ) -> Self {
         let waves = roughness.map_or_else(Vec::new, |roughness| waves(roughness, seed, run));
-        let generator = Generator { waves, joints: joints.copied(), seed, run };
-        Self { generator, spacing, first: 0, heights: VecDeque::new() }
+        let generator = Generator {
+            waves,
+            joints: joints.copied(),
+            seed,
+            run,
+        };
+        Self {
+            generator,
+            spacing,
+            first: 0,
+            heights: VecDeque::new(),
+        }
     }
 
     /// Makes sure that `[low, high]` [m] can be asked for.
     pub fn extend(&mut self, low: f64, high: f64) {
-        let wanted = [(low / self.spacing).floor() as i64 - 2, (high / self.spacing).ceil() as i64 + 3];
+        let wanted = [
+            (low / self.spacing).floor() as i64 - 2,
+            (high / self.spacing).ceil() as i64 + 3,
+        ];
         if self.heights.is_empty() {
             self.first = wanted[0];
         }
@@ -84,7 +97,8 @@ impl Profile {
         while self.first + (self.heights.len() as i64) <= wanted[1] {
             for _ in 0..BLOCK {
                 let next = self.first + self.heights.len() as i64;
-                self.heights.push_back(self.generator.height(next as f64 * self.spacing));
+                self.heights
+                    .push_back(self.generator.height(next as f64 * self.spacing));
             }
         }
     }
@@ -95,7 +109,12 @@ impl Profile {
         let node = place.floor();
         let u = place - node;
         let i = node as usize;
-        let [a, b, c, d] = [self.heights[i - 1], self.heights[i], self.heights[i + 1], self.heights[i + 2]];
+        let [a, b, c, d] = [
+            self.heights[i - 1],
+            self.heights[i],
+            self.heights[i + 1],
+            self.heights[i + 2],
+        ];
         let (m0, m1) = (0.5 * (c - a), 0.5 * (d - b));
         let (cubic, square) = (2.0 * (b - c) + m0 + m1, 3.0 * (c - b) - 2.0 * m0 - m1);
         Surface {
@@ -106,7 +125,9 @@ impl Profile {
 
     /// Highest node in `[low, high]` [m].
     pub fn highest(&self, low: f64, high: f64) -> f64 {
-        self.nodes(low, high).map(|[_, height]| height).fold(f64::NEG_INFINITY, f64::max)
+        self.nodes(low, high)
+            .map(|[_, height]| height)
+            .fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Nodes in `[low, high]` [m] that have been made: position and height [m].
@@ -114,7 +135,12 @@ impl Profile {
         let from = ((low / self.spacing).ceil() as i64 - self.first).max(0) as usize;
         let to = ((high / self.spacing).floor() as i64 - self.first + 1).max(0) as usize;
         let to = to.min(self.heights.len());
-        (from.min(to)..to).map(|i| [(self.first + i as i64) as f64 * self.spacing, self.heights[i]])
+        (from.min(to)..to).map(|i| {
+            [
+                (self.first + i as i64) as f64 * self.spacing,
+                self.heights[i],
+            ]
+        })
     }
 
     /// Distance between nodes [m].
@@ -125,8 +151,16 @@ impl Profile {
 
 impl Generator {
     fn height(&self, x: f64) -> f64 {
-        let rough: f64 = self.waves.iter().map(|w| w.amplitude * cos(w.number * x + w.phase)).sum();
-        rough + self.joints.as_ref().map_or(0.0, |joints| self.brick(joints, x))
+        let rough: f64 = self
+            .waves
+            .iter()
+            .map(|w| w.amplitude * cos(w.number * x + w.phase))
+            .sum();
+        rough
+            + self
+                .joints
+                .as_ref()
+                .map_or(0.0, |joints| self.brick(joints, x))
     }
 
     /// Height of the brick at `x` over the datum, or of the joint beside it.
@@ -173,10 +207,17 @@ fn waves(roughness: &Roughness, seed: Seed, run: u64) -> Vec<Wave> {
             let number = TAU / roughness.longest * pow(ratio, i as f64 + within);
             // Power of a band of relative width ln(ratio): C(q) q ∝ q^(-2H).
             let amplitude = pow(number, -roughness.hurst);
-            Wave { amplitude, number, phase: TAU * rng.random::<f64>() }
+            Wave {
+                amplitude,
+                number,
+                phase: TAU * rng.random::<f64>(),
+            }
         })
         .collect();
-    let power: f64 = waves.iter().map(|wave| 0.5 * wave.amplitude * wave.amplitude).sum();
+    let power: f64 = waves
+        .iter()
+        .map(|wave| 0.5 * wave.amplitude * wave.amplitude)
+        .sum();
     let scale = roughness.rms / sqrt(power);
     waves.iter_mut().for_each(|wave| wave.amplitude *= scale);
     waves
@@ -186,7 +227,12 @@ fn waves(roughness: &Roughness, seed: Seed, run: u64) -> Vec<Wave> {
 mod tests {
     use super::*;
 
-    const SLATE: Roughness = Roughness { rms: 4.0e-4, hurst: 0.8, longest: 0.2, shortest: 0.002 };
+    const SLATE: Roughness = Roughness {
+        rms: 4.0e-4,
+        hurst: 0.8,
+        longest: 0.2,
+        shortest: 0.002,
+    };
 
     fn rough(run: u64) -> Profile {
         let mut profile = Profile::new(Some(&SLATE), None, 2.5e-4, Seed(3), run);
@@ -213,7 +259,11 @@ mod tests {
         let waves = waves(&SLATE, Seed(1), 0);
         let power = |low: f64, high: f64| -> f64 {
             let inside = |w: &&Wave| (low..high).contains(&(TAU / w.number));
-            waves.iter().filter(inside).map(|w| 0.5 * w.amplitude * w.amplitude).sum()
+            waves
+                .iter()
+                .filter(inside)
+                .map(|w| 0.5 * w.amplitude * w.amplitude)
+                .sum()
         };
         // One decade shorter: 10^(2H) less power.
         let ratio = power(0.1, 0.2) / power(0.01, 0.02);
@@ -243,10 +293,18 @@ mod tests {
 
     #[test]
     fn joints_lie_deep_between_bricks() {
-        let joints = Joints { spacing: 0.2, width: 0.005, depth: 0.002, step: 0.0 };
+        let joints = Joints {
+            spacing: 0.2,
+            width: 0.005,
+            depth: 0.002,
+            step: 0.0,
+        };
         let mut profile = Profile::new(None, Some(&joints), 2.5e-4, Seed(5), 0);
         profile.extend(-10.0, 10.0);
-        let low = profile.nodes(-10.0, 10.0).filter(|[_, h]| *h < -0.001).count() as f64;
+        let low = profile
+            .nodes(-10.0, 10.0)
+            .filter(|[_, h]| *h < -0.001)
+            .count() as f64;
         // Grooves are 5 mm wide and bevelled, one every 200 mm.
         let share = low * 2.5e-4 / 20.0;
         assert!((0.02..0.04).contains(&share), "{share}");

@@ -9,8 +9,12 @@ use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::{HardContact, Terrain, TerrainSpec};
 use lugwheel::wheel::Wheel;
 
-pub const CONTACT: HardContact =
-    HardContact { reference_load: 94.0, reference_indentation: 1.0e-5, exponent: 1.11, dissipation: 100.0 };
+pub const CONTACT: HardContact = HardContact {
+    reference_load: 94.0,
+    reference_indentation: 1.0e-5,
+    exponent: 1.11,
+    dissipation: 100.0,
+};
 
 pub fn sand() -> Soil {
     Soil {
@@ -52,11 +56,21 @@ pub fn rig(speed: f64, slip: f64, load: f64) -> Rig {
     })
 }
 
-pub fn run(terrain: &TerrainSpec, wheel: &Wheel, rig: &Rig, rate: f64, seconds: f64) -> Vec<WheelState> {
+pub fn run(
+    terrain: &TerrainSpec,
+    wheel: &Wheel,
+    rig: &Rig,
+    rate: f64,
+    seconds: f64,
+) -> Vec<WheelState> {
     let terrain = Terrain::generate(terrain, Seed(1), 0);
     let rate = SampleRate::new(rate).unwrap();
     let steps = (seconds * rate.hertz()) as usize;
-    Simulation::new(&terrain, wheel, rig, rate).unwrap().take(steps).map(Result::unwrap).collect()
+    Simulation::new(&terrain, wheel, rig, rate)
+        .unwrap()
+        .take(steps)
+        .map(Result::unwrap)
+        .collect()
 }
 
 pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -64,9 +78,14 @@ pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / n
 }
 
-
 pub fn leg(speed: f64, slip: f64) -> Rig {
-    Rig::RoverLeg(RoverLeg { drive: drive(speed, slip), load: 284.4, stiffness: 1.0e6, damping: 1.6e3, slope_deg: 0.0 })
+    Rig::RoverLeg(RoverLeg {
+        drive: drive(speed, slip),
+        load: 284.4,
+        stiffness: 1.0e6,
+        damping: 1.6e3,
+        slope_deg: 0.0,
+    })
 }
 
 pub fn reference() -> TerrainSpec {
@@ -74,12 +93,18 @@ pub fn reference() -> TerrainSpec {
 }
 
 pub fn sandy() -> TerrainSpec {
-    TerrainSpec::Sand { soil: sand(), roughness: None }
+    TerrainSpec::Sand {
+        soil: sand(),
+        roughness: None,
+    }
 }
 
 /// The states after the start-up.
 pub fn steady(states: &[WheelState]) -> &[WheelState] {
-    let start = states.iter().position(|state| state.time > 1.0).expect("a run longer than 1 s");
+    let start = states
+        .iter()
+        .position(|state| state.time > 1.0)
+        .expect("a run longer than 1 s");
     &states[start..]
 }
 
@@ -89,6 +114,8 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Largest less smallest.
 pub fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
+    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
     high - low
 }

@@ -47,7 +47,15 @@ pub(super) struct Columns {
 impl Columns {
     pub fn new(profile: Profile, soil: &Soil, range: [f64; 2]) -> Self {
         let steepest = COLUMN * tan(soil.repose_angle_deg.to_radians());
-        Self { profile, range, first: 0, columns: VecDeque::new(), under: 0..0, steepest, since_relaxed: 0.0 }
+        Self {
+            profile,
+            range,
+            first: 0,
+            columns: VecDeque::new(),
+            under: 0..0,
+            steepest,
+            since_relaxed: 0.0,
+        }
     }
 
     /// Undisturbed height at `x` [m].
@@ -59,7 +67,9 @@ impl Columns {
     /// The surface as it is now between two places: position and height [m].
     pub fn surface(&mut self, low: f64, high: f64) -> Vec<[f64; 2]> {
         self.extend(low, high);
-        self.indices(low, high).map(|index| [index as f64 * COLUMN, self.column(index).height()]).collect()
+        self.indices(low, high)
+            .map(|index| [index as f64 * COLUMN, self.column(index).height()])
+            .collect()
     }
 
     /// Keeps up with a wheel at `x` [m]: new columns ahead, old ones left behind, slopes relaxed.
@@ -98,7 +108,10 @@ impl Columns {
         if level < column.arrival {
             column.pressed = column.pressed.min(level);
         }
-        Pressed { virgin: column.virgin, lowest: column.pressed }
+        Pressed {
+            virgin: column.virgin,
+            lowest: column.pressed,
+        }
     }
 
     /// Notes whether the rim bears on a column.
@@ -146,7 +159,10 @@ impl Columns {
     }
 
     fn extend(&mut self, low: f64, high: f64) {
-        let wanted = [(low / COLUMN).floor() as i64, (high / COLUMN).ceil() as i64 + 1];
+        let wanted = [
+            (low / COLUMN).floor() as i64,
+            (high / COLUMN).ceil() as i64 + 1,
+        ];
         if self.columns.is_empty() {
             self.first = wanted[0];
         } else if self.first <= wanted[0] && self.first + (self.columns.len() as i64) >= wanted[1] {
@@ -171,7 +187,12 @@ impl Columns {
 
     fn fresh(&self, index: i64) -> Column {
         let virgin = self.profile.at(index as f64 * COLUMN).height;
-        Column { virgin, arrival: virgin, pressed: virgin, loaded: false }
+        Column {
+            virgin,
+            arrival: virgin,
+            pressed: virgin,
+            loaded: false,
+        }
     }
 
     fn column(&self, index: i64) -> &Column {

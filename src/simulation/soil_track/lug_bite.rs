@@ -31,7 +31,10 @@ struct Bite {
     shear: f64,
 }
 
-const NO_BITE: Bite = Bite { lowest: f64::INFINITY, shear: 0.0 };
+const NO_BITE: Bite = Bite {
+    lowest: f64::INFINITY,
+    shear: 0.0,
+};
 
 /// All lugs' bites.
 pub(super) struct LugBites {
@@ -45,7 +48,12 @@ pub(super) struct LugBites {
 impl LugBites {
     pub fn new(wheel: &Wheel, soil: &Soil) -> Self {
         let area = wheel.lugs.map_or(0.0, |lugs| lugs.thickness * wheel.width);
-        Self { wheel: *wheel, soil: *soil, area, bites: [NO_BITE; 64] }
+        Self {
+            wheel: *wheel,
+            soil: *soil,
+            area,
+            bites: [NO_BITE; 64],
+        }
     }
 
     /// Load of the soil on every lug in it.
@@ -82,19 +90,39 @@ impl LugBites {
     }
 
     /// One lug's edge pressed into the soil, and its face against the soil behind it.
-    fn push_lug(&mut self, motion: &WheelMotion, contact: &Contact, edge: &Edge, virgin: f64, field: &mut Field) -> Wrench {
+    fn push_lug(
+        &mut self,
+        motion: &WheelMotion,
+        contact: &Contact,
+        edge: &Edge,
+        virgin: f64,
+        field: &mut Field,
+    ) -> Wrench {
         let (radius, d) = (self.wheel.tip_radius(), contact.direction);
         let (sine, cosine) = (edge.arm[0] * d / radius, -edge.arm[1] / radius);
         let angle = asin(sine.clamp(-1.0, 1.0));
-        let spring_back = if angle < 0.0 { contact.developed * radius * (1.0 - cosine) } else { 0.0 };
+        let spring_back = if angle < 0.0 {
+            contact.developed * radius * (1.0 - cosine)
+        } else {
+            0.0
+        };
         let level = edge.y - spring_back;
         let bite = &mut self.bites[edge.lug];
         bite.lowest = bite.lowest.min(level);
-        bite.shear += (radius * contact.wheel_speed - contact.forward_speed * cosine) * contact.elapsed;
-        let (pressed, mobilised) = (Pressed { virgin, lowest: bite.lowest }, contact.shear.mobilised(bite.shear));
+        bite.shear +=
+            (radius * contact.wheel_speed - contact.forward_speed * cosine) * contact.elapsed;
+        let (pressed, mobilised) = (
+            Pressed {
+                virgin,
+                lowest: bite.lowest,
+            },
+            contact.shear.mobilised(bite.shear),
+        );
         let entry = entry_angle(radius, virgin - (motion.y - radius));
-        let angles = ContactAngles::from_entry(&self.soil, entry, contact.slip).developed(contact.developed);
-        let share = EffectiveDepth::over(angles, &self.soil, radius, contact.slip).share(angle, spring_back);
+        let angles =
+            ContactAngles::from_entry(&self.soil, entry, contact.slip).developed(contact.developed);
+        let share = EffectiveDepth::over(angles, &self.soil, radius, contact.slip)
+            .share(angle, spring_back);
         let (mut along, mut radial) = (0.0, 0.0);
         if let Some(bearing) = contact.bearing(pressed, level, angle, share) {
             along += self.area * contact.shear.strength(bearing.pressure) * mobilised;

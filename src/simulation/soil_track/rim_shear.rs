@@ -19,7 +19,9 @@ pub(super) struct RimShear {
 
 impl RimShear {
     pub fn new() -> Self {
-        Self { places: vec![0.0; PLACES] }
+        Self {
+            places: vec![0.0; PLACES],
+        }
     }
 
     /// Shears what is in the soil further and forgets what is out of it.
@@ -28,12 +30,17 @@ impl RimShear {
         // The surface on which the soil shears reaches out beyond the rim and enters earlier.
         let entry = acos((radius / shear_radius * cos(angles.entry)).clamp(-1.0, 1.0));
         let step = TAU / PLACES as f64;
-        let first = place_of(-contact.direction * std::f64::consts::FRAC_PI_2, wheel_angle);
+        let first = place_of(
+            -contact.direction * std::f64::consts::FRAC_PI_2,
+            wheel_angle,
+        );
         for offset in 0..PLACES {
-            let index = (first as i64 + contact.direction as i64 * offset as i64).rem_euclid(PLACES as i64) as usize;
+            let index = (first as i64 + contact.direction as i64 * offset as i64)
+                .rem_euclid(PLACES as i64) as usize;
             let angle = contact.direction * angle_of(index, wheel_angle);
             if angle > angles.exit - step && angle < entry {
-                let sliding = shear_radius * contact.wheel_speed - contact.forward_speed * cos(angle);
+                let sliding =
+                    shear_radius * contact.wheel_speed - contact.forward_speed * cos(angle);
                 self.places[index] += sliding * contact.elapsed;
             } else {
                 self.places[index] = 0.0;

@@ -1,0 +1,491 @@
+//! One experiment as a file: read, checked, edited.
+//!
+//! A file is a TOML text that starts with `version = 1`. Unknown keys are refused, every value is
+//! checked against its physical range, and an error points at the line that holds it:
+//!
+//! ```
+//! use lugwheel::scenario::Scenario;
+//!
+//! let text = "version = 1\nduration = -3.0 # s\n";
+//! let error = Scenario::from_toml(text, "short.toml").unwrap_err();
+//! assert!(error.to_string().starts_with("short.toml:1:1: missing field `terrain`"));
+//! ```
+
+mod document;
+
+use crate::quantity::{RangeError, SampleRate};
+use crate::sensors::Sensors;
+use crate::simulation::rig::{Rig, RigError, RigTable};
+use crate::terrain::TerrainSpec;
+use crate::wheel::{Wheel, WheelTable};
+use document::{Document, Misfit};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use toml::de::DeValue;
+
+/// The version of scenario files that this program reads and writes.
+const VERSION: i64 = 1;
+/// Longest way [m] of a run: beyond it a speed is more likely a wrong unit.
+const LONGEST_WAY: f64 = 100.0;
+/// Most steps of a run: about an hour of computing.
+const MOST_STEPS: f64 = 1.0e9;
+/// Length [s] of the windows in which a run is labelled and recognised, as in the paper.
+const PAPERS_WINDOW: f64 = 15.0;
+
+/// A named departure from the ideal, as a scenario asks for it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EffectSetting {
+    /// Name in the catalogue of effects, for example `wheel_eccentricity`.
+    pub name: String,
+    /// Magnitude in the unit that the catalogue gives.
+    pub magnitude: f64,
+}
+
+/// One experiment.
+#[derive(Debug, Clone, Serialize)]
+pub struct Scenario {
+    version: i64,
+    /// Duration of the run [s].
+    pub duration: f64,
+    /// Steps per second of the simulation [Hz]; the terrain's own rate if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub physics_rate: Option<SampleRate>,
+    /// Length [s] of the windows in which the run is labelled; see [`Scenario::window`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<f64>,
+    /// The ground.
+    pub terrain: TerrainSpec,
+    /// The wheel.
+    pub wheel: Wheel,
+    /// What holds, loads and drives the wheel.
+    pub rig: Rig,
+    /// How the run is measured.
+    pub sensors: Sensors,
+    /// Departures from the ideal.
+    #[serde(rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSetting>,
+    #[serde(skip)]
+    source: Source,
+}
+
+/// Where a scenario comes from.
+#[derive(Debug, Clone)]
+struct Source {
+    file: String,
+    text: String,
+}
+
+/// A scenario file before its checks.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScenarioTable {
+    version: i64,
+    duration: f64,
+    physics_rate: Option<SampleRate>,
+    window: Option<f64>,
+    terrain: TerrainSpec,
+    wheel: WheelTable,
+    rig: RigTable,
+    #[serde(default)]
+    sensors: Sensors,
+    #[serde(default, rename = "effect")]
+    effects: Vec<EffectSetting>,
+}
+
+impl Scenario {
+    /// Reads a scenario from its text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// `ScenarioError::Invalid` points at the line of the first fault: text that is not TOML,
+    /// unknown or missing keys, and values outside their range.
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, ScenarioError> {
+        read(text, file).map_err(|misfit| Fault::new(file, text, misfit).into())
+    }
+
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    /// `ScenarioError::Unreadable` where there is no such text file; else as
+    /// [`Scenario::from_toml`].
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, ScenarioError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| ScenarioError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_toml(&text, &path.display().to_string())
+    }
+
+    /// This scenario with one key set, as in `rig.single_wheel.slip=0.3`; the rest of its text
+    /// stays as written. A value that is not TOML is taken for a string.
+    ///
+    /// # Errors
+    /// `ScenarioError::Assignment` where the text is no `key=value` or the key is a whole table;
+    /// `ScenarioError::Invalid` where the edited scenario is no scenario, with the keys that
+    /// resemble an unknown one.
+    pub fn with(&self, assignment: &str) -> Result<Self, ScenarioError> {
+        let refuse = |reason: String| ScenarioError::Assignment {
+            assignment: assignment.to_owned(),
+            reason,
+        };
+        let Some((key, value)) = split_assignment(assignment) else {
+            let example = "write key=value, for example rig.single_wheel.slip=0.3";
+            return Err(refuse(example.to_owned()));
+        };
+        let document = Document::parse(&self.source.text).map_err(|old| refuse(old.message))?;
+        let text = document.with_value(key, &as_toml(value)).map_err(refuse)?;
+        let file = format!("{} with {assignment}", self.source.file);
+        Self::from_toml(&text, &file).map_err(|error| match error {
+            ScenarioError::Invalid(fault) if !document.has_table_of(key) => {
+                fault.with_hint(&document.keys_like(key)).into()
+            }
+            other => other,
+        })
+    }
+
+    /// The text this scenario was read from, with every key set by [`Scenario::with`].
+    ///
+    /// Fields changed in memory are not in it: [`Scenario::to_toml`] has those.
+    pub fn text(&self) -> &str {
+        &self.source.text
+    }
+
+    /// This scenario as a file, without comments.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("a scenario holds tables, numbers and names only")
+    }
+
+    /// Steps per second of the simulation [Hz]: the scenario's, or the terrain's default.
+    pub fn physics_rate(&self) -> SampleRate {
+        self.physics_rate
+            .unwrap_or_else(|| default_physics_rate(&self.terrain))
+    }
+
+    /// Length [s] of the windows in which the run is labelled and recognised: the scenario's, or
+    /// 15 s, or the whole of a shorter run.
+    pub fn window(&self) -> f64 {
+        self.window.unwrap_or(PAPERS_WINDOW.min(self.duration))
+    }
+
+    /// Checks every value, alone and against the others.
+    ///
+    /// # Errors
+    /// `OutOfRange` names the first value that has no meaning, and where it stands.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        let at = |path: &str| {
+            let path = path.to_owned();
+            move |error| OutOfRange { path, error }
+        };
+        RangeError::positive("duration", "s", self.duration).map_err(at("duration"))?;
+        RangeError::positive("window", "s", self.window()).map_err(at("window"))?;
+        self.check_terrain()?;
+        self.wheel.checked().map_err(at("wheel"))?;
+        self.rig.check().map_err(at(self.rig.path()))?;
+        self.sensors.check().map_err(at("sensors"))?;
+        self.check_window().map_err(at("window"))?;
+        self.check_physics_rate().map_err(at("physics_rate"))?;
+        self.check_steps().map_err(at("duration"))?;
+        self.check_mass().map_err(at(self.rig.path()))?;
+        let drive = self.rig.path();
+        self.check_way()
+            .map_err(at(&format!("{drive}.forward_speed")))?;
+        self.check_turned_way()
+            .map_err(at(&match self.rig.drive().slip {
+                Some(_) => format!("{drive}.slip"),
+                None => format!("{drive}.wheel_speed"),
+            }))
+    }
+
+    fn check_terrain(&self) -> Result<(), OutOfRange> {
+        if let TerrainSpec::Sequence(sections) = &self.terrain {
+            for (index, section) in sections.iter().enumerate() {
+                let path = format!("terrain.sequence.{index}");
+                section
+                    .check()
+                    .map_err(|error| OutOfRange { path, error })?;
+            }
+        }
+        let path = match self.terrain {
+            TerrainSpec::Sequence(_) => "terrain.sequence".to_owned(),
+            _ => "terrain".to_owned(),
+        };
+        self.terrain
+            .check()
+            .map_err(|error| OutOfRange { path, error })
+    }
+
+    fn check_window(&self) -> Result<(), RangeError> {
+        let Self { duration, .. } = *self;
+        limit("window", "s", self.window(), duration, "the run's duration")
+    }
+
+    fn check_physics_rate(&self) -> Result<(), RangeError> {
+        let (sensors, physics) = (SampleRate::REFERENCE.whole(), self.physics_rate().whole());
+        if sensors.is_multiple_of(physics) {
+            return Ok(());
+        }
+        let divides = |rate: &u32| sensors.is_multiple_of(*rate);
+        let slower = (1..physics.min(sensors)).rev().find(divides);
+        let faster = (physics..=sensors).find(divides);
+        let choices: Vec<String> = slower.iter().chain(&faster).map(u32::to_string).collect();
+        let choices = choices.join(" or ");
+        Err(RangeError {
+            quantity: "physics rate",
+            unit: "Hz",
+            range: format!("a divisor of the sensors' {sensors} Hz, for example {choices}"),
+            value: f64::from(physics),
+        })
+    }
+
+    fn check_steps(&self) -> Result<(), RangeError> {
+        let rate = self.physics_rate().hertz();
+        let reason = format!("{MOST_STEPS} steps at {rate} Hz; lower it or the physics rate");
+        limit("duration", "s", self.duration, MOST_STEPS / rate, &reason)
+    }
+
+    fn check_mass(&self) -> Result<(), RangeError> {
+        let Rig::SingleWheel(rig) = self.rig else {
+            return Ok(());
+        };
+        if rig.moving_mass >= self.wheel.mass {
+            return Ok(());
+        }
+        Err(RangeError {
+            quantity: "moving mass",
+            unit: "kg",
+            range: format!(
+                "the wheel's {} kg or more, as it moves too",
+                self.wheel.mass
+            ),
+            value: rig.moving_mass,
+        })
+    }
+
+    fn check_way(&self) -> Result<(), RangeError> {
+        let fastest = LONGEST_WAY / self.duration;
+        let speed = self.rig.drive().forward_speed;
+        let reason = format!("{LONGEST_WAY} m in {} s; speeds are in m/s", self.duration);
+        limit("forward speed", "m/s", speed, fastest, &reason)
+    }
+
+    fn check_turned_way(&self) -> Result<(), RangeError> {
+        let Wheel { radius, .. } = self.wheel;
+        let fastest = LONGEST_WAY / self.duration / radius;
+        let speed = self.rig.drive().full_wheel_speed(radius)?;
+        let reason = format!("{LONGEST_WAY} m of rim in {} s", self.duration);
+        limit("wheel speed", "rad/s", speed, fastest, &reason)
+    }
+}
+
+impl ScenarioTable {
+    fn into_scenario(self, document: &Document, source: Source) -> Result<Scenario, Misfit> {
+        let path = self.rig.path();
+        let rig = self.rig.into_rig().map_err(|error| Misfit {
+            place: document.place(&match error {
+                RigError::TwoWheelSpeeds => format!("{path}.wheel_speed"),
+                _ => path.to_owned(),
+            }),
+            message: error.to_string(),
+        })?;
+        Ok(Scenario {
+            version: self.version,
+            duration: self.duration,
+            physics_rate: self.physics_rate,
+            window: self.window,
+            terrain: self.terrain,
+            wheel: self.wheel.into_wheel(),
+            rig,
+            sensors: self.sensors,
+            effects: self.effects,
+            source,
+        })
+    }
+}
+
+fn read(text: &str, file: &str) -> Result<Scenario, Misfit> {
+    let document = Document::parse(text)?;
+    check_version(&document)?;
+    let table: ScenarioTable = document.read()?;
+    let source = Source {
+        file: file.to_owned(),
+        text: text.to_owned(),
+    };
+    let scenario = table.into_scenario(&document, source)?;
+    scenario
+        .check()
+        .map_err(|OutOfRange { path, error }| Misfit {
+            place: document.place_of(&path, &error),
+            message: error.to_string(),
+        })?;
+    Ok(scenario)
+}
+
+/// Refuses another version before its keys are looked at, which may be others.
+fn check_version(document: &Document) -> Result<(), Misfit> {
+    let message = match document.value("version").map(|value| value.get_ref()) {
+        Some(DeValue::Integer(version)) if version.as_str() == VERSION.to_string() => return Ok(()),
+        Some(DeValue::Integer(version)) => {
+            format!("scenario version must be {VERSION}, got {version}")
+        }
+        Some(_) => format!("scenario version must be the number {VERSION}"),
+        None => format!("missing `version`; write `version = {VERSION}` in the first line"),
+    };
+    Err(Misfit {
+        place: document.place("version"),
+        message,
+    })
+}
+
+/// Rate [Hz] at which features and force statistics of a terrain no longer change.
+fn default_physics_rate(terrain: &TerrainSpec) -> SampleRate {
+    SampleRate::new(default_hertz(terrain)).expect("the table holds whole rates")
+}
+
+fn default_hertz(terrain: &TerrainSpec) -> f64 {
+    match terrain {
+        TerrainSpec::Reference { .. } | TerrainSpec::Hard { .. } | TerrainSpec::Sand { .. } => {
+            16_000.0
+        }
+        TerrainSpec::Gravel { .. }
+        | TerrainSpec::GravelOnHard { .. }
+        | TerrainSpec::GravelInSand { .. } => 8_000.0,
+        TerrainSpec::Sequence(sections) => sections
+            .iter()
+            .map(|section| default_hertz(&section.ground))
+            .fold(16_000.0, f64::min),
+    }
+}
+
+/// Refuses a magnitude above `most`, and says whence that limit.
+fn limit(
+    quantity: &'static str,
+    unit: &'static str,
+    value: f64,
+    most: f64,
+    reason: &str,
+) -> Result<(), RangeError> {
+    if value.abs() <= most {
+        return Ok(());
+    }
+    let rounded = (most * 1.0e4).floor() / 1.0e4;
+    Err(RangeError {
+        quantity,
+        unit,
+        range: format!("{rounded} or less ({reason})"),
+        value,
+    })
+}
+
+fn split_assignment(assignment: &str) -> Option<(&str, &str)> {
+    let (key, value) = assignment.split_once('=')?;
+    let (key, value) = (key.trim(), value.trim());
+    let is_bare = |part: &str| {
+        let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        !part.is_empty() && part.chars().all(bare)
+    };
+    (key.split('.').all(is_bare) && !value.is_empty()).then_some((key, value))
+}
+
+fn as_toml(value: &str) -> String {
+    match DeValue::parse(value) {
+        Ok(_) => value.to_owned(),
+        Err(_) => toml::Value::String(value.to_owned()).to_string(),
+    }
+}
+
+/// A value of a scenario that has no meaning.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct OutOfRange {
+    /// Dotted key of the value, or of the table that holds it.
+    pub path: String,
+    /// What is wrong with it.
+    pub error: RangeError,
+}
+
+/// Why a file or an assignment is no scenario.
+#[derive(Debug, thiserror::Error)]
+pub enum ScenarioError {
+    /// The file cannot be read.
+    #[error("cannot read scenario {}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The text is no scenario.
+    #[error(transparent)]
+    Invalid(#[from] Fault),
+    /// A `key=value` cannot be applied.
+    #[error("cannot set `{assignment}`: {reason}")]
+    Assignment {
+        /// The `key=value` as given.
+        assignment: String,
+        /// The reason, with a way out.
+        reason: String,
+    },
+}
+
+/// A fault in a scenario's text, and its place.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub struct Fault {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1, in characters.
+    pub column: usize,
+    /// What is wrong, and the way out.
+    pub message: String,
+    excerpt: String,
+    width: usize,
+}
+
+impl Fault {
+    fn new(file: &str, text: &str, Misfit { place, message }: Misfit) -> Self {
+        let before = text.get(..place.start).unwrap_or_default();
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let excerpt = text[line_start..].lines().next().unwrap_or_default();
+        let column = before[line_start..].chars().count() + 1;
+        let marked = text.get(place).unwrap_or_default();
+        let width = marked.lines().next().unwrap_or_default().chars().count();
+        Self {
+            file: file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column,
+            message,
+            excerpt: excerpt.to_owned(),
+            width: width.max(1),
+        }
+    }
+
+    fn with_hint(mut self, keys: &[String]) -> Self {
+        let keys = keys.join("`, `");
+        self.message = format!("{}; keys like it in this scenario: `{keys}`", self.message);
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            file, line, column, ..
+        } = self;
+        let number = line.to_string();
+        let gutter = " ".repeat(number.len());
+        let indent: String = self
+            .excerpt
+            .chars()
+            .take(column - 1)
+            .map(|c| if c == '\t' { '\t' } else { ' ' })
+            .collect();
+        let caret = "^".repeat(self.width);
+        writeln!(f, "{file}:{line}:{column}: {}", self.message)?;
+        writeln!(f, "{gutter} |")?;
+        writeln!(f, "{number} | {}", self.excerpt)?;
+        write!(f, "{gutter} | {indent}{caret}")
+    }
+}
