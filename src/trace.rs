@@ -67,6 +67,12 @@ impl Channel {
         let quarter = self.samples.len() / 4;
         &self.samples[quarter..self.samples.len() - quarter]
     }
+
+    /// Mean of the numbers among the [`steady`](Self::steady) samples, in the channel's unit;
+    /// `None` where there are none.
+    pub fn steady_mean(&self) -> Option<f64> {
+        finite_mean(self.steady())
+    }
 }
 
 /// A steady-state value where there is no time series.
@@ -179,7 +185,7 @@ impl Trace {
         let measured = self.means.iter().find(|mean| mean.name == name);
         measured
             .map(|mean| mean.value)
-            .or_else(|| finite_mean(self.channel(name)?.steady()))
+            .or_else(|| self.channel(name)?.steady_mean())
     }
 
     /// Length of the longest channel [s]; 0 where there is none.
