@@ -16,6 +16,9 @@ const SPEED_TOLERANCE: f64 = 0.05;
 /// How far the slip may lie off the command [-]; a measured campaign of 24 runs held 0.0015.
 const SLIP_TOLERANCE: f64 = 0.03;
 
+/// Slip [-] above which the motor drives: with less, a slope or the carriage may drag the wheel.
+const DRIVING_SLIP: f64 = 0.05;
+
 /// Standard gravity [m/s²].
 const GRAVITY: f64 = 9.80665;
 
@@ -202,7 +205,7 @@ fn check_signs(trace: &Trace, doubts: &mut Doubts) {
     }
     if let Some(torque) = trace.steady_mean("driving_torque")
         && torque * speed < 0.0
-        && slip_ratio > 0.1
+        && slip_ratio > DRIVING_SLIP
     {
         let message = format!(
             "mean is {} N m while driving with slip {}: a motor that drives forward has a torque \

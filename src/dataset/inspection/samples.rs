@@ -125,6 +125,7 @@ fn clipped(channel: &Channel, [extreme, next]: [f64; 2], doubts: &mut Doubts) {
 fn check_spans(channels: &[Channel], doubts: &mut Doubts) {
     let longest = channels
         .iter()
+        .rev()
         .max_by(|a, b| a.duration().total_cmp(&b.duration()));
     let Some(longest) = longest else { return };
     for channel in channels {
