@@ -124,7 +124,7 @@ impl RunFileError {
 
 /// What to do about a file that could not be written for `reason`.
 fn way_out(reason: &str) -> &'static str {
-    const WAYS: [(&str, &str); 6] = [
+    const WAYS: [(&str, &str); 8] = [
         ("No space left", "free some space or name another folder"),
         ("quota exceeded", "free some space or name another folder"),
         (
@@ -134,6 +134,8 @@ fn way_out(reason: &str) -> &'static str {
         ("Permission denied", "name a folder you may write to"),
         ("Read-only", "name a folder you may write to"),
         ("No such file", "make the folder first"),
+        ("it is a folder", "name a file in it"),
+        ("earlier run failed", "see what was said of that run"),
     ];
     let known = WAYS.iter().find(|(part, _)| reason.contains(part));
     known.map_or("try another folder", |(_, way)| way)
@@ -149,7 +151,7 @@ fn reason(error: &::hdf5::Error) -> String {
         .map_or_else(String::new, |frame| frame.desc().to_owned());
     let quoted = deepest.split("error message = '").nth(1);
     let system = quoted.and_then(|rest| rest.split('\'').next());
-    system.map_or(deepest.clone(), str::to_owned)
+    system.unwrap_or(&deepest).to_owned()
 }
 
 /// A text of at most 8 letters in a table.

@@ -1,7 +1,7 @@
 //! Runs to a file, one after another.
 
+use super::reason;
 use super::{ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, Word};
-use super::{reason, way_out};
 use crate::dataset::Provenance;
 use crate::trace::{Channel, Mean, RunAttributes, Trace, Truth, unit_of};
 use ::hdf5::file::LibraryVersion;
@@ -138,24 +138,13 @@ fn part_of(target: &Path) -> io::Result<NamedTempFile> {
 }
 
 fn io_error(target: &Path, error: &io::Error) -> RunFileError {
+    let message = error.to_string();
     let reason = match error.kind() {
-        io::ErrorKind::NotFound => "No such file or folder".to_owned(),
+        io::ErrorKind::NotFound => "No such file or folder",
         // Without the path of the temporary file.
-        _ => match error.raw_os_error() {
-            Some(code) => io::Error::from_raw_os_error(code).to_string(),
-            None => error
-                .to_string()
-                .split(" at path")
-                .next()
-                .unwrap_or_default()
-                .to_owned(),
-        },
+        _ => message.split(" at path").next().unwrap_or(&message),
     };
-    RunFileError::Write {
-        path: target.to_owned(),
-        way_out: way_out(&reason),
-        reason,
-    }
+    RunFileError::write(target, reason)
 }
 
 fn unfit(target: &Path, id: &str, reason: String) -> RunFileError {
