@@ -1,5 +1,6 @@
 //! Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test rig would.
 
+pub mod dataset;
 pub mod quantity;
 pub mod scenario;
 pub mod sensors;

@@ -1,7 +1,30 @@
 //! What one run leaves behind: channels with units and rates, ground truth, provenance.
 
+pub mod truth;
+
 use crate::terrain::class::{TerrainLabel, Wtic};
 use std::collections::BTreeMap;
+
+/// The channels every tool knows, and their units. Others may be there; they are carried along.
+///
+/// `acceleration_y` points upward and has gravity removed; signs are those of
+/// [`Loads`](crate::simulation::Loads) and [`WheelState`](crate::simulation::WheelState).
+pub const CHANNELS: [(&str, &str); 8] = [
+    ("acceleration_y", "m/s^2"),
+    ("normal_force", "N"),
+    ("drawbar_pull", "N"),
+    ("driving_torque", "N m"),
+    ("sinkage", "m"),
+    ("slip_ratio", "1"),
+    ("wheel_angle", "rad"),
+    ("forward_speed", "m/s"),
+];
+
+/// The unit of a known channel.
+pub fn unit_of(channel: &str) -> Option<&'static str> {
+    let known = CHANNELS.iter().find(|(name, _)| *name == channel);
+    known.map(|(_, unit)| *unit)
+}
 
 /// One measured quantity over time, equally spaced.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +39,40 @@ pub struct Channel {
     pub start: f64,
     /// The samples.
     pub samples: Vec<f64>,
+}
+
+impl Channel {
+    /// Time [s] of sample `index`.
+    pub fn time(&self, index: usize) -> f64 {
+        self.start + index as f64 / self.sample_rate
+    }
+
+    /// Length of the record [s]: its samples times their period.
+    pub fn duration(&self) -> f64 {
+        self.samples.len() as f64 / self.sample_rate
+    }
+
+    /// The samples in `[start, end)` [s], none where the channel has none.
+    pub fn between(&self, start: f64, end: f64) -> &[f64] {
+        let index = |time: f64| {
+            // Times are whole multiples of the period up to rounding.
+            let samples = (time - self.start) * self.sample_rate - 1.0e-6;
+            (samples.ceil().max(0.0) as usize).min(self.samples.len())
+        };
+        self.samples.get(index(start)..index(end)).unwrap_or(&[])
+    }
+
+    /// The middle half of the record, away from starting and stopping.
+    pub fn steady(&self) -> &[f64] {
+        let quarter = self.samples.len() / 4;
+        &self.samples[quarter..self.samples.len() - quarter]
+    }
+
+    /// Mean of the numbers among the [`steady`](Self::steady) samples, in the channel's unit;
+    /// `None` where there are none.
+    pub fn steady_mean(&self) -> Option<f64> {
+        finite_mean(self.steady())
+    }
 }
 
 /// A steady-state value where there is no time series.
@@ -120,5 +177,93 @@ impl Trace {
     /// The channel of this name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Steady value of the quantity `name`, in its unit: its mean where one was measured, else
+    /// the mean of the finite samples in the middle half of its channel.
+    pub fn steady_mean(&self, name: &str) -> Option<f64> {
+        let measured = self.means.iter().find(|mean| mean.name == name);
+        measured
+            .map(|mean| mean.value)
+            .or_else(|| self.channel(name)?.steady_mean())
+    }
+
+    /// Length of the longest channel [s]; 0 where there is none.
+    pub fn duration(&self) -> f64 {
+        let durations = self.channels.iter().map(Channel::duration);
+        durations.fold(0.0, f64::max)
+    }
+}
+
+impl Truth {
+    /// The class of the whole run, if its windows agree.
+    pub fn class(&self) -> Option<Wtic> {
+        let first = self.class_windows.first()?.class;
+        let agree = self.class_windows.iter().all(|w| w.class == first);
+        agree.then_some(first)
+    }
+}
+
+/// Mean of the samples that are numbers.
+fn finite_mean(samples: &[f64]) -> Option<f64> {
+    let finite = samples.iter().filter(|x| x.is_finite());
+    let (sum, count) = finite.fold((0.0, 0_u64), |(sum, count), x| (sum + x, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> Channel {
+        Channel {
+            name: "sinkage".to_owned(),
+            unit: "m".to_owned(),
+            sample_rate: 1000.0,
+            start: 0.5,
+            samples: (0..1000).map(f64::from).collect(),
+        }
+    }
+
+    #[test]
+    fn a_window_holds_the_samples_from_its_start_to_before_its_end() {
+        let channel = ramp();
+        assert_eq!(channel.between(0.5, 0.503), [0.0, 1.0, 2.0]);
+        // 0.7 and 0.1 + 0.6 differ by a rounding error; both are the time of sample 200.
+        assert_eq!(
+            channel.between(0.1 + 0.6, 0.701),
+            channel.between(0.7, 0.701)
+        );
+        assert_eq!(channel.between(0.7, 0.701), [200.0]);
+        assert_eq!(channel.between(1.498, 9.0), [998.0, 999.0]);
+        assert!(channel.between(0.0, 0.5).is_empty() && channel.between(2.0, 1.0).is_empty());
+        let windows: usize = (0..10)
+            .map(|i| 0.5 + 0.1 * f64::from(i))
+            .map(|start| channel.between(start, start + 0.1).len())
+            .sum();
+        assert_eq!(windows, 1000);
+    }
+
+    #[test]
+    fn a_steady_mean_prefers_the_measured_mean_and_leaves_gaps_out() {
+        let mut channel = ramp();
+        channel.samples[500] = f64::NAN;
+        let mut trace = Trace {
+            channels: vec![channel],
+            ..Trace::default()
+        };
+        // Samples 250 to 749 without sample 500.
+        let expected = (499.5 * 500.0 - 500.0) / 499.0;
+        assert!((trace.steady_mean("sinkage").unwrap() - expected).abs() < 1e-9);
+        assert_eq!(trace.steady_mean("normal_force"), None);
+        assert_eq!(trace.duration(), 1.0);
+        trace.means.push(Mean {
+            name: "sinkage".to_owned(),
+            unit: "m".to_owned(),
+            value: 3.0,
+            sd: 0.1,
+            n: 10,
+        });
+        assert_eq!(trace.steady_mean("sinkage"), Some(3.0));
     }
 }

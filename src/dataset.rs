@@ -1,0 +1,41 @@
+//! Runs on disk: labelled data sets from the simulator and campaigns from a test rig, alike.
+//!
+//! A data set is a file of runs. Each run is a [`Trace`](crate::trace::Trace) under an id, and the
+//! file says where they come from ([`Provenance`]). A measured run may hold any subset of the
+//! channels, each as a time series or as a steady mean; only a simulated one has ground truth.
+
+pub mod hdf5;
+pub mod inspection;
+
+use crate::quantity::Seed;
+
+/// Where the runs of a file come from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    /// The scenario as TOML text; `None` for measured runs.
+    pub scenario: Option<String>,
+    /// The seed of all runs; `None` for measured runs.
+    pub seed: Option<Seed>,
+    /// The program that wrote the file, with its version.
+    pub created_by: String,
+}
+
+impl Provenance {
+    /// Runs simulated by this program.
+    pub fn simulated(scenario: impl Into<String>, seed: Seed) -> Self {
+        Self {
+            scenario: Some(scenario.into()),
+            seed: Some(seed),
+            ..Self::measured()
+        }
+    }
+
+    /// Runs measured elsewhere and gathered by this program.
+    pub fn measured() -> Self {
+        Self {
+            scenario: None,
+            seed: None,
+            created_by: concat!("lugwheel ", env!("CARGO_PKG_VERSION")).to_owned(),
+        }
+    }
+}

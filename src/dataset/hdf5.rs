@@ -1,0 +1,186 @@
+//! Run files: HDF5 that h5py, h5dump and MATLAB read without this program.
+//!
+//! ```text
+//! /                            format = "lugwheel-runs", format_version = 1, created_by,
+//!                              scenario and seed where simulated
+//! /runs/<id>/                  wheel_radius_m, wheel_width_m, lug_count, lug_height_m, load_n,
+//!                              speed_m_s, slip_ratio, terrain, class, repeat, day, notes,
+//!                              physics_rate_hz where simulated
+//! /runs/<id>/channels/<name>   samples; unit, sample_rate_hz, start_s
+//! /runs/<id>/means/<name>      one number; unit, sd, n
+//! /runs/<id>/truth/            where simulated: contacts (lug, start_s, end_s, entered),
+//!                              class_windows (start_s, end_s, class, terrain),
+//!                              parameters (attributes), profile (x, height)
+//! ```
+//!
+//! Known channels are stored in single precision: 6e-8 of the value, 0.01 mN on 100 N and 1 nm on
+//! 20 mm. The wheel angle grows without end and keeps double precision, as do channels this
+//! program does not know. Numbers that nobody knows (the load of a hand-pushed cart) are NaN.
+//!
+//! The structures are HDF5 1.8's, which have checksums, as compressed samples do: damage is an error
+//! or a gap, not a wrong number. Only texts have none.
+//!
+//! The same runs give the same bytes with the same HDF5 and zlib: nothing in a file tells when or
+//! where it was written.
+
+mod reading;
+mod writing;
+
+pub use reading::RunFile;
+pub use writing::RunFileWriter;
+
+use ::hdf5::H5Type;
+use ::hdf5::types::FixedAscii;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What `format` says in a run file.
+const FORMAT: &str = "lugwheel-runs";
+
+/// The version of the layout above.
+const FORMAT_VERSION: u32 = 1;
+
+/// A run file that cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum RunFileError {
+    /// The file system or HDF5 refused.
+    #[error("cannot write {}: {reason}; {way_out}", path.display())]
+    Write {
+        /// The file that was to be.
+        path: PathBuf,
+        /// What went wrong.
+        reason: String,
+        /// What to do.
+        way_out: &'static str,
+    },
+    /// A run that cannot be stored as it is.
+    #[error("cannot add run {id:?} to {}: {reason}", path.display())]
+    Unfit {
+        /// The file that was to be.
+        path: PathBuf,
+        /// The run.
+        id: String,
+        /// What does not fit.
+        reason: String,
+    },
+    /// The file system refused.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Some other kind of file.
+    #[error("{} is not an HDF5 file; make one from CSV with `lugwheel import`", path.display())]
+    NotHdf5 {
+        /// The file.
+        path: PathBuf,
+    },
+    /// HDF5 cannot make sense of the file.
+    #[error("{} is damaged ({reason}); copy or make it again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What HDF5 says.
+        reason: String,
+    },
+    /// Something in the file is missing or not as it should be.
+    #[error("{} at {group}: expected {expected}, found {found}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        group: String,
+        /// What should be there.
+        expected: String,
+        /// What is.
+        found: String,
+    },
+    /// No run of this id.
+    #[error("{} has no run {id:?}; it has {has}", path.display())]
+    NoSuchRun {
+        /// The file.
+        path: PathBuf,
+        /// The id asked for.
+        id: String,
+        /// The ids there are.
+        has: String,
+    },
+}
+
+type Outcome<T> = Result<T, RunFileError>;
+
+impl RunFileError {
+    fn write(path: &Path, reason: impl Into<String>) -> Self {
+        let reason = reason.into();
+        Self::Write {
+            path: path.to_owned(),
+            way_out: way_out(&reason),
+            reason,
+        }
+    }
+}
+
+/// What to do about a file that could not be written for `reason`.
+fn way_out(reason: &str) -> &'static str {
+    const WAYS: [(&str, &str); 8] = [
+        ("No space left", "free some space or name another folder"),
+        ("quota exceeded", "free some space or name another folder"),
+        (
+            "File too large",
+            "raise the limit (ulimit -f) or name another folder",
+        ),
+        ("Permission denied", "name a folder you may write to"),
+        ("Read-only", "name a folder you may write to"),
+        ("No such file", "make the folder first"),
+        ("it is a folder", "name a file in it"),
+        ("earlier run failed", "see what was said of that run"),
+    ];
+    let known = WAYS.iter().find(|(part, _)| reason.contains(part));
+    known.map_or("try another folder", |(_, way)| way)
+}
+
+/// What HDF5 says went wrong, without its call stack: the system's own message where there is one.
+fn reason(error: &::hdf5::Error) -> String {
+    let Some(stack) = error.stack() else {
+        return error.to_string();
+    };
+    let deepest = stack
+        .last()
+        .map_or_else(String::new, |frame| frame.desc().to_owned());
+    let quoted = deepest.split("error message = '").nth(1);
+    let system = quoted.and_then(|rest| rest.split('\'').next());
+    system.unwrap_or(&deepest).to_owned()
+}
+
+/// A text of at most 8 letters in a table.
+type Word = FixedAscii<8>;
+
+/// A row of `truth/contacts`.
+#[derive(Debug, Clone, Copy, H5Type)]
+#[repr(C)]
+struct ContactRow {
+    lug: u32,
+    start_s: f64,
+    end_s: f64,
+    entered: u8,
+}
+
+/// A row of `truth/class_windows`.
+#[derive(Debug, Clone, Copy, H5Type)]
+#[repr(C)]
+struct ClassWindowRow {
+    start_s: f64,
+    end_s: f64,
+    class: Word,
+    terrain: Word,
+}
+
+/// A row of `truth/profile`.
+#[derive(Debug, Clone, Copy, H5Type)]
+#[repr(C)]
+struct ProfileRow {
+    x: f64,
+    height: f64,
+}

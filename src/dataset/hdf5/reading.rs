@@ -1,0 +1,477 @@
+//! Runs from a file, whoever wrote it.
+
+use super::{ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError};
+use super::{Outcome, reason};
+use crate::dataset::Provenance;
+use crate::quantity::Seed;
+use crate::terrain::class::TerrainLabel;
+use crate::trace::{Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
+use ::hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
+use ::hdf5::{Attribute, Container, Dataset, File, Group, H5Type, Location, MinorErrorCode};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as NameError;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A run file opened for reading.
+#[derive(Debug)]
+pub struct RunFile {
+    path: PathBuf,
+    file: File,
+    provenance: Provenance,
+    runs: Vec<String>,
+}
+
+impl RunFile {
+    /// Opens a run file and checks that it is one.
+    ///
+    /// # Errors
+    /// `Read` where the file system refuses, `NotHdf5` for another kind of file, `Damaged` for a
+    /// truncated one, `Content` for HDF5 of another format or version.
+    pub fn open(path: impl AsRef<Path>) -> Outcome<Self> {
+        let path = path.as_ref().to_owned();
+        readable(&path)?;
+        let file = File::open(&path).map_err(|error| not_opened(&path, &error))?;
+        let root = Place {
+            path: &path,
+            location: &file,
+        };
+        let format = root.text("format")?;
+        if format != FORMAT {
+            return Err(root.content(format!("format = {FORMAT:?}"), format!("{format:?}")));
+        }
+        let version: u32 = root.whole("format_version")?;
+        if version != FORMAT_VERSION {
+            let expected = format!("format_version = {FORMAT_VERSION}");
+            return Err(root.content(expected, version.to_string()));
+        }
+        let provenance = Provenance {
+            scenario: root
+                .has("scenario")
+                .then(|| root.text("scenario"))
+                .transpose()?,
+            seed: root.has("seed").then(|| root.seed()).transpose()?,
+            created_by: root.text_or_empty("created_by")?,
+        };
+        let runs = group(&root, &file, "runs")?;
+        let runs = runs.member_names().map_err(|error| root.damaged(&error))?;
+        Ok(Self {
+            provenance,
+            runs,
+            path,
+            file,
+        })
+    }
+
+    /// Where the file lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where its runs come from.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    /// The ids of its runs, in the order of their letters.
+    pub fn runs(&self) -> &[String] {
+        &self.runs
+    }
+
+    /// Wheel, condition and label of a run, without its samples.
+    ///
+    /// # Errors
+    /// `NoSuchRun`; `Content` for an attribute that is missing or of another type. Label, class,
+    /// repeat, day and notes may be missing.
+    pub fn attributes(&self, id: &str) -> Outcome<RunAttributes> {
+        let run = self.run(id)?;
+        attributes(&self.place(&run))
+    }
+
+    /// A run with all it has.
+    ///
+    /// # Errors
+    /// As [`attributes`](Self::attributes); `Content` for a channel or mean without its unit, rate
+    /// or start, and `Damaged` for samples that cannot be read.
+    pub fn read(&self, id: &str) -> Outcome<Trace> {
+        let run = self.run(id)?;
+        let place = self.place(&run);
+        let attributes = attributes(&place)?;
+        let mut trace = Trace::default();
+        for (name, dataset) in self.members(&run, "channels")? {
+            trace
+                .channels
+                .push(channel(name, &dataset, &self.place(&dataset))?);
+        }
+        for (name, dataset) in self.members(&run, "means")? {
+            trace
+                .means
+                .push(mean(name, &dataset, &self.place(&dataset))?);
+        }
+        if run.link_exists("truth") {
+            let truth = group(&place, &run, "truth")?;
+            trace.truth = Some(self.truth(&truth, attributes.terrain)?);
+        }
+        Ok(Trace {
+            attributes,
+            ..trace
+        })
+    }
+
+    fn run(&self, id: &str) -> Outcome<Group> {
+        if !self.runs.iter().any(|run| run == id) {
+            return Err(RunFileError::NoSuchRun {
+                path: self.path.clone(),
+                id: id.to_owned(),
+                has: listed(&self.runs),
+            });
+        }
+        let root = self.place(&self.file);
+        group(&root, &self.file, &format!("runs/{id}"))
+    }
+
+    /// The datasets of a group that may be missing.
+    fn members(&self, run: &Group, name: &str) -> Outcome<Vec<(String, Dataset)>> {
+        if !run.link_exists(name) {
+            return Ok(Vec::new());
+        }
+        let group = group(&self.place(run), run, name)?;
+        let place = self.place(&group);
+        let names = group
+            .member_names()
+            .map_err(|error| place.damaged(&error))?;
+        let open = |name: String| Ok((name.clone(), dataset(&place, &group, &name)?));
+        names.into_iter().map(open).collect()
+    }
+
+    fn truth(&self, truth: &Group, label: Option<TerrainLabel>) -> Outcome<Truth> {
+        let place = self.place(truth);
+        let contacts = rows(
+            &place,
+            truth,
+            "contacts",
+            &["lug", "start_s", "end_s", "entered"],
+        )?;
+        let profile = rows(&place, truth, "profile", &["x", "height"])?;
+        let mut parameters = BTreeMap::new();
+        if truth.link_exists("parameters") {
+            let group = group(&place, truth, "parameters")?;
+            let place = self.place(&group);
+            let names = group.attr_names().map_err(|error| place.damaged(&error))?;
+            for name in names {
+                let value = place.number(&name)?;
+                parameters.insert(name, value);
+            }
+        }
+        Ok(Truth {
+            contacts: contacts.into_iter().map(contact).collect(),
+            class_windows: class_windows(&place, truth, label)?,
+            parameters,
+            profile: profile
+                .into_iter()
+                .map(|row: ProfileRow| [row.x, row.height])
+                .collect(),
+        })
+    }
+
+    fn place<'a>(&'a self, location: &'a Location) -> Place<'a> {
+        Place {
+            path: &self.path,
+            location,
+        }
+    }
+}
+
+/// Whether the file system lets this file be read at all, in its own words.
+fn readable(path: &Path) -> Outcome<()> {
+    let opened = std::fs::File::open(path).and_then(|file| file.metadata());
+    let is_file = opened.and_then(|about| {
+        let folder = std::io::ErrorKind::IsADirectory.into();
+        if about.is_dir() { Err(folder) } else { Ok(()) }
+    });
+    is_file.map_err(|source| RunFileError::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn not_opened(path: &Path, error: &::hdf5::Error) -> RunFileError {
+    let path = path.to_owned();
+    if error.contains_minor(MinorErrorCode::NotHdf5) {
+        return RunFileError::NotHdf5 { path };
+    }
+    let reason = reason(error);
+    RunFileError::Damaged { path, reason }
+}
+
+/// The first of many names.
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => "no runs".to_owned(),
+        [first, _, _, _, _, .., last] => format!("{} runs, {first} to {last}", names.len()),
+        few => few.join(", "),
+    }
+}
+
+fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
+    Ok(RunAttributes {
+        wheel_radius: run.number("wheel_radius_m")?,
+        wheel_width: run.number("wheel_width_m")?,
+        lug_count: run.whole("lug_count")?,
+        lug_height: run.number("lug_height_m")?,
+        load: run.number("load_n")?,
+        speed: run.number("speed_m_s")?,
+        slip_ratio: run.number("slip_ratio")?,
+        terrain: run.name("terrain", &run.text_or_empty("terrain")?)?,
+        class: run.name("class", &run.text_or_empty("class")?)?,
+        repeat: if run.has("repeat") {
+            run.whole("repeat")?
+        } else {
+            0
+        },
+        day: run.text_or_empty("day")?,
+        notes: run.text_or_empty("notes")?,
+        physics_rate: run
+            .has("physics_rate_hz")
+            .then(|| run.number("physics_rate_hz"))
+            .transpose()?,
+    })
+}
+
+fn channel(name: String, dataset: &Dataset, place: &Place<'_>) -> Outcome<Channel> {
+    let shape = dataset.shape();
+    // MATLAB writes vectors as matrices of one row or column.
+    if shape.is_empty() || shape.iter().filter(|&&n| n != 1).count() > 1 {
+        return Err(place.content("samples in one dimension", format!("shape {shape:?}")));
+    }
+    let sample_rate = place.number("sample_rate_hz")?;
+    if !(sample_rate > 0.0 && sample_rate.is_finite()) {
+        let expected = "sample_rate_hz above 0 and finite";
+        return Err(place.content(expected, sample_rate.to_string()));
+    }
+    Ok(Channel {
+        unit: place.text("unit")?,
+        sample_rate,
+        start: place.number("start_s")?,
+        samples: numbers(dataset).map_err(|found| place.wrong("numbers", found))?,
+        name,
+    })
+}
+
+fn mean(name: String, dataset: &Dataset, place: &Place<'_>) -> Outcome<Mean> {
+    let values = numbers(dataset).map_err(|found| place.wrong("a number", found))?;
+    let [value] = values[..] else {
+        return Err(place.content("one number", format!("{}", values.len())));
+    };
+    Ok(Mean {
+        unit: place.text("unit")?,
+        value,
+        sd: place.number("sd")?,
+        n: place.whole("n")?,
+        name,
+    })
+}
+
+fn contact(row: ContactRow) -> Contact {
+    Contact {
+        lug: row.lug,
+        start: row.start_s,
+        end: row.end_s,
+        entered: row.entered != 0,
+    }
+}
+
+fn class_windows(
+    place: &Place<'_>,
+    truth: &Group,
+    label: Option<TerrainLabel>,
+) -> Outcome<Vec<ClassWindow>> {
+    let columns = ["start_s", "end_s", "class", "terrain"];
+    let rows: Vec<ClassWindowRow> = rows(place, truth, "class_windows", &columns)?;
+    let window = |row: ClassWindowRow| {
+        let terrain = place.name("class_windows, terrain", row.terrain.as_str())?;
+        let class = place.name("class_windows, class", row.class.as_str())?;
+        let blank = |column| place.content(format!("class_windows with a {column}"), "\"\"");
+        Ok(ClassWindow {
+            start: row.start_s,
+            end: row.end_s,
+            class: class.ok_or_else(|| blank("class"))?,
+            terrain: terrain.or(label).ok_or_else(|| blank("terrain"))?,
+        })
+    };
+    rows.into_iter().map(window).collect()
+}
+
+/// The rows of a table that may be missing, but not in part.
+fn rows<T: H5Type>(
+    place: &Place<'_>,
+    parent: &Group,
+    name: &str,
+    columns: &[&str],
+) -> Outcome<Vec<T>> {
+    if !parent.link_exists(name) {
+        return Ok(Vec::new());
+    }
+    let table = dataset(place, parent, name)?;
+    let kind = table.dtype().and_then(|kind| kind.to_descriptor());
+    let has = match kind.map_err(|error| place.damaged(&error))? {
+        TypeDescriptor::Compound(kind) => kind.fields.into_iter().map(|field| field.name).collect(),
+        _ => Vec::new(),
+    };
+    if columns
+        .iter()
+        .any(|column| !has.iter().any(|name| name == column))
+    {
+        let expected = format!("{name} with columns {}", columns.join(", "));
+        return Err(place.content(expected, has.join(", ")));
+    }
+    table.read_raw().map_err(|error| place.damaged(&error))
+}
+
+fn group(place: &Place<'_>, parent: &Group, name: &str) -> Outcome<Group> {
+    let found = parent.group(name);
+    found.map_err(|_| place.content(format!("a group {name}"), "none"))
+}
+
+fn dataset(place: &Place<'_>, parent: &Group, name: &str) -> Outcome<Dataset> {
+    let found = parent.dataset(name);
+    found.map_err(|_| place.content(format!("a dataset {name}"), "something else"))
+}
+
+/// All numbers of a dataset or attribute, or what stands there in their place.
+fn numbers(container: &Container) -> Result<Vec<f64>, Wrong> {
+    match container.dtype()?.to_descriptor() {
+        Ok(TypeDescriptor::Float(_) | TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_)) => {
+            Ok(container.read_raw::<f64>()?)
+        }
+        Ok(kind) => Err(Wrong::Kind(kind.to_string())),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// What stands where something else should.
+enum Wrong {
+    Kind(String),
+    Unreadable(::hdf5::Error),
+}
+
+impl From<::hdf5::Error> for Wrong {
+    fn from(error: ::hdf5::Error) -> Self {
+        Self::Unreadable(error)
+    }
+}
+
+/// A group or dataset whose attributes are read, for errors that say where.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    path: &'a Path,
+    location: &'a Location,
+}
+
+impl Place<'_> {
+    fn has(&self, name: &str) -> bool {
+        self.location.attr(name).is_ok()
+    }
+
+    fn number(&self, name: &str) -> Outcome<f64> {
+        let attribute = self.attribute(name, "a number")?;
+        let expected = format!("{name}, a number");
+        match numbers(&attribute).map_err(|found| self.wrong(&expected, found))?[..] {
+            [value] => Ok(value),
+            ref values => Err(self.content(expected, format!("{} of them", values.len()))),
+        }
+    }
+
+    fn whole<T: TryFrom<i64>>(&self, name: &str) -> Outcome<T> {
+        let value = self.number(name)?;
+        let expected = || self.content(format!("{name}, a count"), value.to_string());
+        if value.fract() != 0.0 {
+            return Err(expected());
+        }
+        T::try_from(value as i64).map_err(|_| expected())
+    }
+
+    /// The seed, all 64 bits of it.
+    fn seed(&self) -> Outcome<Seed> {
+        let attribute = self.attribute("seed", "a whole number")?;
+        let seeds = attribute.read_raw::<u64>();
+        match seeds.map_err(|error| self.damaged(&error))?[..] {
+            [seed] => Ok(Seed(seed)),
+            ref seeds => Err(self.content("one seed", seeds.len().to_string())),
+        }
+    }
+
+    fn text(&self, name: &str) -> Outcome<String> {
+        let attribute = self.attribute(name, "a text")?;
+        let read = texts(&attribute).map_err(|found| self.wrong(&format!("{name}, a text"), found));
+        Ok(read?.into_iter().next().unwrap_or_default())
+    }
+
+    fn text_or_empty(&self, name: &str) -> Outcome<String> {
+        if self.has(name) {
+            self.text(name)
+        } else {
+            Ok(String::new())
+        }
+    }
+
+    /// A label or class by its name in files; `None` where it is empty.
+    fn name<T: for<'de> Deserialize<'de>>(&self, what: &str, name: &str) -> Outcome<Option<T>> {
+        if name.is_empty() {
+            return Ok(None);
+        }
+        let named = T::deserialize(name.into_deserializer());
+        named.map(Some).map_err(|error: NameError| {
+            let choice = error.to_string();
+            let expected = choice.split("expected ").nth(1).unwrap_or(&choice);
+            self.content(format!("{what} to be {expected}"), format!("{name:?}"))
+        })
+    }
+
+    fn attribute(&self, name: &str, kind: &str) -> Outcome<Attribute> {
+        let found = self.location.attr(name);
+        found.map_err(|_| self.content(format!("an attribute {name}, {kind}"), "none"))
+    }
+
+    fn content(&self, expected: impl Into<String>, found: impl Into<String>) -> RunFileError {
+        RunFileError::Content {
+            path: self.path.to_owned(),
+            group: self.location.name(),
+            expected: expected.into(),
+            found: found.into(),
+        }
+    }
+
+    fn wrong(&self, expected: &str, found: Wrong) -> RunFileError {
+        match found {
+            Wrong::Kind(kind) => self.content(expected, kind),
+            Wrong::Unreadable(error) => self.damaged(&error),
+        }
+    }
+
+    fn damaged(&self, error: &::hdf5::Error) -> RunFileError {
+        RunFileError::Damaged {
+            path: self.path.to_owned(),
+            reason: format!("{}: {}", self.location.name(), reason(error)),
+        }
+    }
+}
+
+/// The texts in an attribute, of any of HDF5's four kinds.
+fn texts(attribute: &Attribute) -> Result<Vec<String>, Wrong> {
+    /// Attributes do not grow longer.
+    const LONGEST: usize = 65_536;
+    fn all<T: H5Type>(attribute: &Attribute, bytes: fn(&T) -> &[u8]) -> Result<Vec<String>, Wrong> {
+        let read = attribute.read_raw::<T>()?;
+        let text = |text| String::from_utf8_lossy(bytes(text)).into_owned();
+        Ok(read.iter().map(text).collect())
+    }
+    match attribute.dtype()?.to_descriptor()? {
+        TypeDescriptor::VarLenUnicode => all(attribute, VarLenUnicode::as_bytes),
+        TypeDescriptor::VarLenAscii => all(attribute, VarLenAscii::as_bytes),
+        TypeDescriptor::FixedUnicode(_) => all(attribute, FixedUnicode::<LONGEST>::as_bytes),
+        TypeDescriptor::FixedAscii(_) => all(attribute, FixedAscii::<LONGEST>::as_bytes),
+        kind => Err(Wrong::Kind(kind.to_string())),
+    }
+}

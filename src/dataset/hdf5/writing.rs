@@ -1,0 +1,374 @@
+//! Runs to a file, one after another.
+
+use super::reason;
+use super::{ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, Word};
+use crate::dataset::Provenance;
+use crate::trace::{Channel, Mean, RunAttributes, Trace, Truth, unit_of};
+use ::hdf5::file::LibraryVersion;
+use ::hdf5::filters::deflate_available;
+use ::hdf5::types::VarLenUnicode;
+use ::hdf5::{Dataset, DatasetBuilder, File, Group, H5Type, Location, Result};
+use std::collections::HashSet;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use tempfile::NamedTempFile;
+
+/// Elements in a compressed chunk: 64 KiB of single precision.
+const CHUNK: usize = 16_384;
+
+/// zlib level: higher ones take twice the time for a hundredth of the size.
+const DEFLATE: u8 = 1;
+
+/// Writes a run file, run by run.
+///
+/// The file grows beside its target and takes its name in [`finish`](Self::finish), so a file
+/// under the target's name is always whole, and one that was there before stays until then. A
+/// writer that is dropped, or that failed, leaves nothing.
+#[derive(Debug)]
+pub struct RunFileWriter {
+    target: PathBuf,
+    /// Closed, and removed if need be, after `file`: fields drop in order.
+    file: Option<File>,
+    part: NamedTempFile,
+    runs: HashSet<String>,
+}
+
+impl RunFileWriter {
+    /// Starts a file that will be named `path`.
+    ///
+    /// # Errors
+    /// `Write` where the folder does not exist or cannot be written to, or the disk is full;
+    /// `Unfit` for a provenance with a NUL character.
+    pub fn create(path: impl AsRef<Path>, provenance: &Provenance) -> super::Outcome<Self> {
+        let target = path.as_ref().to_owned();
+        let Provenance {
+            scenario,
+            seed,
+            created_by,
+        } = provenance;
+        for text in scenario.iter().chain([created_by]) {
+            check_text(text).map_err(|reason| unfit(&target, "/", reason))?;
+        }
+        if target.is_dir() {
+            return Err(RunFileError::write(&target, "it is a folder"));
+        }
+        let part = part_of(&target).map_err(|error| io_error(&target, &error))?;
+        let write = || {
+            let file = File::with_options()
+                .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
+                .with_fcpl(|fcpl| fcpl.obj_track_times(false))
+                .create(part.path())?;
+            set_text(&file, "format", FORMAT)?;
+            set(&file, "format_version", FORMAT_VERSION)?;
+            set_text(&file, "created_by", created_by)?;
+            if let Some(scenario) = scenario {
+                set_text(&file, "scenario", scenario)?;
+            }
+            if let Some(seed) = seed {
+                set(&file, "seed", seed.0)?;
+            }
+            group(&file, "runs")?;
+            Ok(file)
+        };
+        let file = write().map_err(|error| RunFileError::write(&target, reason(&error)))?;
+        Ok(Self {
+            target,
+            file: Some(file),
+            part,
+            runs: HashSet::new(),
+        })
+    }
+
+    /// Adds a run under `id`.
+    ///
+    /// # Errors
+    /// `Unfit` for an id, channel or mean whose name is taken or cannot be a name, a text with a
+    /// NUL character, or a sample rate that is not positive; the file goes on without the run.
+    /// `Write` where the disk is full; the file is then lost.
+    pub fn add(&mut self, id: &str, trace: &Trace) -> super::Outcome<()> {
+        check(id, trace).map_err(|reason| unfit(&self.target, id, reason))?;
+        if self.runs.contains(id) {
+            let reason = "the file already has a run of this id".to_owned();
+            return Err(unfit(&self.target, id, reason));
+        }
+        let Some(file) = &self.file else {
+            return Err(RunFileError::write(&self.target, "an earlier run failed"));
+        };
+        if let Err(error) = write_run(file, id, trace) {
+            self.file = None;
+            return Err(RunFileError::write(&self.target, reason(&error)));
+        }
+        self.runs.insert(id.to_owned());
+        Ok(())
+    }
+
+    /// Completes the file and gives it its name.
+    ///
+    /// # Errors
+    /// `Write` where the disk is full, an earlier run failed, or the name cannot be taken.
+    pub fn finish(mut self) -> super::Outcome<()> {
+        let Some(file) = self.file.take() else {
+            return Err(RunFileError::write(&self.target, "an earlier run failed"));
+        };
+        let closed = file.flush().and_then(|()| file.close());
+        closed.map_err(|error| RunFileError::write(&self.target, reason(&error)))?;
+        let synced = self.part.as_file().sync_all();
+        synced.map_err(|error| io_error(&self.target, &error))?;
+        let named = self.part.persist(&self.target);
+        named.map_err(|error| io_error(&self.target, &error.error))?;
+        Ok(())
+    }
+}
+
+/// An empty file beside `target`, removed when dropped, with the permissions of any new file.
+fn part_of(target: &Path) -> io::Result<NamedTempFile> {
+    let folder = match target.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".lugwheel-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
+fn io_error(target: &Path, error: &io::Error) -> RunFileError {
+    let message = error.to_string();
+    let reason = match error.kind() {
+        io::ErrorKind::NotFound => "No such file or folder",
+        // Without the path of the temporary file.
+        _ => message.split(" at path").next().unwrap_or(&message),
+    };
+    RunFileError::write(target, reason)
+}
+
+fn unfit(target: &Path, id: &str, reason: String) -> RunFileError {
+    RunFileError::Unfit {
+        path: target.to_owned(),
+        id: id.to_owned(),
+        reason,
+    }
+}
+
+/// What keeps `trace` from being stored, in words.
+fn check(id: &str, trace: &Trace) -> Result<(), String> {
+    check_name("run id", id)?;
+    let attributes = &trace.attributes;
+    let units = trace.channels.iter().map(|channel| &channel.unit);
+    let units = units.chain(trace.means.iter().map(|mean| &mean.unit));
+    for text in units.chain([&attributes.day, &attributes.notes]) {
+        check_text(text)?;
+    }
+    check_names(
+        "channel",
+        trace.channels.iter().map(|channel| &channel.name),
+    )?;
+    check_names("mean", trace.means.iter().map(|mean| &mean.name))?;
+    if let Some(truth) = &trace.truth {
+        check_names("terrain parameter", truth.parameters.keys())?;
+    }
+    for Channel {
+        name, sample_rate, ..
+    } in &trace.channels
+    {
+        if !(sample_rate.is_finite() && *sample_rate > 0.0) {
+            return Err(format!(
+                "sample rate [Hz] of channel {name} must be above 0 and finite, got {sample_rate}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_names<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Result<(), String> {
+    let mut seen = HashSet::new();
+    for name in names {
+        check_name(what, name)?;
+        if !seen.insert(name) {
+            return Err(format!("{what} {name:?} is there twice"));
+        }
+    }
+    Ok(())
+}
+
+fn check_name(what: &str, name: &str) -> Result<(), String> {
+    if name.is_empty() || name == "." || name == ".." || name.contains(['/', '\0']) {
+        return Err(format!("{what} {name:?} must be a name without \"/\""));
+    }
+    Ok(())
+}
+
+fn check_text(text: &str) -> Result<(), String> {
+    if text.contains('\0') {
+        return Err(format!(
+            "a text must not hold a NUL character, got {text:?}"
+        ));
+    }
+    Ok(())
+}
+
+fn write_run(file: &File, id: &str, trace: &Trace) -> Result<()> {
+    let run = group(&file.group("runs")?, id)?;
+    write_attributes(&run, &trace.attributes)?;
+    let channels = group(&run, "channels")?;
+    for channel in &trace.channels {
+        write_channel(&channels, channel)?;
+    }
+    if !trace.means.is_empty() {
+        let means = group(&run, "means")?;
+        for mean in &trace.means {
+            write_mean(&means, mean)?;
+        }
+    }
+    match &trace.truth {
+        Some(truth) => write_truth(&group(&run, "truth")?, truth),
+        None => Ok(()),
+    }
+}
+
+fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
+    let RunAttributes {
+        wheel_radius,
+        wheel_width,
+        lug_count,
+        lug_height,
+        load,
+        speed,
+        slip_ratio,
+        terrain,
+        class,
+        repeat,
+        day,
+        notes,
+        physics_rate,
+    } = attributes;
+    set(run, "wheel_radius_m", *wheel_radius)?;
+    set(run, "wheel_width_m", *wheel_width)?;
+    set(run, "lug_count", *lug_count)?;
+    set(run, "lug_height_m", *lug_height)?;
+    set(run, "load_n", *load)?;
+    set(run, "speed_m_s", *speed)?;
+    set(run, "slip_ratio", *slip_ratio)?;
+    set_text(run, "terrain", terrain.map_or("", |label| label.as_str()))?;
+    set_text(run, "class", class.map_or("", |class| class.as_str()))?;
+    set(run, "repeat", *repeat)?;
+    set_text(run, "day", day)?;
+    set_text(run, "notes", notes)?;
+    if let Some(rate) = physics_rate {
+        set(run, "physics_rate_hz", *rate)?;
+    }
+    Ok(())
+}
+
+fn write_channel(channels: &Group, channel: &Channel) -> Result<()> {
+    let Channel {
+        name,
+        unit,
+        sample_rate,
+        start,
+        samples,
+    } = channel;
+    // A chunk that is lost reads as a gap.
+    let table = table(channels, samples.len()).fill_value(f64::NAN);
+    let dataset = if in_single_precision(name) {
+        let samples: Vec<f32> = samples.iter().map(|&sample| sample as f32).collect();
+        table
+            .fill_value(f32::NAN)
+            .with_data(&samples)
+            .create(name.as_str())?
+    } else {
+        table.with_data(samples).create(name.as_str())?
+    };
+    set_text(&dataset, "unit", unit)?;
+    set(&dataset, "sample_rate_hz", *sample_rate)?;
+    set(&dataset, "start_s", *start)
+}
+
+/// Whether six digits are enough for this channel.
+fn in_single_precision(name: &str) -> bool {
+    unit_of(name).is_some() && name != "wheel_angle"
+}
+
+fn write_mean(means: &Group, mean: &Mean) -> Result<()> {
+    let Mean {
+        name,
+        unit,
+        value,
+        sd,
+        n,
+    } = mean;
+    let builder = means.new_dataset::<f64>().obj_track_times(false);
+    let dataset = builder.create(name.as_str())?;
+    dataset.write_scalar(value)?;
+    set_text(&dataset, "unit", unit)?;
+    set(&dataset, "sd", *sd)?;
+    set(&dataset, "n", *n)
+}
+
+fn write_truth(location: &Group, truth: &Truth) -> Result<()> {
+    let contacts = truth.contacts.iter().map(|contact| ContactRow {
+        lug: contact.lug,
+        start_s: contact.start,
+        end_s: contact.end,
+        entered: contact.entered.into(),
+    });
+    let windows = truth.class_windows.iter().map(|window| {
+        Ok(ClassWindowRow {
+            start_s: window.start,
+            end_s: window.end,
+            class: word(window.class.as_str())?,
+            terrain: word(window.terrain.as_str())?,
+        })
+    });
+    let profile = truth
+        .profile
+        .iter()
+        .map(|&[x, height]| ProfileRow { x, height });
+    write_table(location, "contacts", &contacts.collect::<Vec<_>>())?;
+    let windows = windows.collect::<Result<Vec<_>>>()?;
+    write_table(location, "class_windows", &windows)?;
+    write_table(location, "profile", &profile.collect::<Vec<_>>())?;
+    let parameters = group(location, "parameters")?;
+    for (name, value) in &truth.parameters {
+        set(&parameters, name, *value)?;
+    }
+    Ok(())
+}
+
+fn word(text: &str) -> Result<Word> {
+    Word::from_ascii(text.as_bytes()).map_err(|error| ::hdf5::Error::from(error.to_string()))
+}
+
+fn write_table<T: H5Type>(parent: &Group, name: &str, rows: &[T]) -> Result<Dataset> {
+    let builder = table(parent, rows.len()).packed(true);
+    builder.with_data(rows).create(name)
+}
+
+/// A dataset for this many rows, compressed where the library can.
+fn table(parent: &Group, rows: usize) -> DatasetBuilder {
+    let builder = parent.new_dataset_builder().obj_track_times(false);
+    if rows == 0 || !deflate_available() {
+        return builder;
+    }
+    builder.chunk(rows.min(CHUNK)).shuffle().deflate(DEFLATE)
+}
+
+fn group(parent: &Group, name: &str) -> Result<Group> {
+    let builder = parent.create_group_builder().obj_track_times(false);
+    builder.create(name)
+}
+
+fn set<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
+    let attribute = location.new_attr::<T>().create(name)?;
+    attribute.write_scalar(&value)
+}
+
+fn set_text(location: &Location, name: &str, text: &str) -> Result<()> {
+    let text = VarLenUnicode::from_str(text).map_err(|error| error.to_string())?;
+    set(location, name, text)
+}

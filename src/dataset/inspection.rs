@@ -1,0 +1,693 @@
+//! What is in a run file, checked: channels, units, rates, gaps, clipped or constant channels, and
+//! labels that the channels contradict.
+//!
+//! A check can only doubt. Each finding says what it saw and what would explain it; the data stay
+//! as they are.
+
+mod labels;
+mod samples;
+
+use super::hdf5::RunFile;
+use crate::quantity::Seed;
+use crate::terrain::class::{TerrainLabel, Wtic};
+use crate::trace::{Channel, Mean, RunAttributes, Trace};
+use serde::Serialize;
+use std::fmt;
+
+/// What is in a run file, and what is odd about it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// The file.
+    pub file: String,
+    /// The program that wrote it.
+    pub created_by: String,
+    /// The seed of simulated runs.
+    pub seed: Option<Seed>,
+    /// The runs that could be read.
+    pub runs: Vec<RunSummary>,
+    /// What is odd, in the order of the runs.
+    pub findings: Vec<Finding>,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// Id in the file.
+    pub run: String,
+    /// Label, if known.
+    pub terrain: Option<TerrainLabel>,
+    /// Class, if known.
+    pub class: Option<Wtic>,
+    /// Commanded forward speed [m/s].
+    pub speed_m_s: f64,
+    /// Commanded slip ratio [-].
+    pub slip_ratio: f64,
+    /// Commanded load [N].
+    pub load_n: f64,
+    /// Whether it was simulated and has ground truth.
+    pub truth: bool,
+    /// Its time series.
+    pub channels: Vec<ChannelSummary>,
+    /// Its steady means.
+    pub means: Vec<MeanSummary>,
+}
+
+/// One time series.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelSummary {
+    /// Name.
+    pub channel: String,
+    /// Unit as the file has it.
+    pub unit: String,
+    /// Samples per second [Hz].
+    pub sample_rate_hz: f64,
+    /// Time of the first sample [s].
+    pub start_s: f64,
+    /// Length [s].
+    pub duration_s: f64,
+    /// Number of samples that are no numbers.
+    pub missing: usize,
+    /// Smallest number, in its unit; none in an empty channel.
+    pub min: Option<f64>,
+    /// Mean of the numbers in the middle half of the record, in its unit.
+    pub steady_mean: Option<f64>,
+    /// Largest number, in its unit.
+    pub max: Option<f64>,
+}
+
+/// One steady mean.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeanSummary {
+    /// Name of the quantity.
+    pub channel: String,
+    /// Unit as the file has it.
+    pub unit: String,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation within the steady interval.
+    pub sd: f64,
+    /// Number of samples behind it.
+    pub n: u64,
+}
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing.
+    Info,
+    /// Results may suffer.
+    Warning,
+    /// Do not use before it is mended.
+    Error,
+}
+
+/// Something odd.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// The run.
+    pub run: String,
+    /// The channel, if it is about one.
+    pub channel: Option<String>,
+    /// How much it matters.
+    pub severity: Severity,
+    /// What was seen, and what would explain it.
+    pub message: String,
+}
+
+/// Reads all runs of `file`, one after another, and checks them.
+///
+/// A run that cannot be read is a finding; the others are still inspected.
+pub fn inspect(file: &RunFile) -> Inspection {
+    let provenance = file.provenance();
+    let mut inspection = Inspection {
+        file: file.path().display().to_string(),
+        created_by: provenance.created_by.clone(),
+        seed: provenance.seed,
+        runs: Vec::new(),
+        findings: Vec::new(),
+    };
+    for id in file.runs() {
+        let mut doubts = Doubts::of(id);
+        match file.read(id) {
+            Ok(trace) => {
+                inspection.runs.push(summary(id, &trace));
+                check(&trace, &mut doubts);
+            }
+            Err(error) => doubts.run(Severity::Error, error.to_string()),
+        }
+        inspection.findings.append(&mut doubts.findings);
+    }
+    inspection
+}
+
+/// What is odd about one run.
+pub fn findings(id: &str, trace: &Trace) -> Vec<Finding> {
+    let mut doubts = Doubts::of(id);
+    check(trace, &mut doubts);
+    doubts.findings
+}
+
+fn check(trace: &Trace, doubts: &mut Doubts) {
+    samples::check(trace, doubts);
+    labels::check(trace, doubts);
+}
+
+/// Findings of one run, as they are made.
+struct Doubts {
+    run: String,
+    findings: Vec<Finding>,
+}
+
+impl Doubts {
+    fn of(run: &str) -> Self {
+        Self {
+            run: run.to_owned(),
+            findings: Vec::new(),
+        }
+    }
+
+    fn run(&mut self, severity: Severity, message: String) {
+        self.add(None, severity, message);
+    }
+
+    fn channel(&mut self, channel: &str, severity: Severity, message: String) {
+        self.add(Some(channel.to_owned()), severity, message);
+    }
+
+    fn add(&mut self, channel: Option<String>, severity: Severity, message: String) {
+        self.findings.push(Finding {
+            run: self.run.clone(),
+            channel,
+            severity,
+            message,
+        });
+    }
+}
+
+fn summary(id: &str, trace: &Trace) -> RunSummary {
+    let RunAttributes {
+        terrain,
+        class,
+        speed,
+        slip_ratio,
+        load,
+        ..
+    } = trace.attributes;
+    let channels = trace.channels.iter();
+    RunSummary {
+        run: id.to_owned(),
+        terrain,
+        class,
+        speed_m_s: speed,
+        slip_ratio,
+        load_n: load,
+        truth: trace.truth.is_some(),
+        channels: channels.map(channel_summary).collect(),
+        means: trace.means.iter().map(mean_summary).collect(),
+    }
+}
+
+fn channel_summary(channel: &Channel) -> ChannelSummary {
+    let finite = || channel.samples.iter().copied().filter(|x| x.is_finite());
+    ChannelSummary {
+        channel: channel.name.clone(),
+        unit: channel.unit.clone(),
+        sample_rate_hz: channel.sample_rate,
+        start_s: channel.start,
+        duration_s: channel.duration(),
+        missing: channel.samples.len() - finite().count(),
+        min: finite().reduce(f64::min),
+        steady_mean: channel.steady_mean(),
+        max: finite().reduce(f64::max),
+    }
+}
+
+fn mean_summary(mean: &Mean) -> MeanSummary {
+    MeanSummary {
+        channel: mean.name.clone(),
+        unit: mean.unit.clone(),
+        mean: mean.value,
+        sd: mean.sd,
+        n: mean.n,
+    }
+}
+
+impl fmt::Display for Inspection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            file,
+            created_by,
+            seed,
+            runs,
+            findings,
+        } = self;
+        write!(f, "{file}: {}", counted(runs.len(), "run"))?;
+        if !created_by.is_empty() {
+            write!(f, ", written by {created_by}")?;
+        }
+        if let Some(Seed(seed)) = seed {
+            write!(f, ", seed {seed}")?;
+        }
+        writeln!(f)?;
+        for run in runs {
+            run.fmt(f)?;
+        }
+        if findings.is_empty() {
+            return writeln!(f, "\nnothing odd");
+        }
+        writeln!(f, "\n{}", counted(findings.len(), "finding"))?;
+        for finding in findings {
+            finding.fmt(f)?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for RunSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let label = self.terrain.map_or("-", TerrainLabel::as_str);
+        let class = self.class.map_or("-", Wtic::as_str);
+        let truth = if self.truth {
+            ", with ground truth"
+        } else {
+            ""
+        };
+        writeln!(
+            f,
+            "\n{}: terrain {label}, class {class}, {} mm/s, slip {}, {} N{truth}",
+            self.run,
+            number(1.0e3 * self.speed_m_s),
+            number(self.slip_ratio),
+            number(self.load_n),
+        )?;
+        if !self.channels.is_empty() {
+            writeln!(
+                f,
+                "  {:<16} {:<6} {:>9} {:>9} {:>9} {:>8} {:>11} {:>11} {:>11}",
+                "channel",
+                "unit",
+                "rate/Hz",
+                "start/s",
+                "length/s",
+                "missing",
+                "min",
+                "mean",
+                "max"
+            )?;
+        }
+        for channel in &self.channels {
+            channel.fmt(f)?;
+        }
+        if !self.means.is_empty() {
+            writeln!(
+                f,
+                "  {:<16} {:<6} {:>11} {:>11} {:>9}",
+                "steady mean", "unit", "mean", "sd", "n"
+            )?;
+        }
+        for mean in &self.means {
+            mean.fmt(f)?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for ChannelSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = |x: Option<f64>| x.map_or("-".to_owned(), number);
+        writeln!(
+            f,
+            "  {:<16} {:<6} {:>9} {:>9} {:>9} {:>8} {:>11} {:>11} {:>11}",
+            self.channel,
+            self.unit,
+            number(self.sample_rate_hz),
+            number(self.start_s),
+            number(self.duration_s),
+            self.missing,
+            value(self.min),
+            value(self.steady_mean),
+            value(self.max),
+        )
+    }
+}
+
+impl fmt::Display for MeanSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "  {:<16} {:<6} {:>11} {:>11} {:>9}",
+            self.channel,
+            self.unit,
+            number(self.mean),
+            number(self.sd),
+            self.n
+        )
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let severity = match self.severity {
+            Severity::Info => "info",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        };
+        let place = match &self.channel {
+            Some(channel) => format!("{} {channel}", self.run),
+            None => self.run.clone(),
+        };
+        writeln!(f, "  {severity:<8} {place}: {}", self.message)
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A number with four digits that count.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if !(1.0e-4..1.0e6).contains(&size) {
+        format!("{value:.3e}")
+    } else {
+        let before = size.log10().floor() as i32;
+        let decimals = (3 - before).max(0) as usize;
+        let text = format!("{value:.decimals$}");
+        match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => text,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::{ClassWindow, Truth, unit_of};
+
+    const RATE: f64 = 500.0;
+
+    /// A lively but sound channel around `mean`.
+    fn channel(name: &str, mean: f64) -> Channel {
+        let ripple = |i: u32| (f64::from(i) * 0.7).sin() + (f64::from(i) * 1.9).sin();
+        let size = 0.01 * mean.abs().max(0.01);
+        Channel {
+            name: name.to_owned(),
+            unit: unit_of(name).unwrap_or("?").to_owned(),
+            sample_rate: RATE,
+            start: 0.0,
+            samples: (0..5_000).map(|i| mean + size * ripple(i)).collect(),
+        }
+    }
+
+    fn wheel_angle(wheel_speed: f64) -> Channel {
+        let samples = (0..5_000).map(|i| wheel_speed * f64::from(i) / RATE);
+        Channel {
+            samples: samples.collect(),
+            ..channel("wheel_angle", 0.0)
+        }
+    }
+
+    /// A sound run at slip 0.1.
+    fn sound() -> Trace {
+        let attributes = RunAttributes {
+            wheel_radius: 0.14,
+            wheel_width: 0.15,
+            lug_count: 28,
+            lug_height: 0.015,
+            load: 100.0,
+            speed: 0.014,
+            slip_ratio: 0.1,
+            ..RunAttributes::default()
+        };
+        let channels = vec![
+            channel("acceleration_y", 0.0),
+            channel("normal_force", 100.3),
+            channel("drawbar_pull", 20.0),
+            channel("driving_torque", 5.0),
+            channel("sinkage", -0.003),
+            channel("slip_ratio", 0.1),
+            wheel_angle(0.1 / 0.9),
+            channel("forward_speed", 0.014),
+        ];
+        Trace {
+            attributes,
+            channels,
+            ..Trace::default()
+        }
+    }
+
+    /// The sound run with `name` replaced by a channel that `change` has changed.
+    fn with(name: &str, change: impl Fn(&mut Channel)) -> Trace {
+        let mut trace = sound();
+        let channel = trace.channels.iter_mut().find(|c| c.name == name);
+        change(channel.unwrap());
+        trace
+    }
+
+    /// The sound run with samples of `name` by their number.
+    fn with_samples(name: &str, sample: impl Fn(f64) -> f64) -> Trace {
+        with(name, |channel| {
+            let samples = channel.samples.iter_mut().enumerate();
+            samples.for_each(|(i, x)| *x = sample(i as f64));
+        })
+    }
+
+    fn scaled(by: f64) -> impl Fn(&mut Channel) {
+        move |channel| channel.samples.iter_mut().for_each(|x| *x *= by)
+    }
+
+    /// Expects exactly one finding, of this channel and severity, that says `part`.
+    fn expect(trace: &Trace, channel: Option<&str>, severity: Severity, part: &str) {
+        let found = findings("run", trace);
+        let [finding] = &found[..] else {
+            panic!("{part}: {found:?}")
+        };
+        assert_eq!(finding.channel.as_deref(), channel, "{finding}");
+        assert_eq!(finding.severity, severity, "{finding}");
+        assert!(finding.message.contains(part), "{finding}");
+    }
+
+    #[test]
+    fn a_sound_run_raises_no_doubt_whatever_channels_it_has() {
+        assert_eq!(findings("run", &sound()), []);
+        let without_acceleration = Trace {
+            channels: sound().channels.split_off(1),
+            ..sound()
+        };
+        assert_eq!(findings("run", &without_acceleration), []);
+    }
+
+    #[test]
+    fn a_run_commanded_12_mm_s_that_ran_at_13_is_named() {
+        let mut trace = with("forward_speed", scaled(13.0 / 14.0));
+        trace.attributes.speed = 0.012;
+        let part = "the run commanded 12 mm/s ran at 13 mm/s";
+        expect(&trace, Some("forward_speed"), Severity::Warning, part);
+    }
+
+    #[test]
+    fn a_rim_commanded_12_mm_s_that_ran_at_13_is_named_from_means_alone() {
+        // Forward at 10 mm/s with slip 0.2311, where the command makes it 1/6.
+        let mean = |name: &str, value| Mean {
+            name: name.to_owned(),
+            unit: unit_of(name).unwrap().to_owned(),
+            value,
+            sd: 0.0,
+            n: 1,
+        };
+        let mut trace = sound();
+        trace.channels.clear();
+        trace.means = vec![mean("slip_ratio", 0.2311), mean("forward_speed", 0.01)];
+        trace.attributes.speed = 0.01;
+        trace.attributes.slip_ratio = 1.0 / 6.0;
+        let part = "slip 0.1667 (rim at 12 mm/s) ran at slip 0.2311 (rim at 13.01 mm/s)";
+        expect(&trace, Some("slip_ratio"), Severity::Warning, part);
+    }
+
+    #[test]
+    fn without_a_slip_channel_the_wheel_angle_tells_the_slip() {
+        let mut trace = sound();
+        trace.channels.retain(|c| c.name != "slip_ratio");
+        assert_eq!(findings("run", &trace), []);
+        trace.attributes.slip_ratio = 0.2;
+        let part = "commanded slip 0.2 (rim at 17.5 mm/s) ran at slip 0.1 (rim at 15.56 mm/s)";
+        expect(&trace, Some("wheel_angle"), Severity::Warning, part);
+    }
+
+    #[test]
+    fn a_force_off_its_load_is_told_apart_by_factor_and_sign() {
+        let off = Severity::Warning;
+        let unit = Severity::Error;
+        let cases = [
+            (9.80665, unit, "newton against kilogram"),
+            (1.0 / 9.80665, unit, "kilogram against newton"),
+            (10.0, unit, "a gain or a decimal place"),
+            (1.0e-3, unit, "a wrong prefix"),
+            (
+                -1.0,
+                unit,
+                "mean is -100.3 N: the normal force points upward",
+            ),
+            (
+                1.25,
+                off,
+                "mean is 125.4 N, commanded load 100 N: the load was not held",
+            ),
+        ];
+        for (factor, severity, part) in cases {
+            let trace = with("normal_force", scaled(factor));
+            expect(&trace, Some("normal_force"), severity, part);
+        }
+        assert_eq!(findings("run", &with("normal_force", scaled(1.08))), []);
+    }
+
+    #[test]
+    fn signs_units_and_gravity_are_doubted_by_their_mean() {
+        let (error, warning) = (Severity::Error, Severity::Warning);
+        let shifted = |c: &mut Channel| c.samples.iter_mut().for_each(|x| *x += 9.8);
+        let gravity = with("acceleration_y", shifted);
+        expect(
+            &gravity,
+            Some("acceleration_y"),
+            error,
+            "gravity is still in it",
+        );
+        let per_cent = with("slip_ratio", scaled(100.0));
+        expect(
+            &per_cent,
+            Some("slip_ratio"),
+            error,
+            "outside [-1, 1]: per cent?",
+        );
+        let millimetres = with("sinkage", scaled(-1000.0));
+        expect(&millimetres, Some("sinkage"), error, "millimetres?");
+        let raised = with("sinkage", scaled(12.0));
+        expect(&raised, Some("sinkage"), warning, "change its sign");
+        let torque = with("driving_torque", scaled(-1.0));
+        expect(&torque, Some("driving_torque"), warning, "change its sign");
+        let unit = with("normal_force", |c| c.unit = "kN".to_owned());
+        expect(
+            &unit,
+            Some("normal_force"),
+            error,
+            "unit is \"kN\", expected \"N\"",
+        );
+        let mut wheel = sound();
+        wheel.attributes.wheel_width = 150.0;
+        expect(&wheel, None, error, "wheel_width_m is 150: millimetres?");
+        let backward = with("wheel_angle", scaled(-1.0));
+        expect(&backward, Some("wheel_angle"), error, "change its sign");
+    }
+
+    #[test]
+    fn gaps_constants_and_channels_of_another_length_are_counted() {
+        let warning = Severity::Warning;
+        let gaps = with("drawbar_pull", |c| {
+            c.samples[100..350].fill(f64::NAN);
+            c.samples[4_000] = f64::NAN;
+        });
+        let part = "251 of 5000 samples are no numbers, longest gap 0.5 s";
+        expect(&gaps, Some("drawbar_pull"), warning, part);
+        let dead = with_samples("drawbar_pull", |_| 0.3);
+        expect(&dead, Some("drawbar_pull"), warning, "constant at 0.3");
+        let held = with_samples("slip_ratio", |_| 0.1);
+        expect(
+            &held,
+            Some("slip_ratio"),
+            Severity::Info,
+            "a command in place",
+        );
+        let short = with("drawbar_pull", |c| c.samples.truncate(4_000));
+        let part = "runs from 0 s to 8 s, acceleration_y from 0 s to 10 s";
+        expect(&short, Some("drawbar_pull"), warning, part);
+        let empty = with("drawbar_pull", |c| c.samples.clear());
+        expect(&empty, Some("drawbar_pull"), warning, "no samples");
+        let bare = Trace {
+            channels: Vec::new(),
+            ..sound()
+        };
+        expect(&bare, None, warning, "no channels and no means");
+    }
+
+    #[test]
+    fn a_clipped_signal_is_found_and_a_quantised_or_resting_one_is_not() {
+        let wave = |i: f64| 100.0 + 20.0 * (i * 0.011).sin();
+        let clipped = with_samples("normal_force", |i| wave(i).min(115.0));
+        expect(
+            &clipped,
+            Some("normal_force"),
+            Severity::Warning,
+            "stuck at 115",
+        );
+        for step in [0.5, 2.0, 5.0] {
+            let quantised = with_samples("normal_force", |i| (wave(i) / step).round() * step);
+            assert_eq!(findings("run", &quantised), [], "step {step}");
+        }
+        // Off the ground half of the time: half a sine of peak 314 N has a mean of 100 N.
+        let lifting = with_samples("normal_force", |i| 15.7 * (wave(i) - 100.0).max(0.0));
+        assert_eq!(findings("run", &lifting), []);
+        let starting = with_samples("forward_speed", |i| (0.014 * i / 500.0).min(0.014));
+        assert_eq!(findings("run", &starting), []);
+    }
+
+    #[test]
+    fn a_class_that_the_truth_contradicts_is_named() {
+        let window = ClassWindow {
+            start: 0.0,
+            end: 15.0,
+            class: Wtic::Slct,
+            terrain: TerrainLabel::Gravel,
+        };
+        let mut trace = sound();
+        trace.attributes.class = Some(Wtic::Alct);
+        trace.truth = Some(Truth {
+            class_windows: vec![window],
+            ..Truth::default()
+        });
+        let part = "labelled ALCT, but every window of its ground truth is SLCT";
+        expect(&trace, None, Severity::Warning, part);
+    }
+
+    #[test]
+    fn the_table_shows_each_channel_and_each_finding_on_a_line() {
+        let trace = with("normal_force", scaled(1.25));
+        let inspection = Inspection {
+            file: "runs.h5".to_owned(),
+            created_by: "lugwheel".to_owned(),
+            seed: Some(Seed(7)),
+            runs: vec![summary("r1", &trace)],
+            findings: findings("r1", &trace),
+        };
+        let table = inspection.to_string();
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(lines[0], "runs.h5: 1 run, written by lugwheel, seed 7");
+        assert_eq!(lines[2], "r1: terrain -, class -, 14 mm/s, slip 0.1, 100 N");
+        let force = lines.iter().find(|line| line.starts_with("  normal_force"));
+        let words: Vec<&str> = force.unwrap().split_whitespace().collect();
+        assert_eq!(words[..5], ["normal_force", "N", "500", "0", "10"]);
+        let last = lines.last().unwrap();
+        assert!(
+            last.starts_with("  warning  r1 normal_force: mean is 125.4 N"),
+            "{last}"
+        );
+        let json = serde_json::to_value(&inspection).unwrap();
+        assert_eq!(json["findings"][0]["severity"], "warning");
+        assert_eq!(json["runs"][0]["channels"][1]["channel"], "normal_force");
+    }
+
+    #[test]
+    fn numbers_keep_four_digits_that_count() {
+        let printed = [100.0, 0.014, -0.23105, 128_000.0, 98.0665, 1.0e-7, 0.0].map(number);
+        assert_eq!(
+            printed,
+            [
+                "100", "0.014", "-0.2311", "128000", "98.07", "1.000e-7", "0"
+            ]
+        );
+        assert_eq!(number(f64::NAN), "NaN");
+    }
+}

@@ -1,0 +1,217 @@
+//! Run files and h5py: it reads what this program writes, and the other way round.
+
+use lugwheel::dataset::Provenance;
+use lugwheel::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
+use lugwheel::dataset::inspection::{Severity, inspect};
+use lugwheel::quantity::Seed;
+use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::{Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
+use std::path::Path;
+use std::process::Command;
+
+/// Runs `check.py` with these arguments; fails with what it says.
+fn python(arguments: &[&str]) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/h5py/check.py");
+    let output = Command::new("python3")
+        .arg(script)
+        .args(arguments)
+        .output()
+        .expect(
+            "python3 with h5py is needed for this test: install python3, then `pip install h5py`",
+        );
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "check.py {arguments:?}: {said}");
+}
+
+fn simulated() -> Trace {
+    let attributes = RunAttributes {
+        wheel_radius: 0.14,
+        wheel_width: 0.15,
+        lug_count: 28,
+        lug_height: 0.015,
+        load: 100.0,
+        speed: 0.014,
+        slip_ratio: 0.1,
+        terrain: Some(TerrainLabel::SandWithGravel),
+        class: Some(Wtic::Leis),
+        repeat: 3,
+        day: "2023-05-01".to_owned(),
+        notes: String::new(),
+        physics_rate: Some(128_000.0),
+    };
+    let normal_force = Channel {
+        name: "normal_force".to_owned(),
+        unit: "N".to_owned(),
+        sample_rate: 500.0,
+        start: 0.25,
+        samples: (0..40_000).map(|i| 100.0 + f64::from(i % 7)).collect(),
+    };
+    let wheel_angle = Channel {
+        name: "wheel_angle".to_owned(),
+        unit: "rad".to_owned(),
+        sample_rate: 10.0,
+        start: 0.0,
+        samples: (0..5).map(|i| f64::from(i) / 3.0).collect(),
+    };
+    Trace {
+        attributes,
+        channels: vec![normal_force, wheel_angle],
+        means: Vec::new(),
+        truth: Some(truth()),
+    }
+}
+
+fn truth() -> Truth {
+    let contact = |lug, start, end, entered| Contact {
+        lug,
+        start,
+        end,
+        entered,
+    };
+    let window = ClassWindow {
+        start: 0.0,
+        end: 15.0,
+        class: Wtic::Leis,
+        terrain: TerrainLabel::SandWithGravel,
+    };
+    Truth {
+        contacts: vec![contact(3, 0.5, 1.25, true), contact(4, 1.0, 2.5, false)],
+        class_windows: vec![window],
+        parameters: [("cohesion".to_owned(), 300.0)].into(),
+        profile: vec![[0.0, 0.0], [0.1, 0.002]],
+    }
+}
+
+fn measured() -> Trace {
+    let drawbar_pull = Mean {
+        name: "drawbar_pull".to_owned(),
+        unit: "N".to_owned(),
+        value: -6.5,
+        sd: 0.7,
+        n: 1200,
+    };
+    Trace {
+        means: vec![drawbar_pull],
+        ..Trace::default()
+    }
+}
+
+#[test]
+fn h5py_finds_names_units_values_and_attributes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.h5");
+    let provenance = Provenance::simulated("version = 1  # 5 µm\n", Seed(u64::MAX));
+    let mut writer = RunFileWriter::create(&path, &provenance).unwrap();
+    writer.add("simulated", &simulated()).unwrap();
+    writer.add("measured", &measured()).unwrap();
+    writer.finish().unwrap();
+    python(&["read", path.to_str().unwrap()]);
+}
+
+#[test]
+fn a_campaign_in_other_types_of_number_and_text_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("campaign.h5");
+    python(&["write", path.to_str().unwrap()]);
+    let file = RunFile::open(&path).unwrap();
+    let trace = file.read("first").unwrap();
+    let RunAttributes {
+        wheel_radius,
+        lug_count,
+        load,
+        terrain,
+        ref notes,
+        ..
+    } = trace.attributes;
+    assert_eq!((lug_count, load, notes.as_str()), (28, 100.0, ""));
+    assert_eq!(wheel_radius as f32, 0.14_f32);
+    assert_eq!(terrain, Some(TerrainLabel::Sand));
+    let force = trace.channel("normal_force").unwrap();
+    assert_eq!(
+        (force.unit.as_str(), &force.samples[..]),
+        ("N", &[99.0, 101.0][..])
+    );
+    assert_eq!(file.provenance().seed, None);
+    assert_eq!(file.provenance().scenario, None);
+}
+
+#[test]
+fn what_is_missing_or_wrong_is_named_with_file_group_and_what_was_expected() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = [
+        (
+            "format",
+            "at /: expected an attribute format, a text, found none",
+        ),
+        (
+            "other_format",
+            "at /: expected format = \"lugwheel-runs\", found \"weather\"",
+        ),
+        ("version", "at /: expected format_version = 1, found 2"),
+        ("runs", "at /: expected a group runs, found none"),
+        (
+            "load",
+            "at /runs/first: expected an attribute load_n, a number, found none",
+        ),
+        (
+            "load_text",
+            "at /runs/first: expected load_n, a number, found unicode",
+        ),
+        (
+            "lug_count",
+            "at /runs/first: expected lug_count, a count, found -1",
+        ),
+        (
+            "terrain",
+            "at /runs/first: expected terrain to be one of `REF`, `HT`",
+        ),
+        (
+            "unit",
+            "at /runs/first/channels/normal_force: expected an attribute unit, a text",
+        ),
+        (
+            "matrix",
+            "at /runs/first/channels/sinkage: expected samples in one dimension",
+        ),
+        ("text_channel", "at /runs/first/channels/sinkage: expected"),
+        (
+            "contacts",
+            "at /runs/first/truth: expected contacts with columns lug, start_s, end_s, entered",
+        ),
+    ];
+    let mut arguments = vec!["spoil", folder.path().to_str().unwrap()];
+    arguments.extend(cases.map(|(what, _)| what));
+    python(&arguments);
+    for (what, message) in cases {
+        let path = folder.path().join(format!("{what}.h5"));
+        let error = RunFile::open(&path)
+            .and_then(|file| file.read("first"))
+            .unwrap_err();
+        assert!(
+            matches!(error, RunFileError::Content { .. }),
+            "{what}: {error}"
+        );
+        let text = error.to_string();
+        assert!(
+            text.contains(&format!("{what}.h5 {message}")),
+            "{what}: {text}"
+        );
+    }
+}
+
+#[test]
+fn a_run_that_cannot_be_read_is_a_finding_of_the_inspection() {
+    let folder = tempfile::tempdir().unwrap();
+    python(&["spoil", folder.path().to_str().unwrap(), "load"]);
+    let file = RunFile::open(folder.path().join("load.h5")).unwrap();
+    let inspection = inspect(&file);
+    assert!(inspection.runs.is_empty());
+    let [finding] = &inspection.findings[..] else {
+        panic!("{inspection}")
+    };
+    assert_eq!(
+        (finding.run.as_str(), finding.severity),
+        ("first", Severity::Error)
+    );
+    assert!(finding.message.contains("load_n"), "{}", finding.message);
+}
