@@ -12,6 +12,7 @@
 //! ```
 
 mod document;
+pub mod experiment;
 
 use crate::quantity::{RangeError, SampleRate};
 use crate::sensors::Sensors;

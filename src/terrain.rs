@@ -8,6 +8,7 @@ use crate::soil::Soil;
 use class::TerrainLabel;
 use profile::Profile;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Hunt-Crossley contact of lug edge or rim with stone: `F = F_0 (δ/δ_0)ⁿ (1 + d δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -98,8 +99,6 @@ pub enum TerrainSpec {
     },
     /// GT: a settled pile of free stones.
     Gravel {
-        /// Contact of the wheel with the floor beneath, should it dig that deep.
-        contact: HardContact,
         /// The stones.
         stones: Stones,
         /// Depth of the pile [m].
@@ -257,12 +256,7 @@ impl TerrainSpec {
                 roughness.check()?;
                 joints.as_ref().map_or(Ok(()), Joints::check)
             }
-            Self::Gravel {
-                contact,
-                stones,
-                depth,
-            } => {
-                contact.check()?;
+            Self::Gravel { stones, depth } => {
                 stones.check()?;
                 RangeError::positive("gravel depth", "m", *depth)?;
                 RangeError::check("gravel depth", "m", *depth, [stones.size.max, 10.0])?;
@@ -320,6 +314,26 @@ pub struct Terrain {
     run: u64,
 }
 
+/// Every number of a ground under its dotted name.
+fn collect_numbers(prefix: &str, ground: &TerrainSpec, into: &mut BTreeMap<String, f64>) {
+    fn walk(name: &str, value: &serde_json::Value, into: &mut BTreeMap<String, f64>) {
+        match value {
+            serde_json::Value::Number(number) => {
+                into.extend(number.as_f64().map(|number| (name.to_owned(), number)));
+            }
+            serde_json::Value::Object(table) => table
+                .iter()
+                .for_each(|(key, value)| walk(&format!("{name}.{key}"), value, into)),
+            _ => {}
+        }
+    }
+    if let Ok(serde_json::Value::Object(kinds)) = serde_json::to_value(ground) {
+        for (kind, value) in &kinds {
+            walk(&format!("{prefix}{kind}"), value, into);
+        }
+    }
+}
+
 /// Distance between nodes of hard ground [m]: an eighth of the shortest roughness in use.
 const NODE: f64 = 2.5e-4;
 
@@ -365,6 +379,21 @@ impl Terrain {
     /// The stretches in their order along the track.
     pub fn stretches(&self) -> &[Stretch] {
         &self.stretches
+    }
+
+    /// Parameters of the ground by name, for the truth of a run: of the only stretch, or of each
+    /// with its number before.
+    pub fn parameters(&self) -> BTreeMap<String, f64> {
+        let mut parameters = BTreeMap::new();
+        for (number, stretch) in self.stretches.iter().enumerate() {
+            let prefix = if self.stretches.len() > 1 {
+                format!("{number}.")
+            } else {
+                String::new()
+            };
+            collect_numbers(&prefix, &stretch.ground, &mut parameters);
+        }
+        parameters
     }
 
     /// Height of the fixed surface of `stretch`.

@@ -12,6 +12,8 @@ use crate::wheel::Wheel;
 enum Filling {
     Hard(Box<HardGround>),
     Soil(Box<SoilTrack>),
+    /// Nothing fixed within the wheel's reach: stones alone carry it.
+    Stones,
 }
 
 struct Layer {
@@ -47,6 +49,7 @@ impl GroundForce {
             let reach = match &mut layer.filling {
                 Filling::Hard(ground) => ground.push(wheel, motion, dt),
                 Filling::Soil(track) => track.push(wheel, motion, dt),
+                Filling::Stones => continue,
             };
             sum.wrench += reach.wrench;
             sum.touching |= reach.touching;
@@ -65,6 +68,7 @@ impl GroundForce {
                 (profile.at(x).height + offset, false)
             }
             Filling::Soil(track) => (track.undisturbed(x), true),
+            Filling::Stones => (0.0, false),
         }
     }
 
@@ -105,6 +109,7 @@ impl GroundForce {
                 Filling::Soil(track) => {
                     surface.extend(track.surface(low, high));
                 }
+                Filling::Stones => {}
             }
         }
         surface
@@ -142,7 +147,7 @@ impl Layer {
             TerrainSpec::Reference { contact }
             | TerrainSpec::Hard { contact, .. }
             | TerrainSpec::GravelOnHard { contact, .. } => hard(*contact, 0.0),
-            TerrainSpec::Gravel { contact, depth, .. } => hard(*contact, -depth),
+            TerrainSpec::Gravel { .. } => Filling::Stones,
             TerrainSpec::Sand { soil, .. } | TerrainSpec::GravelInSand { soil, .. } => {
                 Filling::Soil(Box::new(SoilTrack::new(profile, *soil, wheel, range)))
             }

@@ -366,6 +366,15 @@ impl Drive {
         Ok(())
     }
 
+    /// Commanded slip ratio [-] on a rim of `radius` [m].
+    pub fn commanded_slip(&self, radius: f64) -> f64 {
+        let from_speeds =
+            |wheel_speed| SlipRatio::from_motion(radius, wheel_speed, self.forward_speed);
+        self.slip
+            .or_else(|| self.wheel_speed.map(from_speeds))
+            .map_or(f64::NAN, SlipRatio::get)
+    }
+
     /// Commanded wheel speed [rad/s] at full speed on a rim of `radius` [m].
     ///
     /// # Errors
