@@ -5,7 +5,7 @@
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
-pub mod envelope;
+mod envelope;
 pub mod figure;
 pub mod page;
 pub mod spectrum;

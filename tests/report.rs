@@ -31,7 +31,7 @@ fn impacts(t: f64) -> f64 {
     1.5 * libm::exp(-since / 0.02) * libm::cos(TAU * 60.0 * since)
 }
 
-/// A run on sand such as the paper's single wheel would leave: 14 mm... per lug pass one impulse.
+/// A run such as the paper's single wheel would leave on sand, with one impulse each lug pass.
 fn sand() -> Trace {
     let speed = 0.9 * 0.14 * WHEEL_SPEED;
     let window = |start: f64, class, terrain| ClassWindow {

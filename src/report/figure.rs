@@ -447,9 +447,18 @@ impl Axis {
         let last = libm::log10(self.high).round() as i32;
         let pitch = (self.to - self.from).abs() / f64::from(last - first);
         let every = (spacing / pitch).ceil().max(1.0) as usize;
+        let plain = first >= -2 && last <= 3;
+        let written = |decade: i32, value: f64| {
+            if plain {
+                format!("{value}")
+            } else {
+                format!("10{}", superscript(decade))
+            }
+        };
         (first..=last)
             .step_by(every)
-            .map(|decade| (libm::pow(10.0, f64::from(decade)), power_of_ten(decade)))
+            .map(|decade| (decade, libm::pow(10.0, f64::from(decade))))
+            .map(|(decade, value)| (value, written(decade, value)))
             .collect()
     }
 }
@@ -481,13 +490,6 @@ fn label(value: f64, step: f64) -> String {
 /// A hyphen is shorter than the minus it stands for.
 fn minus(text: String) -> String {
     text.replace('-', "−")
-}
-
-fn power_of_ten(decade: i32) -> String {
-    match decade {
-        -2..=3 => minus(format!("{}", libm::pow(10.0, f64::from(decade)))),
-        _ => format!("10{}", superscript(decade)),
-    }
 }
 
 fn superscript(number: i32) -> String {
@@ -570,24 +572,22 @@ impl Panel {
         canvas.text(middle, Anchor::Middle, Font::SMALL, name);
     }
 
-    /// Names of the lines, right-aligned beside the header, as far as it leaves room.
+    /// Names of the lines at the right of the header, as far as it leaves room.
     pub fn draw_legend(&self, canvas: &mut Canvas, header: &str, entries: &[(String, Stroke)]) {
-        const SWATCH: f64 = 34.0;
-        let mut right = self.area.right();
-        let room = self.area.left + Font::HEADER.width(header) + 16.0;
+        const SWATCH: f64 = 28.0;
+        const GAP: f64 = 12.0;
+        let room = self.area.left + Font::HEADER.width(header) + GAP;
         let y = self.area.top - 9.0;
+        let mut right = self.area.right();
         for (name, stroke) in entries.iter().rev() {
-            let width = Font::SMALL.width(name);
-            if right - width - SWATCH < room {
+            let left = right - Font::SMALL.width(name) - SWATCH;
+            if left < room {
                 return;
             }
-            canvas.text([right, y], Anchor::End, Font::SMALL, name);
-            let swatch = [
-                [right - width - 26.0, y - 5.0],
-                [right - width - 6.0, y - 5.0],
-            ];
+            let swatch = [[left, y - 5.0], [left + SWATCH - 7.0, y - 5.0]];
             canvas.polyline(&swatch, *stroke);
-            right -= width + SWATCH + 12.0;
+            canvas.text([left + SWATCH, y], Anchor::Start, Font::SMALL, name);
+            right = left - GAP;
         }
     }
 }
@@ -616,7 +616,10 @@ mod tests {
         assert_eq!(axis.pixel(1e-6), 180.0);
         assert!((axis.pixel(100.0)).abs() < 1e-9);
         let labels: Vec<_> = axis.ticks(40.0).into_iter().map(|t| t.1).collect();
-        assert_eq!(labels, ["10⁻⁶", "10⁻⁴", "0.01", "1", "100"]);
+        assert_eq!(labels, ["10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"]);
+        let short = Axis::decades([0.02, 7.0], [180.0, 0.0]);
+        let labels: Vec<_> = short.ticks(40.0).into_iter().map(|t| t.1).collect();
+        assert_eq!(labels, ["0.01", "0.1", "1", "10"]);
     }
 
     #[test]

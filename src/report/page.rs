@@ -60,11 +60,13 @@ impl Column {
     }
 }
 
-/// What stands in a table. Numbers are written with four digits.
+/// What stands in a table. Measured and computed numbers are written with four digits.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
     /// Text.
     Text(String),
+    /// How many there are.
+    Count(u64),
     /// A number.
     Number(f64),
     /// A number and the interval (low, high) that holds it with 95 %; infinite where unbounded.
@@ -80,6 +82,7 @@ impl Cell {
     fn written(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
+            Self::Count(count) => count.to_string(),
             Self::Number(value) => four_digits(*value),
             Self::Estimate(value, [low, high]) => format!(
                 "{} [{}, {}]",
@@ -271,5 +274,6 @@ mod tests {
         let cell = Cell::Estimate(1.1, [0.9, f64::INFINITY]).written();
         assert_eq!(cell, "1.100 [0.9000, unbounded]");
         assert_eq!(Cell::Number(f64::NAN).written(), "–");
+        assert_eq!(Cell::Count(20).written(), "20");
     }
 }

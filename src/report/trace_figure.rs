@@ -712,7 +712,7 @@ fn draw_spectrum(
     let header = "Order spectrum of the acceleration: amplitude [m/s²]";
     panel.draw_frame(canvas, header);
     let [top, bottom] = [panel.area.top, panel.area.bottom()];
-    let harmonic = Stroke::dashed(PALETTE[1], 1.2);
+    let harmonic = Stroke::solid("#f2b98f", 1.5);
     for order in 1..ORDERS as usize {
         let x = panel.x.pixel(order as f64);
         canvas.polyline(&[[x, top], [x, bottom]], harmonic);
@@ -736,7 +736,7 @@ fn draw_spectrum(
     let ticks = match spectrum.passes_per_turn / minor {
         _ if minor == 1 => String::new(),
         1 => "; small ticks: orders of the wheel".to_owned(),
-        step => format!("; small ticks: every {step}th order of the wheel"),
+        step => format!("; small ticks: {step} orders of the wheel apart"),
     };
     let name = format!(
         "order per {unit} [-]{ticks}; Hann, {} × {blocks}",
