@@ -1,7 +1,9 @@
-//! Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test rig would.
+//! Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
+//! rig would.
 
 pub mod dataset;
 pub mod quantity;
+pub mod report;
 pub mod scenario;
 pub mod sensors;
 pub mod simulation;

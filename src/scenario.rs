@@ -34,16 +34,6 @@ const MOST_STEPS: f64 = 1.0e9;
 /// Length [s] of the windows in which a run is labelled and recognised, as in the paper.
 const PAPERS_WINDOW: f64 = 15.0;
 
-/// A named departure from the ideal, as a scenario asks for it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EffectSetting {
-    /// Name in the catalogue of effects, for example `wheel_eccentricity`.
-    pub name: String,
-    /// Magnitude in the unit that the catalogue gives.
-    pub magnitude: f64,
-}
-
 /// One experiment.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scenario {
@@ -64,9 +54,6 @@ pub struct Scenario {
     pub rig: Rig,
     /// How the run is measured.
     pub sensors: Sensors,
-    /// Departures from the ideal.
-    #[serde(rename = "effect", skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<EffectSetting>,
     #[serde(skip)]
     source: Source,
 }
@@ -91,8 +78,6 @@ struct ScenarioTable {
     rig: RigTable,
     #[serde(default)]
     sensors: Sensors,
-    #[serde(default, rename = "effect")]
-    effects: Vec<EffectSetting>,
 }
 
 impl Scenario {
@@ -299,7 +284,6 @@ impl ScenarioTable {
             wheel: self.wheel.into_wheel(),
             rig,
             sensors: self.sensors,
-            effects: self.effects,
             source,
         })
     }

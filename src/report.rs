@@ -1,0 +1,27 @@
+//! Outcomes as figures and pages. Everything here returns text; nothing reads or writes a file.
+//!
+//! - [`trace_figure`]: what one run recorded, as one drawing.
+//! - [`wheel_picture()`]: the wheel on its ground, to scale.
+//! - [`page()`]: questions, answers, tables and figures as one HTML document.
+//! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
+
+mod envelope;
+pub mod figure;
+pub mod page;
+pub mod spectrum;
+mod trace_figure;
+pub mod wheel_picture;
+
+pub use page::{Page, page};
+pub use trace_figure::trace_figure;
+pub use wheel_picture::wheel_picture;
+
+/// Why there is nothing to report.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReportError {
+    /// The run holds no finite sample, mean or ground.
+    #[error(
+        "run {0} holds nothing to draw: no channel or mean with a finite value, and no ground profile"
+    )]
+    Empty(String),
+}

@@ -1,0 +1,262 @@
+//! Figures of runs: well-formed whatever a run holds, and honest about what it does not.
+
+use lugwheel::report::{ReportError, trace_figure};
+use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace, Truth};
+use std::f64::consts::TAU;
+
+/// Length of the made-up runs [s] and their wheel speed [rad/s].
+const DURATION: f64 = 15.0;
+const WHEEL_SPEED: f64 = 0.5;
+
+fn channel(name: &str, unit: &str, rate: f64, value: impl Fn(f64) -> f64) -> Channel {
+    let samples = (0..(DURATION * rate) as usize).map(|i| value(i as f64 / rate));
+    Channel {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        sample_rate: rate,
+        start: 0.0,
+        samples: samples.collect(),
+    }
+}
+
+/// Repeats in 0..1 with every lug pass.
+fn lug_phase(t: f64) -> f64 {
+    (28.0 * WHEEL_SPEED * t / TAU).fract()
+}
+
+/// Each lug strikes and rings at 60 Hz.
+fn impacts(t: f64) -> f64 {
+    let since = lug_phase(t) * TAU / (28.0 * WHEEL_SPEED);
+    1.5 * libm::exp(-since / 0.02) * libm::cos(TAU * 60.0 * since)
+}
+
+/// A run such as the paper's single wheel would leave on sand, with one impulse each lug pass.
+fn sand() -> Trace {
+    let speed = 0.9 * 0.14 * WHEEL_SPEED;
+    let window = |start: f64, class, terrain| ClassWindow {
+        start,
+        end: start + 1.0,
+        class,
+        terrain,
+    };
+    let windows = (0..15).map(|i| match i {
+        0..=8 => window(f64::from(i), Wtic::Leis, TerrainLabel::Sand),
+        9 => window(9.0, Wtic::Uwtic, TerrainLabel::Sand),
+        _ => window(f64::from(i), Wtic::Slct, TerrainLabel::SandWithGravel),
+    });
+    let ground = |i: i32| {
+        let x = f64::from(i) * 0.005;
+        [x, 0.003 * libm::sin(9.0 * x)]
+    };
+    Trace {
+        attributes: RunAttributes {
+            wheel_radius: 0.14,
+            wheel_width: 0.15,
+            lug_count: 28,
+            lug_height: 0.015,
+            load: 100.0,
+            speed,
+            slip_ratio: 0.1,
+            terrain: Some(TerrainLabel::Sand),
+            class: Some(Wtic::Leis),
+            repeat: 1,
+            day: "2".to_owned(),
+            notes: "synthetic".to_owned(),
+            physics_rate: Some(128_000.0),
+        },
+        channels: vec![
+            channel("acceleration_y", "m/s^2", 2000.0, impacts),
+            channel("normal_force", "N", 200.0, |t| {
+                100.0 + 6.0 * libm::sin(TAU * lug_phase(t))
+            }),
+            channel("drawbar_pull", "N", 200.0, |t| {
+                18.0 + 3.0 * libm::cos(TAU * lug_phase(t))
+            }),
+            channel("driving_torque", "N m", 200.0, |t| {
+                4.1 + 0.4 * libm::sin(TAU * lug_phase(t))
+            }),
+            channel("sinkage", "m", 50.0, |t| {
+                0.011 - 0.011 * libm::exp(-t / 0.6)
+            }),
+            channel("slip_ratio", "1", 50.0, |t| {
+                0.1 + 0.01 * libm::sin(TAU * lug_phase(t))
+            }),
+            channel("wheel_angle", "rad", 500.0, |t| WHEEL_SPEED * t),
+            channel("forward_speed", "m/s", 50.0, |_| speed),
+        ],
+        means: Vec::new(),
+        truth: Some(Truth {
+            class_windows: windows.collect(),
+            profile: (-60..400).map(ground).collect(),
+            ..Truth::default()
+        }),
+    }
+}
+
+fn replaced(mut trace: Trace, name: &str, edit: impl Fn(&mut Channel)) -> Trace {
+    let mut channels = trace.channels.iter_mut();
+    edit(channels.find(|channel| channel.name == name).unwrap());
+    trace
+}
+
+/// Fails unless `xml` is one element with balanced tags, quoted attributes, known entities.
+fn assert_well_formed(xml: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = xml.trim();
+    let mut elements = 0;
+    while let Some(start) = rest.find('<') {
+        assert!(
+            start == 0 || !open.is_empty(),
+            "text outside: {}",
+            &rest[..start]
+        );
+        assert_entities(&rest[..start]);
+        let end = start + rest[start..].find('>').expect("a tag without an end");
+        let tag = &rest[start + 1..end];
+        rest = &rest[end + 1..];
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name));
+            continue;
+        }
+        assert!(!open.is_empty() || elements == 0, "two roots");
+        elements += 1;
+        let body = tag.strip_suffix('/').unwrap_or(tag);
+        assert_attributes(body);
+        if body.len() == tag.len() {
+            open.push(body.split_whitespace().next().unwrap());
+        }
+    }
+    assert!(open.is_empty(), "still open: {open:?}");
+    assert!(rest.is_empty(), "after the root: {rest}");
+}
+
+fn assert_entities(text: &str) {
+    for part in text.split('&').skip(1) {
+        let name = part.split(';').next().unwrap();
+        assert!(
+            ["amp", "lt", "gt", "quot", "#39"].contains(&name),
+            "&{name}"
+        );
+    }
+    assert!(
+        text.chars().all(|c| c >= ' ' || c == '\n'),
+        "control character"
+    );
+}
+
+fn assert_attributes(tag: &str) {
+    let pieces: Vec<&str> = tag.split('"').collect();
+    assert_eq!(pieces.len() % 2, 1, "quotes of <{tag}>");
+    let mut names: Vec<&str> = Vec::new();
+    for pair in pieces.chunks_exact(2) {
+        assert_entities(pair[1]);
+        let name = pair[0].split_whitespace().last().unwrap();
+        assert!(name.ends_with('='), "{name} in <{tag}>");
+        assert!(!names.contains(&name), "{name} twice in <{tag}>");
+        names.push(name);
+    }
+    assert!(!tag.contains("NaN") && !tag.contains("inf"), "<{tag}>");
+}
+
+#[test]
+fn a_whole_run_is_drawn_whole() {
+    let svg = trace_figure(&sand(), "003").unwrap();
+    assert_well_formed(&svg);
+    for header in [
+        "Run 003: sand (ST)",
+        "28 lugs of 15.0 mm",
+        "Wheel and ground at 7.5",
+        "LEIS on ST",
+        "SLCT on SGT",
+        "Vertical acceleration",
+        "drawbar pull F_DP",
+        "Driving torque",
+        "Sinkage",
+        "Slip ratio",
+        "order per lug pass",
+    ] {
+        assert!(svg.contains(header), "{header}");
+    }
+    assert!(!svg.contains("Not recorded"));
+    // 45 000 samples; the acceleration alone would take 400 kB as text.
+    assert!(svg.len() < 250_000, "{} bytes", svg.len());
+}
+
+#[test]
+fn every_channel_may_be_missing_and_is_then_named() {
+    for channel in sand().channels {
+        let mut trace = sand();
+        trace.channels.retain(|kept| kept.name != channel.name);
+        let svg = trace_figure(&trace, "1").unwrap();
+        assert_well_formed(&svg);
+        let remark = format!("Not recorded: {}.", channel.name);
+        assert!(svg.contains(&remark), "{remark}");
+    }
+}
+
+#[test]
+fn a_run_of_means_alone_shows_its_means() {
+    let trace = Trace {
+        attributes: sand().attributes,
+        means: vec![Mean {
+            name: "drawbar_pull".to_owned(),
+            unit: "N".to_owned(),
+            value: 18.25,
+            sd: 1.5,
+            n: 30,
+        }],
+        ..Trace::default()
+    };
+    let svg = trace_figure(&trace, "7").unwrap();
+    assert_well_formed(&svg);
+    assert!(svg.contains("drawbar_pull: 18.25 ± 1.500 N"));
+    assert!(svg.contains("Not recorded: acceleration_y, normal_force"));
+}
+
+#[test]
+fn channels_that_are_empty_or_no_numbers_are_remarked_upon_and_never_panic() {
+    type Edit = fn(&mut Channel);
+    let faults: [(Edit, &str); 5] = [
+        (|c| c.samples.clear(), "no samples"),
+        (|c| c.samples.fill(f64::NAN), "is a finite number"),
+        (|c| c.samples[100] = f64::INFINITY, "1 of"),
+        (|c| c.sample_rate = 0.0, "a sample rate of 0 Hz"),
+        (|c| c.start = f64::NAN, "from NaN s"),
+    ];
+    for channel in sand().channels {
+        for (fault, remark) in faults {
+            let svg = trace_figure(&replaced(sand(), &channel.name, fault), "1").unwrap();
+            assert_well_formed(&svg);
+            assert!(
+                svg.contains(&format!("{}: ", channel.name)),
+                "{}",
+                channel.name
+            );
+            assert!(svg.contains(remark), "{}: {remark}", channel.name);
+        }
+        let one_sample = replaced(sand(), &channel.name, |c| c.samples.truncate(1));
+        assert_well_formed(&trace_figure(&one_sample, "1").unwrap());
+    }
+}
+
+#[test]
+fn a_run_of_nothing_is_an_error_with_its_name() {
+    let error = trace_figure(&Trace::default(), "17").unwrap_err();
+    assert_eq!(error, ReportError::Empty("17".to_owned()));
+    let only_nan = Trace {
+        channels: vec![channel("sinkage", "m", 10.0, |_| f64::NAN)],
+        ..Trace::default()
+    };
+    assert!(trace_figure(&only_nan, "17").is_err());
+}
+
+#[test]
+fn names_from_a_file_cannot_add_markup_or_break_the_drawing() {
+    let mut trace = sand();
+    trace.attributes.notes = "</text><script>&\u{0}\u{1b}".repeat(40);
+    trace.channels[0].name = "<b onload='x'>".to_owned();
+    let svg = trace_figure(&trace, "\"><script>").unwrap();
+    assert_well_formed(&svg);
+    assert!(!svg.contains("<script") && !svg.contains("<b "));
+}
