@@ -19,7 +19,7 @@ fn bare_engine() -> PhysicsWorld {
     world.integration_parameters.dt = 1.0 / 128.0e3;
     world.insert(
         RigidBodyBuilder::fixed(),
-        ColliderBuilder::halfspace(Vector::Y),
+        ColliderBuilder::new(SharedShape::halfspace(Vector::Y)),
     );
     let carriage = world.insert_body(
         RigidBodyBuilder::kinematic_velocity_based()
@@ -162,7 +162,7 @@ shear_modulus = 0.0114
 stress_angle = 0.4
 stress_angle_slip = 0.2
 exit_angle = 0.0
-unloading_stiffness = 2.0e8
+unloading_stiffness = 2.0e7
 damping = 3.0e4
 bulk_density = 1600.0
 repose_angle_deg = 32.0
