@@ -151,7 +151,8 @@ impl Columns {
                     Some([u_ahead, above]) => u + (u_ahead - u) * depth / (depth - above),
                     None => u,
                 };
-                return asin((entry / radius).clamp(-1.0, 1.0));
+                // Ground that only reaches the wheel from behind carries it once it has come down.
+                return asin((entry / radius).clamp(0.0, 1.0));
             }
             ahead = Some([u, depth]);
         }
