@@ -1,6 +1,7 @@
 //! Ground along the track: what a scenario asks for, and its realisation for one run.
 
 pub mod class;
+pub mod stones;
 
 use crate::soil::Soil;
 use serde::{Deserialize, Serialize};
