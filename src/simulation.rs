@@ -1,6 +1,8 @@
 //! The motion of the wheel: an iterator of [`WheelState`].
 
 pub mod rig;
+pub mod stone_bed;
+pub mod world;
 
 /// Loads on the wheel in the plane of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -144,6 +144,14 @@ impl PlacedStone {
         self.position[1] + highest.fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Bound [m] on the distance between a point of this stone and the same point of `other`, the
+    /// same stone elsewhere.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let difference = |a: [f64; 2], b: [f64; 2]| libm::hypot(a[0] - b[0], a[1] - b[1]);
+        difference(self.position, other.position)
+            + self.shape.outer_radius() * difference(self.rotation, other.rotation)
+    }
+
     /// The stone seen in a mirror that stands across the track at its origin.
     pub fn mirrored(&self) -> Self {
         Self {
