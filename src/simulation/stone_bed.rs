@@ -217,7 +217,11 @@ impl StoneBed {
         let (heading, floor) = (self.heading, &self.floor);
         let poured = self.pouring.pour(&self.recipe, &|u| floor(heading * u));
         self.stones.extend(poured.into_iter().map(|stone| BedStone {
-            stone: if heading < 0.0 { stone.mirrored() } else { stone },
+            stone: if heading < 0.0 {
+                stone.mirrored()
+            } else {
+                stone
+            },
             state: State::Waiting,
         }));
         let to = self.pouring.finished();
@@ -286,11 +290,12 @@ mod tests {
     use crate::terrain::SizeRange;
     use crate::wheel::Wheel;
     use rapier2d::parry::query::contact;
+    use std::sync::LazyLock;
 
     const LOAD: f64 = 100.0;
     const MASS: f64 = 14.0;
-    /// Depth [m] of the test piles: three stones.
-    const DEPTH: f64 = 0.09;
+    /// Depth [m] of the test piles: two stones.
+    const DEPTH: f64 = 0.06;
 
     fn recipe(laying: Laying, run: u64) -> BedRecipe {
         let size = SizeRange {
@@ -332,6 +337,9 @@ mod tests {
             .map(|_| pouring.pour(&recipe, &|_| -DEPTH))
             .collect()
     }
+
+    /// Three sections poured for several tests to look at.
+    static POURED: LazyLock<Vec<Vec<PlacedStone>>> = LazyLock::new(|| pour(0, 3));
 
     /// Speed [m/s] of the fastest free stone.
     fn fastest(world: &PhysicsWorld, bed: &StoneBed) -> f64 {
@@ -396,7 +404,8 @@ mod tests {
 
         fn watch(&mut self, seconds: f64) -> Seen {
             const BLOCK: usize = 20;
-            let height = |world: &PhysicsWorld, body: RigidBodyHandle| world.bodies[body].translation().y;
+            let height =
+                |world: &PhysicsWorld, body: RigidBodyHandle| world.bodies[body].translation().y;
             let body = self.wheel.body;
             let start = height(&self.world, body);
             let (mut force, mut speeds) = (0.0, vec![self.world.bodies[body].linvel().y]);
@@ -426,9 +435,9 @@ mod tests {
 
     #[test]
     fn a_poured_section_is_final_and_the_same_whether_or_not_others_follow() {
-        let [few, more, other] = [pour(0, 2), pour(0, 3), pour(1, 2)];
+        let [few, more, other] = [&pour(0, 2), &*POURED, &pour(1, 2)];
         assert!(few[0].is_empty(), "the first section waits for the second");
-        assert!(few[1].len() > 30, "{} stones", few[1].len());
+        assert!(few[1].len() > 20, "{} stones", few[1].len());
         assert_eq!(few[1], more[1]);
         assert_ne!(few[1], other[1]);
     }
@@ -437,7 +446,7 @@ mod tests {
     fn stones_of_a_settled_bed_overlap_by_less_than_five_micrometres() {
         // A column of stones weighs 10 N at most, and (2π 2000 Hz)² 0.1 kg = 1.6·10⁷ N/m bear it:
         // below 1 µm; wedged stones carry more.
-        let stones: Vec<PlacedStone> = pour(0, 3).concat();
+        let stones = POURED.concat();
         let mut world = world();
         let recipe = pile(0);
         let handles: Vec<RigidBodyHandle> = stones
@@ -461,30 +470,45 @@ mod tests {
 
     #[test]
     fn a_bed_is_level_within_a_stone() {
-        let stones: Vec<PlacedStone> = pour(0, 4).concat();
+        let stones = POURED.concat();
         let highest = |x: f64| {
             let near = stones.iter().filter(|s| (s.position[0] - x).abs() < 0.02);
             near.map(PlacedStone::top).fold(-DEPTH, f64::max)
         };
-        let tops: Vec<f64> = (0..140).map(|k| highest(0.05 + 0.01 * f64::from(k))).collect();
+        let tops: Vec<f64> = (0..90)
+            .map(|k| highest(0.05 + 0.01 * f64::from(k)))
+            .collect();
         let mean = tops.iter().sum::<f64>() / tops.len() as f64;
         assert!(mean.abs() < 0.015, "mean surface {mean} m");
         assert!(tops.iter().all(|top| *top < 0.05 / 3.0 + 1e-3));
     }
 
+    /// Distances [m] that stones thawed under a passing axle, without a wheel, have moved since
+    /// they were poured; and the speed [m/s] of the fastest.
+    fn moves_by_thawing(run: u64) -> (Vec<f64>, f64) {
+        let (mut world, mut bed) = (world(), bed(run));
+        let mut peak: f64 = 0.0;
+        for step in 0..8000 {
+            bed.follow(&mut world, 0.2 * f64::from(step) / 8000.0);
+            world.step();
+            peak = peak.max(fastest(&world, &bed));
+        }
+        let moved = |lying: &BedStone| {
+            let State::Free(body) = lying.state else {
+                return None;
+            };
+            let [x, y] = lying.stone.position;
+            Some((world.bodies[body].translation() - Vector::new(x, y)).length())
+        };
+        (bed.stones.iter().filter_map(moved).collect(), peak)
+    }
+
     #[test]
     fn thawing_does_not_jolt_a_settled_bed() {
-        let (mut world, mut bed) = (world(), bed(0));
-        bed.follow(&mut world, 0.0);
-        let mut peaks = Vec::new();
-        for step in 0..16_000 {
-            bed.follow(&mut world, 0.2 * f64::from(step) / 16_000.0);
-            world.step();
-            peaks.push(fastest(&world, &bed));
-        }
-        let peak = peaks.iter().copied().fold(0.0, f64::max);
-        eprintln!("peak {peak}");
-        assert!(peak < 2e-3, "fastest thawed stone {peak} m/s");
+        let (moves, peak) = moves_by_thawing(0);
+        // Contacts give by micrometres; a rolling wheel drives stones at 20 to 300 mm/s.
+        assert!(moves.iter().all(|distance| *distance < 5e-6), "{moves:?}");
+        assert!(peak < 5e-3, "{peak} m/s");
     }
 
     #[test]
@@ -494,14 +518,16 @@ mod tests {
         let place = |world: &PhysicsWorld, b: RigidBodyHandle| world.bodies[b].translation();
         let before: Vec<(RigidBodyHandle, Vector)> =
             bed.free().map(|b| (b, place(&world, b))).collect();
-        assert!(before.len() > 15, "{} free stones", before.len());
+        assert!(before.len() > 10, "{} free stones", before.len());
         for _ in 0..4000 {
             world.step();
         }
-        let moved = before.iter().map(|(b, p)| (place(&world, *b) - *p).length());
+        let moved = before
+            .iter()
+            .map(|(b, p)| (place(&world, *b) - *p).length());
         let moved = moved.fold(0.0, f64::max);
-        assert!(moved < 2e-5, "a stone moved by {moved} m");
-        assert!(fastest(&world, &bed) < 1e-4, "{}", fastest(&world, &bed));
+        assert!(moved < 5e-6, "a stone moved by {moved} m");
+        assert!(fastest(&world, &bed) < 1e-5, "{}", fastest(&world, &bed));
     }
 
     #[test]
@@ -512,7 +538,6 @@ mod tests {
         rig.drive(0.02);
         rig.watch(0.5);
         let rolling = rig.watch(3.0);
-        eprintln!("{standing:?} {rolling:?}");
         assert!((standing.mean_force / LOAD - 1.0).abs() < 0.005);
         assert!((rolling.mean_force / LOAD - 1.0).abs() < 0.005);
         assert!(standing.level < 0.05 * rolling.level);
@@ -521,23 +546,25 @@ mod tests {
 
     #[test]
     fn a_long_way_leaves_no_more_bodies_than_a_short_one() {
-        let (mut world, mut bed) = (world(), bed(0));
-        let mut most = 0;
-        for centimetre in 0..200 {
+        let stones = recipe(Laying::Scattered { per_metre: 12.0 }, 0);
+        let mut bed = StoneBed::new(stones, 0.0, 1.0, Box::new(|x| 0.002 * libm::sin(30.0 * x)));
+        let (mut world, mut most) = (world(), 0);
+        for centimetre in 0..250 {
             bed.follow(&mut world, 0.01 * f64::from(centimetre));
             most = most.max(world.bodies.len());
         }
-        // Half a metre of bed 90 mm deep holds 44 stones of the mean area.
-        assert!(most < 90, "{most} bodies");
-        assert!(bed.stones.len() < 200 && bed.floors.len() <= 4);
+        // 12 stones per metre over 2 x 0.15 m of reach, strips of 0.1 m ahead and 0.2 m behind.
+        assert!(most <= 12, "{most} bodies");
+        assert!(bed.stones.len() <= 24 && bed.floors.len() <= 4);
     }
 
     #[test]
     fn in_reverse_the_bed_is_the_mirror_image() {
         let mut worlds = [world(), world()];
         let floor = |x: f64| -DEPTH + 0.01 * libm::sin(5.0 * x);
-        let mut ahead = StoneBed::new(pile(0), 0.0, 1.0, Box::new(floor));
-        let mut back = StoneBed::new(pile(0), 0.0, -1.0, Box::new(move |x| floor(-x)));
+        let stones = recipe(Laying::Scattered { per_metre: 12.0 }, 0);
+        let mut ahead = StoneBed::new(stones.clone(), 0.0, 1.0, Box::new(floor));
+        let mut back = StoneBed::new(stones, 0.0, -1.0, Box::new(move |x| floor(-x)));
         ahead.follow(&mut worlds[0], 0.0);
         back.follow(&mut worlds[1], 0.0);
         let mirrored = |b: &StoneBed| b.stones.iter().map(|s| s.stone.mirrored()).collect();
@@ -551,12 +578,15 @@ mod tests {
     #[test]
     fn scattered_stones_rest_on_the_floor_and_are_as_many_as_asked() {
         let floor = |x: f64| 0.003 * libm::sin(40.0 * x);
-        let (recipe, mut pouring) = (recipe(Laying::Scattered { per_metre: 8.0 }, 0), Pouring::new(0.0));
+        let (recipe, mut pouring) = (
+            recipe(Laying::Scattered { per_metre: 8.0 }, 0),
+            Pouring::new(0.0),
+        );
         let sections: Vec<Vec<PlacedStone>> =
-            (0..5).map(|_| pouring.pour(&recipe, &floor)).collect();
+            (0..3).map(|_| pouring.pour(&recipe, &floor)).collect();
         let stones = sections.concat();
-        // 8 per metre on 2 m; the last of a section may roll across the border.
-        assert!((14..=18).contains(&stones.len()), "{}", stones.len());
+        // 8 per metre on 1 m; the last of a section may roll across the border.
+        assert!((6..=9).contains(&stones.len()), "{}", stones.len());
         for stone in &stones {
             let [cos, sin] = stone.rotation;
             let gap = |&[x, y]: &[f64; 2]| {
@@ -626,6 +656,9 @@ mod tests {
         };
         let error = ((scatter(&near).powi(2) + scatter(&far).powi(2)) / 8.0).sqrt();
         let difference = mean(&near) - mean(&far);
-        assert!(difference.abs() < 2.5 * error + 0.02, "{difference} ± {error}");
+        assert!(
+            difference.abs() < 2.5 * error + 0.02,
+            "{difference} ± {error}"
+        );
     }
 }

@@ -152,7 +152,11 @@ fn lug_shape(wheel: &Wheel, angle: f64) -> ColliderBuilder {
 pub fn contact_force(world: &PhysicsWorld, collider: ColliderHandle) -> [f64; 2] {
     let mut impulse = Vector::ZERO;
     for pair in world.narrow_phase.contact_pairs_with(collider) {
-        let sign = if pair.collider2 == collider { 1.0 } else { -1.0 };
+        let sign = if pair.collider2 == collider {
+            1.0
+        } else {
+            -1.0
+        };
         for manifold in pair.manifolds() {
             let normal = manifold.data.normal;
             let tangent = Vector::new(-normal.y, normal.x);
