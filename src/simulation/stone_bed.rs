@@ -635,30 +635,18 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "rolls over eight beds with two reaches: two minutes"]
-    fn freezing_beyond_reach_changes_rolling_levels_less_than_another_bed_does() {
-        let levels = |reach| -> Vec<f64> {
-            let level = |run| {
-                let mut rig = Rolling::new(run, reach);
-                rig.watch(1.0);
-                rig.drive(0.02);
-                rig.watch(0.5);
-                libm::log10(rig.watch(6.0).level)
-            };
-            (0..8).map(level).collect()
+    #[ignore = "rolls over eight beds with two reaches: a minute"]
+    fn freezing_beyond_reach_changes_rolling_levels_by_less_than_a_factor_of_two() {
+        let level = |run, reach| {
+            let mut rig = Rolling::new(run, reach);
+            rig.watch(1.0);
+            rig.drive(0.02);
+            rig.watch(0.5);
+            libm::log10(rig.watch(6.0).level)
         };
-        let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
-        let [near, far] = [levels(REACH), levels(2.0 * REACH)];
-        eprintln!("{near:?} {far:?}");
-        let scatter = |v: &[f64]| {
-            let m = mean(v);
-            (v.iter().map(|l| (l - m) * (l - m)).sum::<f64>() / (v.len() - 1) as f64).sqrt()
-        };
-        let error = ((scatter(&near).powi(2) + scatter(&far).powi(2)) / 8.0).sqrt();
-        let difference = mean(&near) - mean(&far);
-        assert!(
-            difference.abs() < 2.5 * error + 0.02,
-            "{difference} ± {error}"
-        );
+        let lost = |run| level(run, 2.0 * REACH) - level(run, REACH);
+        let lost = (0..8).map(lost).sum::<f64>() / 8.0;
+        // Levels of single beds scatter by a factor of three; this mean over pairs by 1.2.
+        assert!(lost.abs() < libm::log10(2.0), "{lost} decades");
     }
 }
