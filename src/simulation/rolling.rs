@@ -4,12 +4,13 @@ use super::GRAVITY;
 use super::contact::WheelGeometry;
 use super::hard_contact::HardGround;
 use super::world::{Guide, WheelBody, WheelMotion, World};
-use crate::quantity::Seed;
+use crate::quantity::{SampleRate, Seed};
 use crate::terrain::HardContact;
 use crate::terrain::profile::Profile;
 use crate::wheel::{Lugs, Wheel};
 
-const DT: f64 = 1.0 / 64_000.0;
+const RATE: f64 = 64_000.0;
+const DT: f64 = 1.0 / RATE;
 
 /// Stiff, and so lossy that nothing bounces.
 const DEAD: HardContact = HardContact {
@@ -31,16 +32,21 @@ fn roll(
     let geometry = WheelGeometry::new(wheel, weight);
     let profile = Profile::new(None, None, 1.0e-3, Seed(0), 0);
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-    let mut ground = HardGround::new(profile, contact, wheel.friction, everywhere, 0.0);
+    let mut ground = HardGround::new(profile, contact, wheel.friction, everywhere);
     let indentation = contact.reference_indentation
         * (weight / contact.reference_load).powf(1.0 / contact.exponent);
-    let start = [0.0, wheel.tip_radius() - indentation];
+    let start = wheel.tip_radius() - indentation;
     let body = WheelBody {
         mass: wheel.mass,
         inertia: wheel.inertia,
-        start,
     };
-    let mut world = World::new(body, Guide::Free, [0.0, 0.0], DT);
+    let mut world = World::new(
+        body,
+        Guide::Free,
+        [0.0, 0.0],
+        SampleRate::new(RATE).unwrap(),
+    );
+    world.place(start);
     world.launch(speed, 0.0, speed / wheel.tip_radius());
     for _ in 0..(seconds / DT) as usize {
         let motion = world.wheel_motion();

@@ -24,6 +24,7 @@ mod lug_bite;
 mod rim_shear;
 
 use super::contact::{Reach, WheelGeometry};
+use super::stone_bearing::StoneOutline;
 use super::world::{WheelMotion, Wrench};
 use crate::quantity::SlipRatio;
 use crate::soil::contact::{ContactAngles, EffectiveDepth};
@@ -87,6 +88,8 @@ struct Contact {
 pub(super) struct SoilTrack {
     soil: Soil,
     columns: Columns,
+    /// Width of wheel and stones [m].
+    width: f64,
     shear_radius: f64,
     rim_shear: RimShear,
     bites: LugBites,
@@ -101,6 +104,7 @@ impl SoilTrack {
         Self {
             soil,
             columns: Columns::new(profile, &soil, range),
+            width: wheel.width,
             shear_radius: shear_radius(wheel, &soil),
             rim_shear: RimShear::new(),
             bites: LugBites::new(wheel, &soil),
@@ -121,6 +125,52 @@ impl SoilTrack {
     /// The surface as it is now between two places: position and height [m].
     pub fn surface(&mut self, low: f64, high: f64) -> Vec<[f64; 2]> {
         self.columns.surface(low, high)
+    }
+
+    /// Takes out the soil where a stone is put in.
+    pub fn dig_out(&mut self, stone: &StoneOutline) {
+        let [low, high] = stone.extent();
+        self.columns.reach(low, high);
+        for index in self.columns.indices(low, high) {
+            self.columns
+                .dig_out(index, stone.underside(index as f64 * COLUMN));
+        }
+    }
+
+    /// Force [N] along and away from the track and moment [N·m] of the soil on a stone, which has
+    /// sheared the soil below it by `stretch` [m].
+    pub fn bear(&mut self, stone: &StoneOutline, stretch: &mut f64, dt: f64) -> [f64; 3] {
+        let (law, shear) = (
+            self.soil.pressure_sinkage(self.width, 0.0),
+            self.soil.shear(),
+        );
+        let [low, high] = stone.extent();
+        self.columns.reach(low, high);
+        let (mut force, mut moment, mut area) = (0.0, 0.0, 0.0);
+        for index in self.columns.indices(low, high) {
+            let x = index as f64 * COLUMN;
+            let level = stone.underside(x);
+            let pressed = self.columns.press(index, level);
+            let arm = x - stone.centre[0];
+            let rise = stone.velocity[1] + stone.spin * arm;
+            let elastic = law.pressure(pressed.virgin - pressed.lowest)
+                - self.soil.unloading_stiffness * (level - pressed.lowest);
+            self.columns.cover(index, true);
+            if elastic <= 0.0 {
+                continue;
+            }
+            let column = self.width * COLUMN;
+            let push = column * (elastic - self.soil.damping * rise).max(0.0);
+            force += push;
+            moment += arm * push;
+            area += column;
+        }
+        let limit = shear.cohesion * area + force * shear.tan_friction_angle;
+        let deepest = self.soil.shear_modulus.max(1.0e-4);
+        *stretch = (*stretch + stone.velocity[0] * dt).clamp(-deepest, deepest);
+        let damping = (self.soil.damping * area * stone.velocity[0]).clamp(-limit, limit);
+        let along = (-limit * *stretch / deepest - damping).clamp(-limit, limit);
+        [along, force, moment]
     }
 
     /// Load of the soil on the wheel over one step of `dt` [s].
