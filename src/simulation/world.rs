@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// Length [m] that the engine takes for one: a small stone.
 ///
 /// The broad phase pairs bodies closer than 0.08 of it. With its default of 1 m every stone pairs
-/// with all within 80 mm, which triples the time of a step.
+/// with all within 80 mm: the same motion, but a step takes half as long again.
 pub const LENGTH_UNIT: f64 = 0.01;
 
 /// Lowest rate [Hz] at which contacts are solved. With one solution a step at 8 kHz, a pile under
@@ -19,8 +19,8 @@ pub const LENGTH_UNIT: f64 = 0.01;
 const SOLVER_RATE: u32 = 32_000;
 
 /// Natural frequency [Hz] of a contact between free bodies: its stiffness is that of a spring
-/// between their masses, `(2π f)² m` (some 2·10⁷ N/m for two stones of 35 mm). At 300 Hz the
-/// pile creeps.
+/// between their masses, `(2π f)² m` (some 2·10⁷ N/m for two stones of 35 mm). It lies above the
+/// bands that features are taken from, so that contacts do not filter them.
 const CONTACT_FREQUENCY: f64 = 2000.0;
 
 /// Damping ratio [-] of a contact: critical, the fastest return without overshoot.
@@ -53,8 +53,8 @@ pub fn parameters(rate: SampleRate) -> IntegrationParameters {
         warmstart_coefficient: 1.0,
         warmstart_joints: true,
         // The pass that takes the velocity of position correction out again. Without it friction
-        // works against that velocity, and a wheel that stands on stones shakes as strongly as
-        // one that rolls.
+        // works against that velocity, and a wheel that stands on stones never comes to rest
+        // (0.2 to 6 m/s² in a 200 Hz band).
         num_internal_stabilization_iterations: 1,
         friction_in_bias_pass: false,
         normalized_prediction_distance: PREDICTION / LENGTH_UNIT,
