@@ -266,7 +266,7 @@ impl Simulation {
         };
         let body_weight = self.load - self.rig.unsprung_weight(&self.wheel);
         // At rest the spring carries the body; stretch counts from there.
-        let spring = leg.stiffness * stretch + leg.damping * rate - body_weight;
+        let spring = leg.spring_force(stretch, rate) - body_weight;
         self.world.push_leg(-spring - body_weight, hand);
         spring
     }
