@@ -154,7 +154,10 @@ impl Columns {
         }
     }
 
-    /// Angle [rad] ahead of straight down at which the rim meets the soil it has come upon.
+    /// Angle [rad] from straight down at which the rim meets the soil it has come upon.
+    ///
+    /// Met only behind, as on a bump there under a wheel just let down, it counts as if met ahead:
+    /// the contact of a wheel at rest reaches alike to both sides.
     pub fn entry_angle(&self, radius: f64, motion: &WheelMotion, direction: f64) -> f64 {
         let reach = (radius * 0.95 / COLUMN) as i64;
         let middle = (motion.x / COLUMN).round() as i64;
@@ -172,8 +175,7 @@ impl Columns {
                     Some([u_ahead, above]) => u + (u_ahead - u) * depth / (depth - above),
                     None => u,
                 };
-                // Ground that only reaches the wheel from behind carries it once it has come down.
-                return asin((entry / radius).clamp(0.0, 1.0));
+                return asin((entry.abs() / radius).min(1.0));
             }
             ahead = Some([u, depth]);
         }
