@@ -391,9 +391,10 @@ impl Axis {
         }
     }
 
-    /// A linear axis with 8 % of room beyond the bounds.
+    /// A linear axis with 8 % of room beyond the bounds, and 0.5 % of their size at least: what
+    /// varies by less than that is drawn as the constant it is.
     pub fn roomy([low, high]: [f64; 2], pixels: [f64; 2]) -> Self {
-        let room = 0.08 * (high - low);
+        let room = (0.08 * (high - low)).max(0.005 * low.abs().max(high.abs()));
         Self::exact([low - room, high + room], pixels)
     }
 

@@ -207,10 +207,15 @@ impl SoilTrack {
     /// The contact at this slip, from where the rim enters the soil it has come upon.
     fn contact(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, elapsed: f64) -> Contact {
         let (soil, direction) = (self.soil, self.facing.direction);
-        let slip = SlipRatio::from_motion(wheel.radius, motion.omega, motion.vx).get();
         let entry = self.columns.entry_angle(wheel.radius, motion, direction);
         let contact_length = wheel.radius * entry.max(0.05);
         let developed = 1.0 - exp(-2.0 * self.facing.rolled / contact_length);
+        // Slip weakens soil as the flow develops, not at the first jerk.
+        let slip = if standing(wheel, motion) {
+            0.0
+        } else {
+            developed * SlipRatio::from_motion(wheel.radius, motion.omega, motion.vx).get()
+        };
         let angles = ContactAngles::from_entry(&soil, entry, slip).developed(developed);
         Contact {
             soil,
@@ -343,11 +348,16 @@ impl Contact {
     }
 }
 
+/// Whether the wheel neither rolls nor slides.
+fn standing(wheel: &WheelGeometry, motion: &WheelMotion) -> bool {
+    motion.vx.abs().max((wheel.radius * motion.omega).abs()) < STANDING
+}
+
 impl Facing {
     /// Takes the direction of travel from the motion; a standing wheel keeps its own.
     fn turn(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, elapsed: f64) {
         let rim_speed = wheel.radius * motion.omega;
-        if motion.vx.abs().max(rim_speed.abs()) < STANDING {
+        if standing(wheel, motion) {
             return;
         }
         let direction = if motion.vx.abs() >= STANDING {

@@ -129,14 +129,22 @@ impl LugBites {
             radial += self.area * bearing.pressure;
             field.stiffen(self.area, &bearing, &self.soil);
         }
-        let rim = contact.depth.angles;
-        if angle > rim.entry || angle < rim.exit {
-            along += last_lug_push(&self.wheel, &self.soil, virgin - edge.y).force * mobilised;
+        let beyond = self.beyond_rim(angle, contact.depth.angles);
+        if beyond > 0.0 {
+            let push = last_lug_push(&self.wheel, &self.soil, virgin - edge.y).force;
+            along += push * mobilised * beyond;
         }
         Wrench {
             fx: d * (along * cosine - radial * sine),
             fy: along * sine + radial * cosine,
             torque: -d * along * radius,
         }
+    }
+
+    /// How far a lug at `angle` [rad] has come out of the rim's contact, from 0 at its end to 1
+    /// one lug height beyond it, where nothing confines the soil any more.
+    fn beyond_rim(&self, angle: f64, rim: ContactAngles) -> f64 {
+        let beyond = (rim.exit - angle).max(angle - rim.entry);
+        (beyond * self.wheel.radius / self.wheel.lug_height()).clamp(0.0, 1.0)
     }
 }
