@@ -8,6 +8,7 @@ pub mod scenario;
 pub mod sensors;
 pub mod simulation;
 pub mod soil;
+pub mod study;
 pub mod terrain;
 pub mod trace;
 pub mod wheel;
