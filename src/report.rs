@@ -1,6 +1,7 @@
 //! Outcomes as figures and pages. Everything here returns text; nothing reads or writes a file.
 //!
 //! - [`trace_figure`]: what one run recorded, as one drawing.
+//! - [`side_by_side()`]: the same channels of several runs, on one scale.
 //! - [`wheel_picture()`]: the wheel on its ground, to scale.
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
@@ -8,11 +9,13 @@
 mod envelope;
 pub mod figure;
 pub mod page;
+mod side_by_side;
 pub mod spectrum;
 mod trace_figure;
 pub mod wheel_picture;
 
 pub use page::{Page, page};
+pub use side_by_side::side_by_side;
 pub use trace_figure::trace_figure;
 pub use wheel_picture::wheel_picture;
 

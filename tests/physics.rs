@@ -3,6 +3,7 @@
 mod common;
 
 use common::*;
+use lugwheel::scenario::Scenario;
 use lugwheel::simulation::rig::{Rig, SingleWheel};
 use lugwheel::soil::{Soil, StressConvention, wheel_load};
 use lugwheel::terrain::TerrainSpec;
@@ -378,4 +379,18 @@ fn a_smooth_wheel_sinks_deeper_the_more_it_slips() {
     };
     assert!(sinkage(0.3) > 1.05 * sinkage(0.0));
     assert!(sinkage(0.6) > 1.05 * sinkage(0.3));
+}
+
+#[test]
+fn a_wheel_whose_rim_first_meets_sand_behind_straight_down_is_let_down_as_any_other() {
+    let text = include_str!("../scenarios/single_wheel_st.toml");
+    let scenario = Scenario::from_toml(text, "single_wheel_st.toml").unwrap();
+    let states = run(
+        &scenario.terrain,
+        &scenario.wheel,
+        &scenario.rig,
+        16e3,
+        0.01,
+    );
+    assert!(states.iter().all(|state| state.sinkage > 0.0));
 }

@@ -116,7 +116,7 @@ fn is_drawable(channel: &Channel) -> bool {
     timed && channel.samples.iter().any(|sample| sample.is_finite())
 }
 
-fn drawable<'a>(trace: &'a Trace, name: &str) -> Option<&'a Channel> {
+pub(super) fn drawable<'a>(trace: &'a Trace, name: &str) -> Option<&'a Channel> {
     trace.channel(name).filter(|channel| is_drawable(channel))
 }
 
@@ -672,7 +672,7 @@ fn command(run: &RunAttributes, group: &Group) -> Option<(&'static str, f64)> {
 }
 
 /// Samples as a line; where a pixel holds many, the bounds of each pixel.
-fn draw_channel(
+pub(super) fn draw_channel(
     canvas: &mut Canvas,
     panel: &Panel,
     channel: &Channel,

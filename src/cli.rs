@@ -1,0 +1,70 @@
+//! The commands: the only part of the program that talks.
+//!
+//! A command's result goes to stdout, as text or with `--json` as one document; progress and
+//! warnings go to stderr. [`failure`] has the exit codes.
+
+mod dataset;
+mod demo;
+
+pub mod failure;
+mod inspect;
+mod interrupt;
+mod output;
+mod plot;
+mod progress;
+mod scenario_args;
+mod series;
+mod simulate;
+mod steady;
+
+use clap::{Parser, Subcommand};
+use output::Output;
+
+/// Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
+/// rig would.
+#[derive(Debug, Parser)]
+#[command(version, after_long_help = EXAMPLES)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    output: Output,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel demo                                       all of it on small scenarios, in a report
+  lugwheel simulate single_wheel_st                   one run on sand
+  lugwheel dataset single_wheel_ht --runs 50          a labelled data set
+  lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
+  lugwheel plot output/single_wheel_st/run.h5         a figure of a run
+
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
+4 study finished with failed runs, 130 interrupted.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::Demo),
+
+    Simulate(simulate::Simulate),
+    Dataset(dataset::Dataset),
+    Inspect(inspect::Inspect),
+    Plot(plot::Plot),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of the command; [`failure::report`] tells what each means to the caller.
+pub fn run(cli: &Cli) -> anyhow::Result<()> {
+    interrupt::listen()?;
+    let output = &cli.output;
+    match &cli.command {
+        Command::Demo(command) => command.run(output),
+
+        Command::Simulate(command) => command.run(output),
+        Command::Dataset(command) => command.run(output),
+        Command::Inspect(command) => command.run(output),
+        Command::Plot(command) => command.run(output),
+    }
+}

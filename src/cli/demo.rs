@@ -1,0 +1,245 @@
+//! `demo`: labelled data on several grounds, checked, drawn and told in one report.
+
+mod story;
+
+use super::dataset::classes;
+use super::interrupt::Interrupted;
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::scenario_args::with_all;
+use super::series::{Jobs, Outcome, Series, spreads};
+use super::steady::{QUANTITIES, Spread};
+use clap::Args;
+use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::dataset::inspection::{Inspection, inspect};
+use lugwheel::quantity::Seed;
+use lugwheel::report::{page, trace_figure};
+use lugwheel::scenario::Scenario;
+use lugwheel::trace::Trace;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Show all of it on small scenarios, in a report that opens in a browser
+///
+/// Simulates the paper's single wheel on several grounds, writes labelled run files, checks them,
+/// draws every run, and tells it in one HTML page. It takes less than two minutes.
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// Folder for run files, scenarios, figures and the report
+    #[arg(long, default_value = "output/demo", value_name = "DIR")]
+    out: PathBuf,
+    /// Seed of all randomness; the same seed gives the same bytes
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    #[command(flatten)]
+    jobs: Jobs,
+}
+
+/// A ground of the demo.
+struct Ground {
+    /// Name of its files.
+    key: &'static str,
+    /// What it is called.
+    name: &'static str,
+    /// Its scenario, as shipped.
+    scenario: &'static str,
+}
+
+/// The grounds, in the order in which they are told.
+const GROUNDS: [Ground; 3] = [
+    Ground {
+        key: "ref",
+        name: "flat hard ground",
+        scenario: include_str!("../../scenarios/single_wheel_ref.toml"),
+    },
+    Ground {
+        key: "ht",
+        name: "slate",
+        scenario: include_str!("../../scenarios/single_wheel_ht.toml"),
+    },
+    Ground {
+        key: "st",
+        name: "sand",
+        scenario: include_str!("../../scenarios/single_wheel_st.toml"),
+    },
+];
+
+/// What is changed in the scenarios: short runs at the paper's highest speed, some lugs long.
+const EDITS: [&str; 2] = ["duration=8.0", "rig.single_wheel.forward_speed=0.02"];
+
+/// Runs on each ground.
+const RUNS: u64 = 4;
+
+/// What was found on one ground.
+struct Finding {
+    name: &'static str,
+    scenario_file: PathBuf,
+    run_file: PathBuf,
+    scenario: Scenario,
+    outcomes: Vec<Outcome>,
+    inspection: Inspection,
+    /// The first run: its id, trace and figure.
+    first: (String, Trace, String),
+}
+
+impl Demo {
+    /// Runs the demo.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        output::make_folder(&self.out.join("figures"))?;
+        let scenarios = GROUNDS
+            .iter()
+            .map(|ground| {
+                let file = format!("single_wheel_{}.toml", ground.key);
+                with_all(Scenario::from_toml(ground.scenario, &file)?, &EDITS)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let simulated: f64 = scenarios.iter().map(|s| s.duration * RUNS as f64).sum();
+        let progress = Progress::new(output, "demo", simulated);
+        let findings = GROUNDS
+            .iter()
+            .zip(scenarios)
+            .map(|(ground, scenario)| self.explore(ground, scenario, &progress))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|error| self.named(error))?;
+        let computing_s = progress.elapsed();
+        drop(progress);
+        let report = self.out.join("report.html");
+        output::write_file(
+            &report,
+            &page(&story::tell(&findings, &self.out, self.seed)),
+        )?;
+        output.print(&Summary {
+            seed: self.seed,
+            runs_per_ground: RUNS,
+            computing_s,
+            grounds: findings.iter().map(GroundSummary::of).collect(),
+            report: report.display().to_string(),
+        })
+    }
+
+    /// Simulates the runs on one ground, reads them back, checks and draws them.
+    fn explore(
+        &self,
+        ground: &Ground,
+        scenario: Scenario,
+        progress: &Progress,
+    ) -> anyhow::Result<Finding> {
+        let in_folder = |ending: &str| self.out.join(format!("{}.{ending}", ground.key));
+        let (scenario_file, run_file) = (in_folder("toml"), in_folder("h5"));
+        output::write_file(&scenario_file, scenario.text())?;
+        let series = Series {
+            scenario: &scenario,
+            seed: Seed(self.seed),
+            runs: 0..RUNS,
+            jobs: self.jobs,
+        };
+        let outcomes = series.write(&run_file, progress)?;
+        let file = RunFile::open(&run_file)?;
+        let first = self.draw(ground, &file)?;
+        Ok(Finding {
+            name: ground.name,
+            inspection: inspect(&file),
+            scenario_file,
+            run_file,
+            scenario,
+            outcomes,
+            first,
+        })
+    }
+
+    /// Draws every run into the folder of figures; the first one with its id and its drawing.
+    fn draw(&self, ground: &Ground, file: &RunFile) -> anyhow::Result<(String, Trace, String)> {
+        let mut first = None;
+        for id in file.runs() {
+            let trace = file.read(id)?;
+            let svg = trace_figure(&trace, id)?;
+            let name = format!("figures/{}_{id}.svg", ground.key);
+            output::write_file(&self.out.join(name), &svg)?;
+            first.get_or_insert((id.clone(), trace, svg));
+        }
+        first.ok_or_else(|| anyhow::anyhow!("{} has no runs", file.path().display()))
+    }
+
+    /// An interruption, with what it leaves behind here.
+    fn named(&self, error: anyhow::Error) -> anyhow::Error {
+        if !error.is::<Interrupted>() {
+            return error;
+        }
+        let folder = self.out.display();
+        Interrupted(format!(
+            "no report was written, the run files in {folder} are whole"
+        ))
+        .into()
+    }
+}
+
+/// What the demo found, for machines.
+#[derive(Debug, Serialize)]
+struct Summary {
+    seed: u64,
+    runs_per_ground: u64,
+    computing_s: f64,
+    grounds: Vec<GroundSummary>,
+    report: String,
+}
+
+#[derive(Debug, Serialize)]
+struct GroundSummary {
+    ground: &'static str,
+    scenario: String,
+    file: String,
+    classes: BTreeMap<&'static str, usize>,
+    findings: usize,
+    steady: BTreeMap<&'static str, Spread>,
+}
+
+impl GroundSummary {
+    fn of(finding: &Finding) -> Self {
+        let shown = |path: &Path| path.display().to_string();
+        let steady = spreads(&finding.outcomes);
+        Self {
+            ground: finding.name,
+            scenario: shown(&finding.scenario_file),
+            file: shown(&finding.run_file),
+            classes: classes(&finding.outcomes),
+            findings: finding.inspection.findings.len(),
+            steady: steady
+                .map(|(quantity, spread)| (quantity.key, spread))
+                .collect(),
+        }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} runs on each ground, seed {}, in {:.0} s; means of the steady state\n",
+            self.runs_per_ground, self.seed, self.computing_s
+        )?;
+        write!(f, "{:<34}", "")?;
+        for ground in &self.grounds {
+            write!(f, "{:>18}", ground.ground)?;
+        }
+        write!(f, "\n{:<34}", "true class of the runs")?;
+        for GroundSummary { classes, .. } in &self.grounds {
+            let counts: Vec<String> = classes.iter().map(|(c, n)| format!("{n} {c}")).collect();
+            write!(f, "{:>18}", counts.join(", "))?;
+        }
+        for quantity in &QUANTITIES {
+            write!(f, "\n{:<28}{:>6}", quantity.name, quantity.shown_unit)?;
+            for ground in &self.grounds {
+                let spread = ground.steady.get(quantity.key);
+                let shown = spread.map_or("-".to_owned(), |s| quantity.shown(s.mean));
+                write!(f, "{shown:>18}")?;
+            }
+        }
+        write!(f, "\n{:<34}", "findings of inspect")?;
+        for ground in &self.grounds {
+            write!(f, "{:>18}", ground.findings)?;
+        }
+        write!(f, "\n\n{}", self.report)
+    }
+}

@@ -1,0 +1,316 @@
+//! What the demo found, as questions and answers.
+
+use super::{EDITS, Finding, RUNS};
+use crate::cli::dataset::classes;
+use crate::cli::series::spreads;
+use crate::cli::steady::{QUANTITIES, Quantity, Spread};
+use lugwheel::dataset::Provenance;
+use lugwheel::report::page::{self, Cell, Column, Figure, Page, Section, Table};
+use lugwheel::report::side_by_side;
+use std::path::Path;
+
+/// Time [s] in which the wheel comes to speed and to its depth, left out of the comparison.
+const START_UP: f64 = 2.0;
+
+/// The page about `findings`, whose files are in `folder`.
+pub fn tell(findings: &[Finding], folder: &Path, seed: u64) -> Page {
+    Page {
+        title: "What a lugged wheel feels of its ground".to_owned(),
+        intro: intro(findings),
+        sections: vec![
+            look(findings),
+            loads(findings),
+            lugs(findings),
+            soundness(findings),
+            records(findings),
+            next_steps(findings),
+        ],
+        provenance: provenance(findings, folder, seed),
+    }
+}
+
+fn intro(findings: &[Finding]) -> String {
+    let names: Vec<&str> = findings.iter().map(|finding| finding.name).collect();
+    let run = &findings[0].first.1.attributes;
+    format!(
+        "A wheel of {:.0} mm radius with {} lugs of {:.0} mm rolls at {:.0} mm/s and slip {} under \
+         {:.0} N, on {}: {RUNS} simulated runs of {} s on each, measured as a test rig would. Runs \
+         on a ground differ in what is random there, its unevenness or its stones; on flat hard \
+         ground nothing is.",
+        run.wheel_radius * 1e3,
+        run.lug_count,
+        run.lug_height * 1e3,
+        run.speed * 1e3,
+        run.slip_ratio,
+        run.load,
+        names.join(", "),
+        findings[0].scenario.duration,
+    )
+}
+
+fn look(findings: &[Finding]) -> Section {
+    let runs: Vec<_> = findings
+        .iter()
+        .map(|finding| (finding.name, &finding.first.1))
+        .collect();
+    Section {
+        heading: "What does a ground look like from the wheel?".to_owned(),
+        answer: told(
+            findings,
+            "acceleration_y_rms",
+            "Vertical acceleration of the axle, rms",
+        ),
+        text: "Each lug that comes to bear lifts or jolts the axle, so the traces repeat lug by \
+               lug. Ground that gives way lets the lugs in: the rim then lies lower, and the \
+               jolts are softer."
+            .to_owned(),
+        figures: vec![Figure {
+            svg: side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
+            caption: format!(
+                "The first run on each ground after its first {START_UP} s, in which the wheel comes to \
+                 speed. The scale is the same along a row. Sinkage is the rim's depth below the \
+                 undisturbed surface, and below 0 where the wheel stands on its lugs."
+            ),
+        }],
+        ..Section::default()
+    }
+}
+
+fn loads(findings: &[Finding]) -> Section {
+    let quantities = || QUANTITIES.iter().filter(|quantity| is_told(quantity));
+    let columns = quantities().map(|quantity| Column::new(quantity.name, quantity.shown_unit));
+    let row = |finding: &Finding| {
+        let cells = quantities().map(|quantity| {
+            let spread = spread(finding, quantity.key);
+            Cell::text(spread.map_or("–".to_owned(), |(quantity, spread)| {
+                range(quantity, &spread)
+            }))
+        });
+        std::iter::once(Cell::text(finding.name))
+            .chain(cells)
+            .collect()
+    };
+    Section {
+        heading: "How much does the wheel pull there, and how deep does it sink?".to_owned(),
+        answer: told(findings, "drawbar_pull", "Drawbar pull"),
+        tables: vec![Table {
+            caption: format!(
+                "Steady values, from the middle half of each run: mean of {RUNS} runs [least, greatest]"
+            ),
+            columns: std::iter::once(Column::new("ground", ""))
+                .chain(columns)
+                .collect(),
+            rows: findings.iter().map(row).collect(),
+        }],
+        ..Section::default()
+    }
+}
+
+/// Whether a quantity is an outcome here: load and slip are commanded.
+fn is_told(quantity: &Quantity) -> bool {
+    !matches!(quantity.key, "normal_force" | "slip_ratio")
+}
+
+fn lugs(findings: &[Finding]) -> Section {
+    const CLASSES: [&str; 5] = ["ALCT", "SLCT", "LEIS", "UWTIC", "mixed"];
+    let row = |finding: &Finding| {
+        let counts = classes(&finding.outcomes);
+        let cells = CLASSES
+            .iter()
+            .map(|class| Cell::Count(counts.get(class).copied().unwrap_or(0) as u64));
+        std::iter::once(Cell::text(finding.name))
+            .chain(cells)
+            .collect()
+    };
+    let told = findings.iter().map(|finding| {
+        let counts = classes(&finding.outcomes);
+        let counts: Vec<String> = counts.iter().map(|(c, n)| format!("{n} {c}")).collect();
+        format!("{}: {}", finding.name, counts.join(", "))
+    });
+    let columns = CLASSES.iter().map(|class| Column::new(class, ""));
+    Section {
+        heading: "How do the lugs really meet the ground?".to_owned(),
+        answer: format!("{}.", told.collect::<Vec<_>>().join("; ")),
+        text: "This is the truth as the simulation saw it, lug by lug, and the label that a \
+               recognition is scored against. LEIS: at least 90 % of the lugs that passed the \
+               bottom went more than 1 mm into the soil. ALCT: else, at least 90 % touched. SLCT: \
+               fewer touched. UWTIC: none did, or none passed."
+            .to_owned(),
+        tables: vec![Table {
+            caption: "Number of runs of each true class".to_owned(),
+            columns: std::iter::once(Column::new("ground", ""))
+                .chain(columns)
+                .collect(),
+            rows: findings.iter().map(row).collect(),
+        }],
+        ..Section::default()
+    }
+}
+
+fn soundness(findings: &[Finding]) -> Section {
+    let rows: Vec<Vec<Cell>> = findings
+        .iter()
+        .flat_map(|finding| {
+            finding.inspection.findings.iter().map(|doubt| {
+                let place = doubt.channel.clone().unwrap_or_default();
+                vec![
+                    Cell::text(finding.name),
+                    Cell::text(&doubt.run),
+                    Cell::text(place),
+                    Cell::text(&doubt.message),
+                ]
+            })
+        })
+        .collect();
+    let runs: usize = findings.iter().map(|f| f.inspection.runs.len()).sum();
+    let answer = match rows.len() {
+        0 => format!("Nothing odd was found in the {runs} runs."),
+        1 => format!("One thing is odd in the {runs} runs."),
+        count => format!("{count} things are odd in the {runs} runs."),
+    };
+    let columns = ["ground", "run", "channel", "what was seen"].map(|name| Column::new(name, ""));
+    let table = Table {
+        caption: "Findings of the inspection".to_owned(),
+        columns: columns.to_vec(),
+        rows,
+    };
+    Section {
+        heading: "Are the files sound?".to_owned(),
+        answer,
+        text: "Each file was read back and checked for gaps, clipped and constant channels, units \
+               and signs, and labels that the channels contradict."
+            .to_owned(),
+        tables: if table.rows.is_empty() {
+            Vec::new()
+        } else {
+            vec![table]
+        },
+        ..Section::default()
+    }
+}
+
+fn records(findings: &[Finding]) -> Section {
+    let figure = |finding: &Finding| {
+        let (id, _, svg) = &finding.first;
+        let file = finding.run_file.display();
+        Figure {
+            svg: svg.clone(),
+            caption: format!("{id} of {file}, on {}.", finding.name),
+        }
+    };
+    Section {
+        heading: "What did a run record?".to_owned(),
+        text: "The first run on each ground in full; the drawings of all runs are in the folder \
+               figures beside this page."
+            .to_owned(),
+        figures: findings.iter().map(figure).collect(),
+        ..Section::default()
+    }
+}
+
+fn next_steps(findings: &[Finding]) -> Section {
+    let last = &findings[findings.len() - 1];
+    let scenario = quoted(&last.scenario_file);
+    let file = quoted(&last.run_file);
+    let row = |what: &str, command: String| vec![Cell::text(what), Cell::text(command)];
+    let columns = ["to", "command"].map(|name| Column::new(name, ""));
+    Section {
+        heading: "How do I go on?".to_owned(),
+        answer: "Change a scenario, simulate, and look again.".to_owned(),
+        text: "A scenario is a text file with units in its comments; every key can also be set on \
+               the command line. The run files are HDF5, which Python and MATLAB read."
+            .to_owned(),
+        tables: vec![Table {
+            caption: "Commands to begin with".to_owned(),
+            columns: columns.to_vec(),
+            rows: vec![
+                row(
+                    "see more slip",
+                    format!("lugwheel simulate {scenario} --set rig.single_wheel.slip=0.3"),
+                ),
+                row(
+                    "have more data",
+                    format!("lugwheel dataset {scenario} --runs 50 --out more.h5"),
+                ),
+                row("know what is in a file", format!("lugwheel inspect {file}")),
+                row(
+                    "see another run",
+                    format!("lugwheel plot {file} --run run_000001"),
+                ),
+                row("know all commands", "lugwheel --help".to_owned()),
+            ],
+        }],
+        ..Section::default()
+    }
+}
+
+fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenance {
+    let files = findings.iter().map(|finding| {
+        let scenario = quoted(&finding.scenario_file);
+        let runs = quoted(&finding.run_file);
+        format!("lugwheel dataset {scenario} --runs {RUNS} --seed {seed} --out {runs}")
+    });
+    let again = format!("lugwheel demo --seed {seed} --out {}", quoted(folder));
+    let rate = |finding: &Finding| {
+        let rate = finding.scenario.physics_rate().hertz() / 1e3;
+        format!("{} {rate} kHz", finding.name)
+    };
+    let rates: Vec<String> = findings.iter().map(rate).collect();
+    let facts = [
+        ("program", Provenance::measured().created_by),
+        ("seed", seed.to_string()),
+        (
+            "scenarios",
+            format!(
+                "the single wheel's as shipped, with {}",
+                EDITS.join(" and ")
+            ),
+        ),
+        ("physics rate", rates.join(", ")),
+    ];
+    page::Provenance {
+        facts: facts.map(|(name, value)| (name.to_owned(), value)).to_vec(),
+        commands: std::iter::once(again).chain(files).collect(),
+    }
+}
+
+/// A quantity on each ground, in a sentence that begins with `what`.
+fn told(findings: &[Finding], key: &str, what: &str) -> String {
+    let values = findings.iter().filter_map(|finding| {
+        let (quantity, spread) = spread(finding, key)?;
+        let (mean, unit) = (quantity.shown(spread.mean), quantity.shown_unit);
+        Some(format!("{mean} {unit} on {}", finding.name))
+    });
+    format!("{what}: {}.", values.collect::<Vec<_>>().join(", "))
+}
+
+fn spread(finding: &Finding, key: &str) -> Option<(&'static Quantity, Spread)> {
+    spreads(&finding.outcomes).find(|(quantity, _)| quantity.key == key)
+}
+
+fn range(quantity: &Quantity, spread: &Spread) -> String {
+    let [mean, min, max] = [spread.mean, spread.min, spread.max].map(|value| quantity.shown(value));
+    format!("{mean} [{min}, {max}]")
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let path = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+,@%:=".contains(c);
+    if path.chars().all(is_plain) {
+        return path;
+    }
+    format!("'{}'", path.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_with_a_space_or_a_quote_stays_one_word() {
+        assert_eq!(quoted(Path::new("output/demo")), "output/demo");
+        assert_eq!(quoted(Path::new("my demo")), "'my demo'");
+        assert_eq!(quoted(Path::new("it's")), r"'it'\''s'");
+    }
+}

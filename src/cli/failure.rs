@@ -1,0 +1,107 @@
+//! What went wrong, in words and as an exit code.
+
+use super::interrupt::Interrupted;
+use super::scenario_args::NoScenario;
+use lugwheel::dataset::hdf5::RunFileError;
+use lugwheel::scenario::ScenarioError;
+use std::error::Error;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// The command did not do what it should.
+const FAILED: u8 = 1;
+/// An input file is missing or not what it should be. (2 is wrong usage, told by clap.)
+const INVALID_INPUT: u8 = 3;
+/// Ctrl-C, as shells number it.
+const INTERRUPTED: u8 = 130;
+
+/// Prints `error` with its causes to stderr and tells the exit code for it.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    // There is nobody left to tell if this fails.
+    let _ = write!(std::io::stderr(), "{}", message(error));
+    ExitCode::from(exit_code(error))
+}
+
+/// The error on a line, and each cause that says more on another.
+fn message(error: &anyhow::Error) -> String {
+    let mut said = String::new();
+    let mut message = String::new();
+    for cause in error.chain() {
+        let text = cause.to_string();
+        if said.contains(&text) {
+            continue;
+        }
+        let lead = if said.is_empty() {
+            "error"
+        } else {
+            "  because"
+        };
+        message.push_str(&format!("{lead}: {text}\n"));
+        said.push_str(&text);
+    }
+    message
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.chain().any(|cause| cause.is::<Interrupted>()) {
+        INTERRUPTED
+    } else if error.chain().any(is_invalid_input) {
+        INVALID_INPUT
+    } else {
+        FAILED
+    }
+}
+
+fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
+    cause.is::<ScenarioError>()
+        || cause.is::<NoScenario>()
+        || cause
+            .downcast_ref::<RunFileError>()
+            .is_some_and(is_unreadable)
+}
+
+fn is_unreadable(error: &RunFileError) -> bool {
+    match error {
+        RunFileError::Write { .. } | RunFileError::Unfit { .. } => false,
+        RunFileError::Read { .. }
+        | RunFileError::NotHdf5 { .. }
+        | RunFileError::Damaged { .. }
+        | RunFileError::Content { .. }
+        | RunFileError::NoSuchRun { .. } => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+    use std::io;
+
+    fn unreadable() -> anyhow::Error {
+        let source = io::Error::from(io::ErrorKind::PermissionDenied);
+        let path = "runs.h5".into();
+        RunFileError::Read { path, source }.into()
+    }
+
+    #[test]
+    fn a_cause_is_told_once_though_its_effect_already_names_it() {
+        let error = Err::<(), _>(unreadable()).context("no figure").unwrap_err();
+        assert_eq!(
+            message(&error),
+            "error: no figure\n  because: cannot read runs.h5: permission denied\n"
+        );
+    }
+
+    #[test]
+    fn the_exit_code_tells_a_bad_file_from_a_failure_and_from_ctrl_c() {
+        let bad_file = Err::<(), _>(unreadable()).context("no figure").unwrap_err();
+        let interrupted = anyhow::Error::from(Interrupted("nothing was written".to_owned()));
+        let disk_full = anyhow::Error::from(RunFileError::Write {
+            path: "runs.h5".into(),
+            reason: "No space left on device".to_owned(),
+            way_out: "free some space",
+        });
+        let codes = [bad_file, interrupted, disk_full].map(|error| exit_code(&error));
+        assert_eq!(codes, [3, 130, 1]);
+    }
+}

@@ -1,0 +1,70 @@
+//! How far a computation is, on a terminal.
+
+use super::output::Output;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt::Write;
+use std::sync::Once;
+use std::time::{Duration, Instant};
+
+/// What takes less needs no bar.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Positions of the bar in a simulated second.
+const FINENESS: f64 = 1.0e3;
+
+const TEMPLATE: &str = "{msg} [{bar:30}] {percent:>3} %, {speed}, {eta} left";
+
+/// A bar on stderr over the simulated time, with speed and time left; hidden for the first
+/// seconds, where stderr is no terminal, and with `--quiet`. It goes away when dropped.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    begun: Instant,
+    is_quiet: bool,
+    shown: Once,
+}
+
+impl Progress {
+    /// A bar over `simulated` [s] of what `name` says.
+    pub fn new(output: &Output, name: &str, simulated: f64) -> Self {
+        let length = (simulated * FINENESS) as u64;
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden())
+            .with_style(style())
+            .with_message(name.to_owned());
+        Self {
+            bar,
+            begun: Instant::now(),
+            is_quiet: output.quiet,
+            shown: Once::new(),
+        }
+    }
+
+    /// `simulated` [s] more are done.
+    pub fn advance(&self, simulated: f64) {
+        self.bar.inc((simulated * FINENESS) as u64);
+        if !self.is_quiet && self.begun.elapsed() > PATIENCE {
+            self.shown
+                .call_once(|| self.bar.set_draw_target(ProgressDrawTarget::stderr()));
+        }
+    }
+
+    /// Time [s] since the start.
+    pub fn elapsed(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template(TEMPLATE)
+        .expect("the template is part of the program")
+        .progress_chars("=> ")
+        .with_key("speed", |state: &ProgressState, text: &mut dyn Write| {
+            let _ = write!(text, "{:.2} x real time", state.per_sec() / FINENESS);
+        })
+}

@@ -1,0 +1,132 @@
+//! The experiment a command runs: scenario, edits, seed.
+
+use clap::Args;
+use lugwheel::quantity::Seed;
+use lugwheel::scenario::{Scenario, ScenarioError};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folder in which a scenario is looked for by its name.
+const FOLDER: &str = "scenarios";
+
+/// How alike [0 to 1] two names are that one may have meant for the other.
+const ALIKE: f64 = 0.8;
+
+/// What is simulated.
+#[derive(Debug, Args)]
+pub struct ScenarioArgs {
+    /// Scenario file, or the name of one in scenarios/
+    scenario: PathBuf,
+    /// Set a key of the scenario, in SI units, for example rig.single_wheel.slip=0.3
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Seed of all randomness; the same seed gives the same bytes
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+}
+
+/// There is no such scenario.
+#[derive(Debug, thiserror::Error)]
+#[error("there is no scenario {}, as a file or in {FOLDER}/{hint}", asked.display())]
+pub struct NoScenario {
+    asked: PathBuf,
+    hint: String,
+}
+
+impl ScenarioArgs {
+    /// Reads the scenario, with its keys set.
+    ///
+    /// # Errors
+    /// `NoScenario` with the names like it; `ScenarioError` for one that is none, or an edit that
+    /// makes it none.
+    pub fn load(&self) -> anyhow::Result<Scenario> {
+        let scenario = Scenario::load(found(&self.scenario)?)?;
+        Ok(with_all(scenario, &self.set)?)
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> Seed {
+        Seed(self.seed)
+    }
+
+    /// The scenario as it was asked for.
+    pub fn asked(&self) -> String {
+        self.scenario.display().to_string()
+    }
+
+    /// Name of the scenario without folder and ending.
+    pub fn stem(&self) -> String {
+        let stem = self.scenario.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+}
+
+/// `scenario` with every `key=value` set, in this order.
+pub fn with_all(scenario: Scenario, edits: &[impl AsRef<str>]) -> Result<Scenario, ScenarioError> {
+    edits
+        .iter()
+        .try_fold(scenario, |scenario, edit| scenario.with(edit.as_ref()))
+}
+
+fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
+    if asked.exists() {
+        return Ok(asked.to_owned());
+    }
+    let named = Path::new(FOLDER).join(asked);
+    let by_name = named.with_extension("toml");
+    if by_name.is_file() {
+        return Ok(by_name);
+    }
+    Err(NoScenario {
+        asked: asked.to_owned(),
+        hint: hint(asked, &names()),
+    })
+}
+
+/// Names of the scenarios there are, in the order of their letters.
+fn names() -> Vec<String> {
+    let files = fs::read_dir(FOLDER).into_iter().flatten().flatten();
+    let tomls = files
+        .map(|file| file.path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let mut names: Vec<String> = tomls
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    names.sort();
+    names
+}
+
+/// The names like the one asked for; all where none is.
+fn hint(asked: &Path, names: &[String]) -> String {
+    let asked = asked.file_stem().unwrap_or_default().to_string_lossy();
+    let likeness = |name: &str| strsim::jaro_winkler(&asked, name);
+    let mut near: Vec<&str> = names
+        .iter()
+        .map(String::as_str)
+        .filter(|name| likeness(name) >= ALIKE)
+        .collect();
+    near.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+    near.truncate(3);
+    match (near.is_empty(), names.is_empty()) {
+        (false, _) => format!("; did you mean {}?", near.join(", ")),
+        (true, false) => format!("; there are {}", names.join(", ")),
+        (true, true) => ", which does not exist here or is empty".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_typo_is_answered_with_the_names_like_it_and_nonsense_with_all() {
+        let names = ["quick", "rover_ht", "single_wheel_gt", "single_wheel_ht"].map(str::to_owned);
+        let typo = hint(Path::new("singel_wheel_ht.toml"), &names);
+        assert_eq!(typo, "; did you mean single_wheel_ht, single_wheel_gt?");
+        let nonsense = hint(Path::new("zzz"), &names);
+        assert!(
+            nonsense.contains("quick, rover_ht, single_wheel_gt"),
+            "{nonsense}"
+        );
+    }
+}

@@ -1,0 +1,202 @@
+//! Runs of one scenario, many at a time, into one file.
+
+use super::interrupt::{self, Interrupted};
+use super::progress::Progress;
+use super::steady::{QUANTITIES, Quantity, Spread};
+use anyhow::Context;
+use clap::Args;
+use lugwheel::dataset::Provenance;
+use lugwheel::dataset::hdf5::RunFileWriter;
+use lugwheel::quantity::Seed;
+use lugwheel::scenario::Scenario;
+use lugwheel::scenario::experiment::ExperimentError;
+use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::Trace;
+use rayon::{ScopeFifo, ThreadPoolBuilder};
+use std::collections::VecDeque;
+use std::num::NonZeroUsize;
+use std::ops::{ControlFlow, Range};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+
+/// How many runs are simulated at a time.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Jobs {
+    /// Runs at a time; all cores if not given. The bytes written do not depend on it
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+}
+
+impl Jobs {
+    /// One run after another.
+    pub const ONE: Self = Self {
+        jobs: NonZeroUsize::new(1),
+    };
+
+    /// How many.
+    pub fn count(self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        self.jobs.map_or_else(cores, NonZeroUsize::get)
+    }
+}
+
+/// Runs of one scenario with one seed.
+#[derive(Debug, Clone)]
+pub struct Series<'a> {
+    /// What is simulated.
+    pub scenario: &'a Scenario,
+    /// The seed of all runs.
+    pub seed: Seed,
+    /// Their numbers.
+    pub runs: Range<u64>,
+    /// How many at a time.
+    pub jobs: Jobs,
+}
+
+/// What one run came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// The ground, if it was one.
+    pub terrain: Option<TerrainLabel>,
+    /// The true class, if it was one.
+    pub class: Option<Wtic>,
+    /// Steady values in the order of [`QUANTITIES`] [SI].
+    pub steady: [Option<f64>; QUANTITIES.len()],
+}
+
+impl Outcome {
+    fn of(trace: &Trace) -> Self {
+        Self {
+            terrain: trace.attributes.terrain,
+            class: trace.attributes.class,
+            steady: QUANTITIES.map(|quantity| quantity.of(trace)),
+        }
+    }
+}
+
+/// Every quantity that some of the runs have, over these runs.
+pub fn spreads(outcomes: &[Outcome]) -> impl Iterator<Item = (&'static Quantity, Spread)> {
+    QUANTITIES.iter().enumerate().filter_map(|(i, quantity)| {
+        let values = outcomes.iter().map(|outcome| outcome.steady[i]);
+        Some((quantity, Spread::of(quantity, values)?))
+    })
+}
+
+/// The id of a run in a file.
+pub fn run_id(run: u64) -> String {
+    format!("run_{run:06}")
+}
+
+type Simulated = Result<Trace, ExperimentError>;
+
+impl Series<'_> {
+    /// Simulated time [s] of all runs together.
+    pub fn simulated(&self) -> f64 {
+        (self.runs.end - self.runs.start) as f64 * self.scenario.duration
+    }
+
+    /// Simulates the runs and writes them to `out` in their order: all of them, or no file.
+    ///
+    /// # Errors
+    /// `RunFileError` where the file cannot be written, before any run if it is known by then; the
+    /// first run that fails; `Interrupted`.
+    pub fn write(&self, out: &Path, progress: &Progress) -> anyhow::Result<Vec<Outcome>> {
+        let provenance = Provenance::simulated(self.scenario.text(), self.seed);
+        let mut file = RunFileWriter::create(out, &provenance)?;
+        let mut outcomes = Vec::new();
+        self.simulate(progress, |run, trace| {
+            outcomes.push(Outcome::of(&trace));
+            Ok(file.add(&run_id(run), &trace)?)
+        })?;
+        interrupt::check()?;
+        file.finish()?;
+        Ok(outcomes)
+    }
+
+    /// Simulates the runs and hands them to `take` in their order.
+    ///
+    /// At most twice as many runs as are simulated at a time are begun and not yet taken, so
+    /// memory does not grow with the number of runs.
+    fn simulate(
+        &self,
+        progress: &Progress,
+        mut take: impl FnMut(u64, Trace) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let jobs = self.jobs.count();
+        let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+        let work = Work {
+            scenario: self.scenario,
+            seed: self.seed,
+            progress,
+            is_over: AtomicBool::new(false),
+        };
+        pool.in_place_scope_fifo(|scope| {
+            let mut begun = VecDeque::new();
+            let mut left = self.runs.clone();
+            loop {
+                let room = 2 * jobs - begun.len();
+                begun.extend(
+                    left.by_ref()
+                        .take(room)
+                        .map(|run| (run, work.begin(run, scope))),
+                );
+                let Some((run, result)) = begun.pop_front() else {
+                    return Ok(());
+                };
+                // A run that sends nothing has panicked, which goes on when the scope ends.
+                let taken = result
+                    .recv()
+                    .context("a run broke off")
+                    .and_then(|simulated| self.checked(run, simulated))
+                    .and_then(|trace| take(run, trace));
+                if taken.is_err() {
+                    work.is_over.store(true, Ordering::Relaxed);
+                    return taken;
+                }
+            }
+        })
+    }
+
+    fn checked(&self, run: u64, simulated: Simulated) -> anyhow::Result<Trace> {
+        if let Err(ExperimentError::Stopped) = simulated {
+            return Err(Interrupted("nothing was written".to_owned()).into());
+        }
+        let Seed(seed) = self.seed;
+        simulated.with_context(|| format!("run {run} of seed {seed} failed; nothing was written"))
+    }
+}
+
+/// What the threads share.
+struct Work<'a> {
+    scenario: &'a Scenario,
+    seed: Seed,
+    progress: &'a Progress,
+    /// Whether nobody waits for the runs any more.
+    is_over: AtomicBool,
+}
+
+impl Work<'_> {
+    fn begin<'scope>(&'scope self, run: u64, scope: &ScopeFifo<'scope>) -> Receiver<Simulated> {
+        let (sender, receiver) = sync_channel(1);
+        scope.spawn_fifo(move |_| {
+            // Nobody receives once another run has failed.
+            let _ = sender.send(self.simulate(run));
+        });
+        receiver
+    }
+
+    fn simulate(&self, run: u64) -> Simulated {
+        let mut before = 0.0;
+        let simulated = self.scenario.run(self.seed, run, &mut |time| {
+            self.progress.advance(time - before);
+            before = time;
+            if interrupt::is_requested() || self.is_over.load(Ordering::Relaxed) {
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        });
+        self.progress.advance(self.scenario.duration - before);
+        simulated
+    }
+}

@@ -1,0 +1,134 @@
+//! `simulate`: one run.
+
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::scenario_args::ScenarioArgs;
+use super::series::{Jobs, Series, run_id};
+use super::steady::QUANTITIES;
+use clap::Args;
+use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Simulate one run
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Simulate {
+    #[command(flatten)]
+    scenario: ScenarioArgs,
+    /// Which run of the series that the seed begins
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    run: u64,
+    /// Run file to write [default: output/<scenario>/run.h5]
+    #[arg(long, value_name = "FILE.h5")]
+    out: Option<PathBuf>,
+    /// Keep the samples at the sensor rate [128 kHz] too, some 2 MB a second
+    #[arg(long)]
+    raw: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel simulate single_wheel_st
+  lugwheel simulate scenarios/single_wheel_st.toml --seed 7 --out sand.h5
+  lugwheel simulate single_wheel_st --set rig.single_wheel.slip=0.3 --set duration=5
+
+Run 3 here is run 3 of `lugwheel dataset` with the same scenario and seed.";
+
+/// What one run came to.
+#[derive(Debug, Serialize)]
+struct Summary {
+    scenario: String,
+    file: String,
+    seed: u64,
+    run: String,
+    terrain: Option<TerrainLabel>,
+    class: Option<Wtic>,
+    duration_s: f64,
+    physics_rate_hz: f64,
+    computing_s: f64,
+    real_time_factor: f64,
+    steady: BTreeMap<&'static str, Value>,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Value {
+    value: f64,
+    unit: &'static str,
+}
+
+impl Simulate {
+    /// Simulates the run and says what it came to.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let mut scenario = self.scenario.load()?;
+        if self.raw {
+            scenario = scenario.with("sensors.raw=true")?;
+        }
+        let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "run.h5")?;
+        let series = Series {
+            scenario: &scenario,
+            seed: self.scenario.seed(),
+            runs: self.run..self.run.saturating_add(1),
+            jobs: Jobs::ONE,
+        };
+        let progress = Progress::new(output, &self.scenario.asked(), series.simulated());
+        let outcomes = series.write(&out, &progress)?;
+        let computing_s = progress.elapsed();
+        drop(progress);
+        let outcome = &outcomes[0];
+        let steady = QUANTITIES.iter().zip(outcome.steady);
+        output.print(&Summary {
+            scenario: self.scenario.asked(),
+            file: out.display().to_string(),
+            seed: self.scenario.seed().0,
+            run: run_id(self.run),
+            terrain: outcome.terrain,
+            class: outcome.class,
+            duration_s: scenario.duration,
+            physics_rate_hz: scenario.physics_rate().hertz(),
+            computing_s,
+            real_time_factor: series.simulated() / computing_s,
+            steady: steady
+                .filter_map(|(quantity, value)| {
+                    let unit = quantity.unit;
+                    Some((
+                        quantity.key,
+                        Value {
+                            value: value?,
+                            unit,
+                        },
+                    ))
+                })
+                .collect(),
+        })
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let terrain = self.terrain.map_or("several grounds", TerrainLabel::as_str);
+        writeln!(
+            f,
+            "{}, {}: {} s on {terrain}, seed {}",
+            self.scenario, self.run, self.duration_s, self.seed
+        )?;
+        writeln!(
+            f,
+            "simulated in {:.1} s at {} kHz, {:.2} x real time",
+            self.computing_s,
+            self.physics_rate_hz / 1.0e3,
+            self.real_time_factor
+        )?;
+        let class = self.class.map_or("mixed", Wtic::as_str);
+        writeln!(f, "\n{:<28}{class:>12}", "true class")?;
+        for quantity in &QUANTITIES {
+            if let Some(Value { value, .. }) = self.steady.get(quantity.key) {
+                let (name, unit) = (quantity.name, quantity.shown_unit);
+                writeln!(f, "{name:<28}{:>12} {unit}", quantity.shown(*value))?;
+            }
+        }
+        writeln!(f, "\nwritten to {}", self.file)
+    }
+}
