@@ -42,6 +42,7 @@ pub mod quantity;
 pub mod wheel;
 
 pub mod soil;
+pub mod study;
 pub mod terrain;
 
 // What happens.

@@ -11,7 +11,7 @@
 //! assert!(error.to_string().starts_with("short.toml:1:1: missing field `terrain`"));
 //! ```
 
-mod document;
+pub(crate) mod document;
 pub mod experiment;
 
 use crate::quantity::{RangeError, SampleRate};
@@ -19,7 +19,7 @@ use crate::sensors::Sensors;
 use crate::simulation::rig::{Rig, RigError, RigTable};
 use crate::terrain::TerrainSpec;
 use crate::wheel::{Wheel, WheelTable};
-use document::{Document, Misfit};
+use document::{Document, Misfit, check_version};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -112,23 +112,38 @@ impl Scenario {
     /// `ScenarioError::Invalid` where the edited scenario is no scenario, with the keys that
     /// resemble an unknown one.
     pub fn with(&self, assignment: &str) -> Result<Self, ScenarioError> {
-        let refuse = |reason: String| ScenarioError::Assignment {
-            assignment: assignment.to_owned(),
-            reason,
+        self.with_all(&[assignment])
+    }
+
+    /// This scenario with several keys set together: only the outcome of all has to be sound.
+    ///
+    /// # Errors
+    /// Those of [`Scenario::with`].
+    pub fn with_all(&self, assignments: &[impl AsRef<str>]) -> Result<Self, ScenarioError> {
+        let mut text = self.source.text.clone();
+        for assignment in assignments {
+            text = assigned(&text, assignment.as_ref())?;
+        }
+        let list: Vec<&str> = assignments.iter().map(AsRef::as_ref).collect();
+        let file = match list.as_slice() {
+            [] => self.source.file.clone(),
+            list => format!("{} with {}", self.source.file, list.join(", ")),
         };
-        let Some((key, value)) = split_assignment(assignment) else {
-            let example = "write key=value, for example rig.single_wheel.slip=0.3";
-            return Err(refuse(example.to_owned()));
+        Self::from_toml(&text, &file).map_err(|error| self.with_hint(error, &list))
+    }
+
+    /// Adds to a fault the keys of this scenario that resemble an unknown one.
+    fn with_hint(&self, error: ScenarioError, assignments: &[&str]) -> ScenarioError {
+        let (ScenarioError::Invalid(fault), Ok(document)) =
+            (&error, Document::parse(&self.source.text))
+        else {
+            return error;
         };
-        let document = Document::parse(&self.source.text).map_err(|old| refuse(old.message))?;
-        let text = document.with_value(key, &as_toml(value)).map_err(refuse)?;
-        let file = format!("{} with {assignment}", self.source.file);
-        Self::from_toml(&text, &file).map_err(|error| match error {
-            ScenarioError::Invalid(fault) if !document.has_table_of(key) => {
-                fault.with_hint(&document.keys_like(key)).into()
-            }
-            other => other,
-        })
+        let mut keys = assignments.iter().filter_map(|text| split_assignment(text));
+        match keys.find(|(key, _)| !document.has_table_of(key)) {
+            Some((key, _)) => fault.clone().with_hint(&document.keys_like(key)).into(),
+            None => error,
+        }
     }
 
     /// The text this scenario was read from, with every key set by [`Scenario::with`].
@@ -291,7 +306,7 @@ impl ScenarioTable {
 
 fn read(text: &str, file: &str) -> Result<Scenario, Misfit> {
     let document = Document::parse(text)?;
-    check_version(&document)?;
+    check_version(&document, "scenario", VERSION)?;
     let table: ScenarioTable = document.read()?;
     let source = Source {
         file: file.to_owned(),
@@ -305,22 +320,6 @@ fn read(text: &str, file: &str) -> Result<Scenario, Misfit> {
             message: error.to_string(),
         })?;
     Ok(scenario)
-}
-
-/// Refuses another version before its keys are looked at, which may be others.
-fn check_version(document: &Document) -> Result<(), Misfit> {
-    let message = match document.value("version").map(|value| value.get_ref()) {
-        Some(DeValue::Integer(version)) if version.as_str() == VERSION.to_string() => return Ok(()),
-        Some(DeValue::Integer(version)) => {
-            format!("scenario version must be {VERSION}, got {version}")
-        }
-        Some(_) => format!("scenario version must be the number {VERSION}"),
-        None => format!("missing `version`; write `version = {VERSION}` in the first line"),
-    };
-    Err(Misfit {
-        place: document.place("version"),
-        message,
-    })
 }
 
 /// Rate [Hz] at which features and force statistics of a terrain no longer change.
@@ -361,6 +360,20 @@ fn limit(
         range: format!("{rounded} or less ({reason})"),
         value,
     })
+}
+
+/// A scenario's text with one `key=value` set.
+fn assigned(text: &str, assignment: &str) -> Result<String, ScenarioError> {
+    let refuse = |reason: String| ScenarioError::Assignment {
+        assignment: assignment.to_owned(),
+        reason,
+    };
+    let Some((key, value)) = split_assignment(assignment) else {
+        let example = "write key=value, for example rig.single_wheel.slip=0.3";
+        return Err(refuse(example.to_owned()));
+    };
+    let document = Document::parse(text).map_err(|old| refuse(old.message))?;
+    document.with_value(key, &as_toml(value)).map_err(refuse)
 }
 
 fn split_assignment(assignment: &str) -> Option<(&str, &str)> {
@@ -414,7 +427,7 @@ pub enum ScenarioError {
     },
 }
 
-/// A fault in a scenario's text, and its place.
+/// A fault in the text of a scenario or a study, and its place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub struct Fault {
     /// Name of the file.
@@ -430,7 +443,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    fn new(file: &str, text: &str, Misfit { place, message }: Misfit) -> Self {
+    pub(crate) fn new(file: &str, text: &str, Misfit { place, message }: Misfit) -> Self {
         let before = text.get(..place.start).unwrap_or_default();
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         let excerpt = text[line_start..].lines().next().unwrap_or_default();

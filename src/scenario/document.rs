@@ -9,9 +9,9 @@ use toml::de::{DeTable, DeValue, Deserializer};
 
 /// Something wrong, and the bytes of the text that say so.
 #[derive(Debug)]
-pub(super) struct Misfit {
-    pub(super) place: Range<usize>,
-    pub(super) message: String,
+pub(crate) struct Misfit {
+    pub(crate) place: Range<usize>,
+    pub(crate) message: String,
 }
 
 impl From<toml::de::Error> for Misfit {
@@ -23,7 +23,7 @@ impl From<toml::de::Error> for Misfit {
 }
 
 /// A parsed text.
-pub(super) struct Document<'t> {
+pub(crate) struct Document<'t> {
     text: &'t str,
     root: Spanned<DeValue<'t>>,
 }
@@ -31,7 +31,7 @@ pub(super) struct Document<'t> {
 impl<'t> Document<'t> {
     /// # Errors
     /// `Misfit` where the text is not TOML.
-    pub(super) fn parse(text: &'t str) -> Result<Self, Misfit> {
+    pub(crate) fn parse(text: &'t str) -> Result<Self, Misfit> {
         let table = DeTable::parse(text)?.into_inner();
         let root = Spanned::new(0..0, DeValue::Table(table));
         Ok(Self { text, root })
@@ -39,26 +39,26 @@ impl<'t> Document<'t> {
 
     /// # Errors
     /// `Misfit` for unknown or missing keys, and for values of the wrong type.
-    pub(super) fn read<T: DeserializeOwned>(&self) -> Result<T, Misfit> {
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, Misfit> {
         let table = self.root.get_ref().as_table().cloned().unwrap_or_default();
         let document = Deserializer::from(Spanned::new(0..0, table));
         Ok(T::deserialize(document)?)
     }
 
     /// The value of a dotted key; a number picks from an array.
-    pub(super) fn value(&self, path: &str) -> Option<&Spanned<DeValue<'t>>> {
+    pub(crate) fn value(&self, path: &str) -> Option<&Spanned<DeValue<'t>>> {
         let (value, missing) = self.deepest(path);
         missing.is_empty().then_some(value)
     }
 
     /// Where the value of a dotted key stands, or else the innermost table that would hold it.
-    pub(super) fn place(&self, path: &str) -> Range<usize> {
+    pub(crate) fn place(&self, path: &str) -> Range<usize> {
         self.deepest(path).0.span()
     }
 
     /// Where below `path` the value of a range error stands: the number with that value whose
     /// key shares the most words with the quantity; the table at `path` if there is none.
-    pub(super) fn place_of(&self, path: &str, error: &RangeError) -> Range<usize> {
+    pub(crate) fn place_of(&self, path: &str, error: &RangeError) -> Range<usize> {
         let (within, _) = self.deepest(path);
         let mut candidates = Vec::new();
         for_each_leaf("", within, &mut |key, value| {
@@ -74,13 +74,13 @@ impl<'t> Document<'t> {
     }
 
     /// Whether the table that would hold a dotted key is there.
-    pub(super) fn has_table_of(&self, path: &str) -> bool {
+    pub(crate) fn has_table_of(&self, path: &str) -> bool {
         path.rsplit_once('.')
             .is_none_or(|(table, _)| self.value(table).is_some())
     }
 
     /// Every dotted key that holds a value, for a message that lists those like `wanted`.
-    pub(super) fn keys_like(&self, wanted: &str) -> Vec<String> {
+    pub(crate) fn keys_like(&self, wanted: &str) -> Vec<String> {
         let mut keys = Vec::new();
         for_each_leaf("", &self.root, &mut |key, _| keys.push(key.to_owned()));
         keys.sort_by_key(|key| {
@@ -95,7 +95,7 @@ impl<'t> Document<'t> {
     ///
     /// # Errors
     /// A message where the key holds a whole table with a header of its own.
-    pub(super) fn with_value(&self, path: &str, value: &str) -> Result<String, String> {
+    pub(crate) fn with_value(&self, path: &str, value: &str) -> Result<String, String> {
         match self.value(path) {
             Some(old) if self.has_header(old) => Err(format!(
                 "`{path}` is a table; set the keys in it one by one"
@@ -168,6 +168,23 @@ impl<'t> Document<'t> {
         }
         (value, keys.collect())
     }
+}
+
+/// Refuses another version of a `kind` of file before its keys are looked at, which may be others.
+///
+/// # Errors
+/// `Misfit` where the version is missing or is not `version`.
+pub(crate) fn check_version(document: &Document, kind: &str, version: i64) -> Result<(), Misfit> {
+    let message = match document.value("version").map(|value| value.get_ref()) {
+        Some(DeValue::Integer(found)) if found.as_str() == version.to_string() => return Ok(()),
+        Some(DeValue::Integer(found)) => format!("{kind} version must be {version}, got {found}"),
+        Some(_) => format!("{kind} version must be the number {version}"),
+        None => format!("missing `version`; write `version = {version}` in the first line"),
+    };
+    Err(Misfit {
+        place: document.place("version"),
+        message,
+    })
 }
 
 fn child<'v, 't>(value: &'v DeValue<'t>, key: &str) -> Option<&'v Spanned<DeValue<'t>>> {

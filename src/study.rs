@@ -1,0 +1,504 @@
+//! Monte Carlo studies: scenarios, swept keys and repeats as one file; its runs in one table.
+//!
+//! ```toml
+//! version = 1
+//! scenarios = ["../single_wheel_ht.toml", "../single_wheel_st.toml"]  # relative to this file
+//! seed = 1
+//! repeats = 4                  # runs per condition
+//! random_numbers = "common"    # or "independent"
+//!
+//! [set]                        # in every run
+//! duration = 20.0
+//!
+//! [[sweep]]
+//! key = "rig.single_wheel.forward_speed"
+//! grid = { from = 0.003, to = 0.05, count = 5, spacing = "logarithmic" }
+//!
+//! [[sweep]]                    # crossed with the sweep above; its own keys change together
+//! keys = ["rig.single_wheel.slip", "rig.single_wheel.load"]
+//! rows = [[0.1, 100.0], [0.3, 60.0]]
+//! ```
+//!
+//! A *condition* is a scenario with one entry of every sweep. Runs are numbered from 0, scenario by
+//! scenario, the last sweep changing fastest, the repeats of a condition together. All randomness
+//! of a run comes from the study's seed and the run's *stream*:
+//!
+//! - `common`: repeat `k` of every condition draws from stream `k`. Conditions then meet the same
+//!   ground and noise, so that their differences scatter less than their values.
+//! - `independent`: run `n` draws from stream `n`. No two runs share anything.
+//!
+//! Either way a run is the same bits alone, in the study, and on any thread.
+//!
+//! Results go to one folder ([`Study::execute`]):
+//!
+//! ```text
+//! runs.csv       one row a run: condition, label, class, steady values; see `study::table`
+//! timing.csv     seconds of computing per run: the one file that differs between executions
+//! failed.txt     runs that failed and why; absent where none did
+//! study.toml     the study as it was read, and scenarios/ as they were
+//! origin.txt     program version, seed, fingerprint of all that decides the results
+//! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
+//!                study goes on
+//! ```
+
+mod band;
+mod execution;
+mod folder;
+mod shard;
+mod sweep;
+pub mod table;
+
+pub use execution::{Options, Outcome, Progress};
+
+use crate::quantity::{RangeError, Seed};
+use crate::scenario::document::{Document, Misfit, check_version};
+use crate::scenario::experiment::ExperimentError;
+use crate::scenario::{Fault, Scenario, ScenarioError};
+use crate::trace::Trace;
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+use std::collections::HashSet;
+use std::io;
+use std::ops::{ControlFlow, Range};
+use std::path::{Path, PathBuf};
+use sweep::{Sweep, SweepTable};
+
+/// The version of study files that this program reads.
+const VERSION: i64 = 1;
+
+/// Most runs of a study: all conditions are checked before the first run, 0.2 ms each.
+const MOST_RUNS: u64 = 100_000;
+
+/// Where the runs of a study get their random numbers from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RandomNumbers {
+    /// The same for the same repeat of every condition.
+    Common,
+    /// Different for every run.
+    Independent,
+}
+
+/// A study: which runs, and where their randomness comes from.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// Where all randomness comes from.
+    pub seed: Seed,
+    repeats: u32,
+    random_numbers: RandomNumbers,
+    scenarios: Vec<Named>,
+    settings: Vec<String>,
+    sweeps: Vec<Sweep>,
+    text: String,
+}
+
+/// A scenario of a study, by the name of its file without the ending.
+#[derive(Debug, Clone)]
+struct Named {
+    name: String,
+    scenario: Scenario,
+}
+
+/// One run of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Run {
+    /// Number in the study, from 0.
+    pub number: u64,
+    /// Number of its condition, from 0.
+    pub condition: u64,
+    /// Which repeat of its condition, from 0.
+    pub repeat: u32,
+    /// The stream of random numbers it draws from.
+    pub stream: u64,
+}
+
+/// A study file before its checks.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StudyTable {
+    #[serde(rename = "version")]
+    _version: i64,
+    scenarios: Vec<PathBuf>,
+    seed: u64,
+    repeats: u32,
+    random_numbers: RandomNumbers,
+    #[serde(default)]
+    set: toml::Table,
+    #[serde(default)]
+    sweep: Vec<SweepTable>,
+}
+
+impl Study {
+    /// Reads a study file and its scenarios, and checks every condition.
+    ///
+    /// # Errors
+    /// `StudyError::Unreadable` where there is no such text file; `StudyError::Invalid` points at
+    /// the line of the first fault: text that is not TOML, unknown or missing keys, scenarios that
+    /// cannot be read, and conditions that are no scenario.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, StudyError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| StudyError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        read(&text, folder)
+            .map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit).into())
+    }
+
+    /// Every run, in order of its number.
+    pub fn runs(&self) -> impl Iterator<Item = Run> + use<> {
+        self.runs_in(0..self.run_count())
+    }
+
+    /// The runs with these numbers.
+    fn runs_in(&self, numbers: Range<u64>) -> impl Iterator<Item = Run> + use<> {
+        let Self {
+            repeats,
+            random_numbers,
+            ..
+        } = *self;
+        numbers.map(move |number| Run {
+            number,
+            condition: number / u64::from(repeats),
+            repeat: (number % u64::from(repeats)) as u32,
+            stream: match random_numbers {
+                RandomNumbers::Common => number % u64::from(repeats),
+                RandomNumbers::Independent => number,
+            },
+        })
+    }
+
+    /// Number of runs: scenarios x entries of each sweep x repeats.
+    pub fn run_count(&self) -> u64 {
+        self.condition_count() * u64::from(self.repeats)
+    }
+
+    fn condition_count(&self) -> u64 {
+        self.scenarios.len() as u64 * self.combinations()
+    }
+
+    /// Combinations of the sweeps' entries.
+    fn combinations(&self) -> u64 {
+        self.sweeps.iter().map(|sweep| sweep.len() as u64).product()
+    }
+
+    /// The experiment of a run.
+    pub fn scenario(&self, run: &Run) -> Scenario {
+        let (named, entries) = self.condition(run.condition);
+        let edited = named.scenario.with_all(&self.assignments(&entries));
+        edited.expect("every condition was checked when the study was read")
+    }
+
+    /// Runs one run, as [`Scenario::run`] does.
+    ///
+    /// # Errors
+    /// Those of [`Scenario::run`].
+    pub fn run(
+        &self,
+        run: &Run,
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Trace, ExperimentError> {
+        let mut trace = self.scenario(run).run(self.seed, run.stream, progress)?;
+        trace.attributes.repeat = run.repeat;
+        Ok(trace)
+    }
+
+    /// The swept keys, in the order of the file.
+    fn keys(&self) -> impl Iterator<Item = &str> {
+        let keys = self.sweeps.iter().flat_map(|sweep| &sweep.keys);
+        keys.map(String::as_str)
+    }
+
+    /// The values of the swept keys in a run, as TOML, in the order of [`Study::keys`].
+    fn values(&self, run: &Run) -> impl Iterator<Item = &str> {
+        let (_, entries) = self.condition(run.condition);
+        let rows = self.sweeps.iter().zip(entries);
+        rows.flat_map(|(sweep, entry)| &sweep.rows[entry])
+            .map(String::as_str)
+    }
+
+    /// Name of the scenario of a run: its file without the ending.
+    fn scenario_name(&self, run: &Run) -> &str {
+        &self.condition(run.condition).0.name
+    }
+
+    /// The scenario of a condition, and its entry of each sweep; the last sweep changes fastest.
+    fn condition(&self, number: u64) -> (&Named, Vec<usize>) {
+        let combinations = self.combinations();
+        let mut rest = number % combinations;
+        let mut entries: Vec<usize> = self
+            .sweeps
+            .iter()
+            .rev()
+            .map(|sweep| {
+                let entry = rest % sweep.len() as u64;
+                rest /= sweep.len() as u64;
+                entry as usize
+            })
+            .collect();
+        entries.reverse();
+        (&self.scenarios[(number / combinations) as usize], entries)
+    }
+
+    /// Every `key=value` of the condition with these `entries` of the sweeps.
+    fn assignments(&self, entries: &[usize]) -> Vec<String> {
+        let swept = self.sweeps.iter().zip(entries);
+        let swept = swept.flat_map(|(sweep, entry)| sweep.assignments(*entry));
+        self.settings.iter().cloned().chain(swept).collect()
+    }
+
+    /// A hash of all that decides the results: program version, seed, study and scenarios.
+    fn fingerprint(&self) -> String {
+        let mut hash = Sha256::new();
+        let seed = self.seed.0.to_string();
+        let scenarios = self.scenarios.iter();
+        let parts = [VERSION_OF_PROGRAM, &seed, &self.text]
+            .into_iter()
+            .chain(scenarios.flat_map(|named| [named.name.as_str(), named.scenario.text()]));
+        for part in parts {
+            hash.update((part.len() as u64).to_le_bytes());
+            hash.update(part);
+        }
+        hex(&hash.finalize())
+    }
+
+    /// Checks every condition.
+    fn check(&self, document: &Document) -> Result<(), Misfit> {
+        for number in 0..self.condition_count() {
+            let (named, entries) = self.condition(number);
+            let assignments = self.assignments(&entries);
+            let Err(error) = named.scenario.with_all(&assignments) else {
+                continue;
+            };
+            return Err(Misfit {
+                place: document.place(&self.culprit(named, &entries)),
+                message: in_one_line(&error),
+            });
+        }
+        Ok(())
+    }
+
+    /// Key of the study file to blame for an unsound condition: the first whose value is no good
+    /// alone, or else the last, which does not go with the others.
+    fn culprit(&self, named: &Named, entries: &[usize]) -> String {
+        let settings = self.settings.iter().map(|assignment| {
+            let key = assignment.split('=').next().unwrap_or_default();
+            (format!("set.{key}"), vec![assignment.clone()])
+        });
+        let swept = self.sweeps.iter().zip(entries).enumerate();
+        let swept = swept.map(|(index, (sweep, entry))| {
+            let place = format!("sweep.{index}.{}", sweep.place(*entry));
+            (place, sweep.assignments(*entry))
+        });
+        let mut last = String::new();
+        for (place, assignments) in settings.chain(swept) {
+            if named.scenario.with_all(&assignments).is_err() {
+                return place;
+            }
+            last = place;
+        }
+        last
+    }
+}
+
+/// The program whose results these are.
+const VERSION_OF_PROGRAM: &str = concat!("lugwheel ", env!("CARGO_PKG_VERSION"));
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A scenario's fault without the excerpt of its text, which an edit may have made.
+fn in_one_line(error: &ScenarioError) -> String {
+    match error {
+        ScenarioError::Invalid(fault) => format!("{}: {}", fault.file, fault.message),
+        other => other.to_string(),
+    }
+}
+
+fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
+    let document = Document::parse(text)?;
+    check_version(&document, "study", VERSION)?;
+    let table: StudyTable = document.read()?;
+    let study = table.into_study(&document, text, folder)?;
+    study.check(&document)?;
+    Ok(study)
+}
+
+impl StudyTable {
+    fn into_study(self, document: &Document, text: &str, folder: &Path) -> Result<Study, Misfit> {
+        let at = |key: &str, message: String| Misfit {
+            place: document.place(key),
+            message,
+        };
+        let scenarios =
+            load_scenarios(&self.scenarios, folder).map_err(|(key, message)| at(&key, message))?;
+        let sweeps = sweep::read_all(self.sweep).map_err(|(key, message)| at(&key, message))?;
+        let mut settings = Vec::new();
+        flatten("", &self.set, &mut settings);
+        check_once(&settings, &sweeps).map_err(|(key, message)| at(&key, message))?;
+        let study = Study {
+            seed: Seed(self.seed),
+            repeats: self.repeats,
+            random_numbers: self.random_numbers,
+            scenarios,
+            settings: settings
+                .into_iter()
+                .map(|(key, value)| format!("{key}={value}"))
+                .collect(),
+            sweeps,
+            text: text.to_owned(),
+        };
+        study
+            .check_size()
+            .map_err(|error| at("repeats", error.to_string()))?;
+        Ok(study)
+    }
+}
+
+impl Study {
+    fn check_size(&self) -> Result<(), RangeError> {
+        RangeError::check("repeats", "-", f64::from(self.repeats), [1.0, 1.0e5])?;
+        // In floating point, where nothing overflows.
+        let entries = self.sweeps.iter().map(|sweep| sweep.len() as f64);
+        let conditions = self.scenarios.len() as f64 * entries.product::<f64>();
+        let runs = conditions * f64::from(self.repeats);
+        if runs <= MOST_RUNS as f64 {
+            return Ok(());
+        }
+        Err(RangeError {
+            quantity: "number of runs",
+            unit: "-",
+            range: format!(
+                "{MOST_RUNS} or less ({conditions} conditions x {} repeats); split the study",
+                self.repeats
+            ),
+            value: runs,
+        })
+    }
+}
+
+/// A key of a study file, and what is wrong with it.
+type Wrong = (String, String);
+
+fn load_scenarios(paths: &[PathBuf], folder: &Path) -> Result<Vec<Named>, Wrong> {
+    if paths.is_empty() {
+        let message = "a study needs a scenario; name one or more files".to_owned();
+        return Err(("scenarios".to_owned(), message));
+    }
+    let mut names = HashSet::new();
+    let load = |(index, path): (usize, &PathBuf)| {
+        let wrong = |message: String| (format!("scenarios.{index}"), message);
+        let scenario = Scenario::load(folder.join(path)).map_err(|error| {
+            wrong(match &error {
+                ScenarioError::Unreadable { source, .. } => {
+                    format!("{error}: {source}; paths are relative to the study file")
+                }
+                ScenarioError::Invalid(fault) => {
+                    format!("{}:{}: {}", fault.file, fault.line, fault.message)
+                }
+                other => other.to_string(),
+            })
+        })?;
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        if !names.insert(name.to_string()) {
+            return Err(wrong(format!(
+                "a second scenario is named `{name}`; the table tells them apart by file name, so rename one"
+            )));
+        }
+        let name = name.into_owned();
+        Ok(Named { name, scenario })
+    };
+    paths.iter().enumerate().map(load).collect()
+}
+
+/// Every value of a table under its dotted key, as TOML.
+fn flatten(prefix: &str, table: &toml::Table, into: &mut Vec<(String, String)>) {
+    for (key, value) in table {
+        let path = match prefix {
+            "" => key.clone(),
+            prefix => format!("{prefix}.{key}"),
+        };
+        match value {
+            toml::Value::Table(inner) => flatten(&path, inner, into),
+            value => into.push((path, value.to_string())),
+        }
+    }
+}
+
+/// Refuses a key that is set or swept twice.
+fn check_once(settings: &[(String, String)], sweeps: &[Sweep]) -> Result<(), Wrong> {
+    let mut taken: HashSet<&str> = settings.iter().map(|(key, _)| key.as_str()).collect();
+    for (index, sweep) in sweeps.iter().enumerate() {
+        for key in &sweep.keys {
+            if !taken.insert(key) {
+                let message =
+                    format!("`{key}` is set or swept twice, and one value would hide the other");
+                return Err((format!("sweep.{index}.{}", sweep.key_place()), message));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Why a study is none, or was not finished.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The file cannot be read.
+    #[error("cannot read study {}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The text is no study.
+    #[error(transparent)]
+    Invalid(#[from] Fault),
+    /// A value of the options has no meaning.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+    /// The output folder holds something already.
+    #[error("{} is not empty; go on with what it holds (--resume) or name another folder (--out)", folder.display())]
+    NotEmpty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The output folder holds the results of something else.
+    #[error(
+        "{} does not hold this study as it is now: its file, a scenario, the seed or the program changed; name another folder (--out)", folder.display()
+    )]
+    OtherStudy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The file system refused.
+    #[error("cannot {action} {}", path.display())]
+    File {
+        /// `read`, `write` or `make`.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The threads cannot be had.
+    #[error("cannot start {jobs} threads; ask for fewer (--jobs)")]
+    Threads {
+        /// How many were asked for; 0 for one a core.
+        jobs: usize,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The caller stopped it.
+    #[error(
+        "stopped; {whole} of {shards} shards of runs are whole, and --resume goes on from them"
+    )]
+    Stopped {
+        /// Shards on disk.
+        whole: usize,
+        /// Shards asked for.
+        shards: usize,
+    },
+}
