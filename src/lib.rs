@@ -12,7 +12,8 @@
 //! wheel and soil with the project's symbol table, [`terrain`] the ground along the track. What
 //! happens: [`simulation`] moves the wheel, state by state. What is measured: [`trace`] holds
 //! channels and truth, [`sensors`] turn states into channels, [`dataset`] keeps runs in files.
-//! What is asked: [`scenario`] is one experiment as a file, [`report`] draws what came of it.
+//! What is asked: [`scenario`] is one experiment as a file, [`study`] many of them in one table,
+//! [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -42,7 +43,6 @@ pub mod quantity;
 pub mod wheel;
 
 pub mod soil;
-pub mod study;
 pub mod terrain;
 
 // What happens.
@@ -57,5 +57,7 @@ pub mod dataset;
 
 // What is asked.
 pub mod scenario;
+
+pub mod study;
 
 pub mod report;

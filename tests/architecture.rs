@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 10] = [
+const ORDER: [&str; 11] = [
     "quantity",
     "wheel",
     "soil",
@@ -14,6 +14,7 @@ const ORDER: [&str; 10] = [
     "sensors",
     "dataset",
     "scenario",
+    "study",
     "report",
 ];
 

@@ -28,34 +28,33 @@ impl Folder {
             fingerprint: study.fingerprint(),
         };
         let origin = folder.origin(study);
-        if is_empty(path).map_err(|source| file_error("read", path, source))? {
-            folder.found(study, &origin)?;
-            return Ok(folder);
-        }
-        if before == Before::Nobody {
+        let empty = is_empty(path).map_err(|source| file_error("read", path, source))?;
+        if !empty && before == Before::Nobody {
             let folder = path.to_owned();
             return Err(StudyError::NotEmpty { folder });
         }
-        match std::fs::read_to_string(path.join("origin.txt")) {
-            Ok(found) if found == origin => Ok(folder),
-            _ => Err(StudyError::OtherStudy {
-                folder: path.to_owned(),
-            }),
+        let found = std::fs::read_to_string(path.join("origin.txt"));
+        if !empty && !found.is_ok_and(|found| found == origin) {
+            let folder = path.to_owned();
+            return Err(StudyError::OtherStudy { folder });
         }
+        folder.found(study, &origin)?;
+        Ok(folder)
     }
 
-    /// Writes what does not depend on any run; the origin last, as it says that the rest is there.
+    /// Writes what does not depend on any run. The origin comes first: processes that start
+    /// together recognise each other by it, and write the same.
     fn found(&self, study: &Study, origin: &str) -> Result<(), StudyError> {
-        for folder in ["shards", "scenarios"] {
-            let path = self.path.join(folder);
-            std::fs::create_dir_all(&path).map_err(|source| file_error("make", &path, source))?;
-        }
+        make_folder(&self.path)?;
+        self.write("origin.txt", origin.as_bytes())?;
+        make_folder(&self.path.join("shards"))?;
+        make_folder(&self.path.join("scenarios"))?;
+        self.write("study.toml", study.text.as_bytes())?;
         for named in &study.scenarios {
             let name = format!("scenarios/{}.toml", named.name);
             self.write(&name, named.scenario.text().as_bytes())?;
         }
-        self.write("study.toml", study.text.as_bytes())?;
-        self.write("origin.txt", origin.as_bytes())
+        Ok(())
     }
 
     fn origin(&self, study: &Study) -> String {
@@ -111,18 +110,31 @@ fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyErro
     }
 }
 
-/// Whether there is nothing at `path`, or a folder with nothing in it.
+fn make_folder(path: &Path) -> Result<(), StudyError> {
+    std::fs::create_dir_all(path).map_err(|source| file_error("make", path, source))
+}
+
+/// How the name of a file begins while it is written.
+const PART: &str = ".lugwheel-";
+
+/// Whether there is nothing at `path`, or a folder with nothing but files being written.
 fn is_empty(path: &Path) -> io::Result<bool> {
-    match std::fs::read_dir(path) {
-        Ok(mut entries) => Ok(entries.next().is_none()),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
-        Err(error) => Err(error),
+    let entries = match std::fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(true),
+        Err(error) => return Err(error),
+    };
+    for entry in entries {
+        if !entry?.file_name().to_string_lossy().starts_with(PART) {
+            return Ok(false);
+        }
     }
+    Ok(true)
 }
 
 fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".lugwheel-").suffix(".part");
+    builder.prefix(PART).suffix(".part");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
