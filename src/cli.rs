@@ -5,7 +5,6 @@
 
 mod dataset;
 mod demo;
-
 pub mod failure;
 mod inspect;
 mod interrupt;
@@ -16,6 +15,7 @@ mod scenario_args;
 mod series;
 mod simulate;
 mod steady;
+mod study;
 
 use clap::{Parser, Subcommand};
 use output::Output;
@@ -36,6 +36,7 @@ Examples:
   lugwheel demo                                       all of it on small scenarios, in a report
   lugwheel simulate single_wheel_st                   one run on sand
   lugwheel dataset single_wheel_ht --runs 50          a labelled data set
+  lugwheel study scenarios/studies/quick.toml         sweeps and seeds, a row a run
   lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
 
@@ -45,9 +46,9 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Demo),
-
     Simulate(simulate::Simulate),
     Dataset(dataset::Dataset),
+    Study(study::StudyCommand),
     Inspect(inspect::Inspect),
     Plot(plot::Plot),
 }
@@ -61,9 +62,9 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
     let output = &cli.output;
     match &cli.command {
         Command::Demo(command) => command.run(output),
-
         Command::Simulate(command) => command.run(output),
         Command::Dataset(command) => command.run(output),
+        Command::Study(command) => command.run(output),
         Command::Inspect(command) => command.run(output),
         Command::Plot(command) => command.run(output),
     }

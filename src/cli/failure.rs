@@ -2,8 +2,10 @@
 
 use super::interrupt::Interrupted;
 use super::scenario_args::NoScenario;
+use super::study::FailedRuns;
 use lugwheel::dataset::hdf5::RunFileError;
 use lugwheel::scenario::ScenarioError;
+use lugwheel::study::StudyError;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
@@ -12,6 +14,8 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 /// An input file is missing or not what it should be. (2 is wrong usage, told by clap.)
 const INVALID_INPUT: u8 = 3;
+/// A study was finished with failed runs.
+const FAILED_RUNS: u8 = 4;
 /// Ctrl-C, as shells number it.
 const INTERRUPTED: u8 = 130;
 
@@ -45,6 +49,8 @@ fn message(error: &anyhow::Error) -> String {
 fn exit_code(error: &anyhow::Error) -> u8 {
     if error.chain().any(|cause| cause.is::<Interrupted>()) {
         INTERRUPTED
+    } else if error.chain().any(|cause| cause.is::<FailedRuns>()) {
+        FAILED_RUNS
     } else if error.chain().any(is_invalid_input) {
         INVALID_INPUT
     } else {
@@ -55,6 +61,10 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
         || cause.is::<NoScenario>()
+        || matches!(
+            cause.downcast_ref::<StudyError>(),
+            Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))
+        )
         || cause
             .downcast_ref::<RunFileError>()
             .is_some_and(is_unreadable)

@@ -106,6 +106,10 @@ pub mod groups {
 #[derive(Debug, Clone)]
 pub struct WheelColliders {
     /// The rim.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "tests balance the forces on all parts")
+    )]
     pub rim: ColliderHandle,
     /// The lugs.
     pub lugs: Vec<ColliderHandle>,

@@ -205,6 +205,7 @@ impl StoneBed {
     }
 
     /// The bed with stones free within `reach` [m] in place of [`REACH`].
+    #[cfg(test)]
     pub fn with_reach(self, reach: f64) -> Self {
         Self { reach, ..self }
     }
@@ -222,6 +223,7 @@ impl StoneBed {
     }
 
     /// The bodies of the free stones.
+    #[cfg(test)]
     pub fn free(&self) -> impl Iterator<Item = RigidBodyHandle> {
         self.in_world()
             .filter(|(_, _, free)| *free)

@@ -59,7 +59,15 @@ pub enum Guide {
     /// As `Carriage`, clamped in height.
     ClampedCarriage,
     /// Nothing: the wheel rolls as it likes.
+    #[cfg(test)]
     Free,
+}
+
+impl Guide {
+    /// Whether a carriage and a motor impose the motion.
+    fn drives(self) -> bool {
+        matches!(self, Self::Carriage | Self::ClampedCarriage)
+    }
 }
 
 /// The wheel's body as the engine sees it.
@@ -106,7 +114,7 @@ impl World {
                     body.inertia,
                 )),
         );
-        let drive = (guide != Guide::Free).then(|| {
+        let drive = guide.drives().then(|| {
             let carriage =
                 physics.insert_body(RigidBodyBuilder::kinematic_velocity_based().can_sleep(false));
             let joint = GenericJointBuilder::new(JointAxesMask::LIN_X)
@@ -157,6 +165,7 @@ impl World {
     }
 
     /// Sets the wheel in motion at once, as a run that starts rolling does.
+    #[cfg(test)]
     pub fn launch(&mut self, forward_speed: f64, vertical_speed: f64, wheel_speed: f64) {
         let wheel = &mut self.physics.bodies[self.wheel];
         wheel.set_linvel(Vector::new(forward_speed, vertical_speed), false);

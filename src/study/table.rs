@@ -10,6 +10,7 @@
 //! | `normal_force_mean_n`, `normal_force_sd_n`, ... | over the steady part: the middle half |
 //! | `acceleration_rms_2_20_hz_m_s2`, ... | vertical acceleration of the steady part in a [`BANDS`] |
 //! | `acceleration_crest_2_20_hz`, ... | its largest magnitude over its rms |
+//! | `acceleration_lug_pass_m_s2` | amplitude of the vertical acceleration at the order of the lug pass |
 //! | `failure` | why there are no values; empty where there are |
 //!
 //! A cell is empty where a value does not exist. Numbers have as many digits as bring the same
@@ -90,6 +91,7 @@ fn value_names() -> Vec<String> {
         names.push(format!("acceleration_rms_{low}_{high}_hz_m_s2"));
         names.push(format!("acceleration_crest_{low}_{high}_hz"));
     }
+    names.push("acceleration_lug_pass_m_s2".to_owned());
     names
 }
 
@@ -114,6 +116,7 @@ fn values(trace: &Trace) -> Vec<String> {
         cells.push(cell(rms_and_crest.map(|[rms, _]| rms)));
         cells.push(cell(rms_and_crest.map(|[_, crest]| crest)));
     }
+    cells.push(cell(lug_pass_amplitude(trace)));
     cells
 }
 
@@ -135,6 +138,35 @@ fn mean_and_sd(samples: &[f64]) -> Option<[f64; 2]> {
     let mean = finite().sum::<f64>() / n;
     let variance = finite().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
     (n > 0.0).then(|| [mean, variance.sqrt()])
+}
+
+/// Amplitude of the vertical acceleration at the order of the lug pass [m/s²], over the whole lug
+/// passes of the steady part: `2/Θ |∫ a exp(-i n_l θ) dθ|`. `None` where there are none.
+fn lug_pass_amplitude(trace: &Trace) -> Option<f64> {
+    let (acceleration, angle) = (
+        trace.channel("acceleration_y")?,
+        trace.channel("wheel_angle")?,
+    );
+    let (acceleration, angle) = (acceleration.steady(), angle.steady());
+    let count = f64::from(trace.attributes.lug_count);
+    let pass = std::f64::consts::TAU / count;
+    let passes = ((angle.last()? - angle.first()?).abs() / pass).floor();
+    if acceleration.len() != angle.len() || count == 0.0 || passes < 1.0 {
+        return None;
+    }
+    let within = |pair: &&[f64]| (pair[0] - angle[0]).abs() <= passes * pass;
+    let steps = angle.windows(2).zip(acceleration);
+    let [cosine, sine] =
+        steps
+            .filter(|(pair, _)| within(pair))
+            .fold([0.0, 0.0], |[c, s], (pair, a)| {
+                let (step, phase) = (pair[1] - pair[0], count * pair[0]);
+                [
+                    c + a * step * libm::cos(phase),
+                    s + a * step * libm::sin(phase),
+                ]
+            });
+    Some(2.0 / (passes * pass) * libm::hypot(cosine, sine))
 }
 
 /// Root mean square of the steady part of a channel in a band, and its crest factor [-].

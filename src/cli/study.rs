@@ -1,0 +1,166 @@
+//! `study`: sweeps and seeds, resumable, one row of a table a run.
+
+use super::interrupt::{self, Interrupted};
+use super::output::{self, Output};
+use super::progress::Progress;
+use anyhow::Context;
+use clap::Args;
+use lugwheel::study::{self, Options, Study, StudyError};
+use serde::Serialize;
+use std::fmt;
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Run a Monte Carlo study
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct StudyCommand {
+    /// Study file
+    #[arg(value_name = "STUDY.toml")]
+    study: PathBuf,
+    /// Folder of the results [default: output/<study>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs at a time; all cores if not given. The results do not depend on it
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Go on with what the folder holds
+    #[arg(long)]
+    resume: bool,
+    /// Do only share I of N; several processes may work on one folder
+    #[arg(long, value_name = "I/N", value_parser = share)]
+    shard: Option<(u32, u32)>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel study scenarios/studies/quick.toml
+  lugwheel study scenarios/studies/table3.toml --out output/table3 --resume
+  lugwheel study scenarios/studies/table5.toml --shard 2/4
+
+The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text.
+Exit code 4: finished, with failed runs.";
+
+/// The study was finished, but some of its runs failed.
+#[derive(Debug, thiserror::Error)]
+#[error("study: {runs} runs, {} failed ({list}) - see {file}", failed.len())]
+pub struct FailedRuns {
+    runs: u64,
+    failed: Vec<u64>,
+    list: String,
+    file: String,
+}
+
+/// What the study came to.
+#[derive(Debug, Serialize)]
+struct Summary {
+    study: String,
+    folder: String,
+    runs: u64,
+    failed: Vec<u64>,
+    missing_shards: usize,
+    computing_s: f64,
+}
+
+impl StudyCommand {
+    /// Runs the study and says what it came to.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let study = Study::load(&self.study)?;
+        let stem = self
+            .study
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let out = self
+            .out
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("output").join(&stem));
+        output::make_folder(&out)?;
+        let options = Options {
+            out: out.clone(),
+            jobs: self.jobs,
+            resume: self.resume,
+            shard: self.shard,
+        };
+        let durations = study.runs().map(|run| study.scenario(&run).duration);
+        let simulated: f64 = durations.sum();
+        let progress = Progress::new(output, &stem, simulated);
+        let each = simulated / study.run_count() as f64;
+        let heard = AtomicU64::new(0);
+        let outcome = study.execute(&options, &|now: study::Progress| {
+            let before = heard.fetch_max(now.done, Ordering::Relaxed);
+            progress.advance(now.done.saturating_sub(before) as f64 * each);
+            if interrupt::is_requested() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+        let outcome = match outcome {
+            Err(stopped @ StudyError::Stopped { .. }) => {
+                return Err(Interrupted(stopped.to_string()).into());
+            }
+            other => other.with_context(|| format!("study {}", self.study.display()))?,
+        };
+        let computing_s = progress.elapsed();
+        drop(progress);
+        output.print(&Summary {
+            study: self.study.display().to_string(),
+            folder: out.display().to_string(),
+            runs: outcome.runs,
+            failed: outcome.failed.clone(),
+            missing_shards: outcome.missing_shards,
+            computing_s,
+        })?;
+        if outcome.failed.is_empty() {
+            return Ok(());
+        }
+        Err(FailedRuns {
+            runs: outcome.runs,
+            list: shortened(&outcome.failed),
+            file: out.join("failed.txt").display().to_string(),
+            failed: outcome.failed,
+        }
+        .into())
+    }
+}
+
+/// The first few numbers.
+fn shortened(numbers: &[u64]) -> String {
+    const SHOWN: usize = 10;
+    let shown: Vec<String> = numbers.iter().take(SHOWN).map(u64::to_string).collect();
+    let more = if numbers.len() > SHOWN { ", …" } else { "" };
+    format!("runs {}{more}", shown.join(", "))
+}
+
+fn share(text: &str) -> Result<(u32, u32), String> {
+    let parts = text
+        .split_once('/')
+        .and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    parts
+        .filter(|(i, n)| (1..=*n).contains(i))
+        .ok_or_else(|| "give I/N with I from 1 to N, for example 2/4".to_owned())
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}: {} runs, {} failed, in {:.1} s",
+            self.study,
+            self.runs,
+            self.failed.len(),
+            self.computing_s
+        )?;
+        match self.missing_shards {
+            0 => writeln!(f, "\ntable: {}/runs.csv", self.folder),
+            missing => writeln!(
+                f,
+                "\n{missing} shards are still to do by other shares; the last one writes the table"
+            ),
+        }
+    }
+}
