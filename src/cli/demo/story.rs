@@ -125,12 +125,15 @@ fn lugs(findings: &[Finding]) -> Section {
     let told = findings.iter().map(|finding| {
         let counts = classes(&finding.outcomes);
         let counts: Vec<String> = counts.iter().map(|(c, n)| format!("{n} {c}")).collect();
-        format!("{}: {}", finding.name, counts.join(", "))
+        format!("{} on {}", counts.join(" and "), finding.name)
     });
     let columns = CLASSES.iter().map(|class| Column::new(class, ""));
     Section {
         heading: "How do the lugs really meet the ground?".to_owned(),
-        answer: format!("{}.", told.collect::<Vec<_>>().join("; ")),
+        answer: format!(
+            "Runs of each class: {}.",
+            told.collect::<Vec<_>>().join(", ")
+        ),
         text: "This is the truth as the simulation saw it, lug by lug, and the label that a \
                recognition is scored against. LEIS: at least 90 % of the lugs that passed the \
                bottom went more than 1 mm into the soil. ALCT: else, at least 90 % touched. SLCT: \
