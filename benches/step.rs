@@ -4,10 +4,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lugwheel::quantity::{SampleRate, Seed};
+use lugwheel::scenario::Scenario;
+use lugwheel::sensors::{SensorChain, Sensors};
 use lugwheel::simulation::Simulation;
-use lugwheel::simulation::rig::{Drive, Rig, SingleWheel};
-use lugwheel::terrain::{HardContact, Terrain, TerrainSpec};
-use lugwheel::wheel::Wheel;
+use lugwheel::terrain::Terrain;
 use rapier2d::prelude::*;
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ fn bare_engine() -> PhysicsWorld {
     world.integration_parameters.dt = 1.0 / 128.0e3;
     world.insert(
         RigidBodyBuilder::fixed(),
-        ColliderBuilder::halfspace(Vector::Y),
+        ColliderBuilder::new(SharedShape::halfspace(Vector::Y)),
     );
     let carriage = world.insert_body(
         RigidBodyBuilder::kinematic_velocity_based()
@@ -69,36 +69,34 @@ fn body_and_joint() -> (PhysicsWorld, RigidBodyHandle) {
     (world, wheel)
 }
 
-fn scenario_terrain(text: &str) -> TerrainSpec {
-    toml::from_str(text).expect("a bench's own ground")
+/// A wheel under way with its sensors, at `rate` [Hz] or the ground's default.
+struct Underway {
+    simulation: Simulation,
+    chain: SensorChain,
 }
 
-fn rig() -> Rig {
-    let drive = Drive {
-        forward_speed: 0.02,
-        slip: None,
-        wheel_speed: Some(0.16),
-        start_up: 0.1,
-        stop_at: None,
-    };
-    Rig::SingleWheel(SingleWheel {
-        drive,
-        load: 100.0,
-        moving_mass: 12.0,
-        lifted: None,
-        slope_deg: 0.0,
-    })
-}
+impl Underway {
+    fn new(name: &str, rate: Option<f64>) -> Self {
+        let path = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let mut scenario = Scenario::load(&path).expect("a ready scenario");
+        scenario.sensors = Sensors::realistic();
+        let rate = rate.map_or(scenario.physics_rate(), |rate| {
+            SampleRate::new(rate).expect("a bench's own rate")
+        });
+        let terrain = Terrain::generate(&scenario.terrain, Seed(1), 0);
+        let simulation = Simulation::new(&terrain, &scenario.wheel, &scenario.rig, rate)
+            .expect("a ready scenario");
+        let radius = scenario.wheel.radius;
+        let chain = SensorChain::new(&scenario.sensors, rate, radius, Seed(1), 0)
+            .expect("a ready scenario");
+        Self { simulation, chain }
+    }
 
-fn simulation(terrain: &TerrainSpec) -> Simulation {
-    let terrain = Terrain::generate(terrain, Seed(1), 0);
-    Simulation::new(
-        &terrain,
-        &Wheel::single_wheel(),
-        &rig(),
-        SampleRate::REFERENCE,
-    )
-    .expect("a bench's own rig")
+    fn advance(&mut self, steps: usize) {
+        for state in self.simulation.by_ref().take(steps) {
+            self.chain.push(&state.expect("the ground carries it"));
+        }
+    }
 }
 
 fn steps(criterion: &mut Criterion) {
@@ -122,51 +120,36 @@ fn steps(criterion: &mut Criterion) {
             }
         })
     });
-    let contact = HardContact {
-        reference_load: 94.0,
-        reference_indentation: 1.0e-5,
-        exponent: 1.11,
-        dissipation: 100.0,
-    };
-    let mut reference = simulation(&TerrainSpec::Reference { contact });
-    group.bench_function("REF", |b| {
-        b.iter(|| {
-            reference
-                .by_ref()
-                .take(STEPS)
-                .for_each(|s| drop(s.expect("runs on")))
-        })
-    });
-    let sand = scenario_terrain(SAND);
-    let mut sand = simulation(&sand);
-    group.bench_function("ST", |b| {
-        b.iter(|| {
-            sand.by_ref()
-                .take(STEPS)
-                .for_each(|s| drop(s.expect("runs on")))
-        })
-    });
+    for ground in ["ref", "ht", "st", "gt", "hgt", "sgt"] {
+        let mut underway = Underway::new(&format!("single_wheel_{ground}"), Some(128.0e3));
+        group.bench_function(format!("{} with sensors", ground.to_uppercase()), |b| {
+            b.iter(|| underway.advance(STEPS))
+        });
+    }
     group.finish();
 }
 
-const SAND: &str = r#"
-[sand.soil]
-convention = "wong_reece"
-cohesive_modulus = 15.6e3
-frictional_modulus = 2407.4e3
-sinkage_exponent = 1.1
-sinkage_exponent_slip = 0.0
-cohesion = 250.0
-friction_angle_deg = 31.9
-shear_modulus = 0.0114
-stress_angle = 0.4
-stress_angle_slip = 0.2
-exit_angle = 0.0
-unloading_stiffness = 2.0e8
-damping = 3.0e4
-bulk_density = 1600.0
-repose_angle_deg = 32.0
-"#;
+/// A tenth of a second at the default rates: ten times real time is 10 ms.
+fn default_rates(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("0.1 s at the default rate");
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(3));
+    for ground in ["ref", "ht", "st", "gt", "hgt", "sgt"] {
+        let name = format!("single_wheel_{ground}");
+        let path = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let rate = Scenario::load(&path)
+            .expect("a ready scenario")
+            .physics_rate();
+        let mut underway = Underway::new(&name, None);
+        let steps = (0.1 * rate.hertz()) as usize;
+        group.bench_function(ground.to_uppercase(), |b| {
+            b.iter(|| underway.advance(steps))
+        });
+    }
+    group.finish();
+}
 
-criterion_group!(benches, steps);
+criterion_group!(benches, steps, default_rates);
 criterion_main!(benches);

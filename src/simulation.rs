@@ -5,12 +5,15 @@
 //! from the momentum the wheel gained and from the reaction of carriage and motor.
 
 mod contact;
+mod engine;
 mod ground_force;
 mod hard_contact;
 pub mod rig;
 #[cfg(test)]
 mod rolling;
 mod soil_track;
+mod stone_bearing;
+mod stone_bed;
 mod world;
 
 use crate::quantity::{RangeError, SampleRate};
@@ -106,8 +109,11 @@ pub enum SimulationError {
     Range(#[from] RangeError),
 }
 
-/// Time [s] for which the wheel is let down onto the ground before the run begins.
+/// Time [s] for which the wheel is let down onto fixed ground before the run begins.
 const LET_DOWN: f64 = 1.0;
+
+/// The same on stones, which its first touch moves.
+const LET_DOWN_ON_STONES: f64 = 2.0;
 
 /// Damping [N·s/m] of the hand that lets the wheel down, per kilogram of moving mass.
 const LET_DOWN_DAMPING: f64 = 150.0;
@@ -125,6 +131,7 @@ pub struct Simulation {
     load: f64,
     rate: SampleRate,
     step: u64,
+    has_stones: bool,
     failed: bool,
 }
 
@@ -141,20 +148,25 @@ impl Simulation {
     ) -> Result<Self, SimulationError> {
         let command = Command::new(rig.drive(), wheel.radius)?;
         let geometry = WheelGeometry::new(wheel, rig.load());
-        let mut ground = GroundForce::new(terrain, wheel);
-        let start = ground.resting_height(&geometry) + rig.clearance();
-        let mass = rig.moving_mass(wheel);
         let guide = if rig.clearance() > 0.0 {
             Guide::ClampedCarriage
         } else {
             Guide::Carriage
         };
+        let mass = rig.moving_mass(wheel);
         let body = WheelBody {
             mass,
             inertia: wheel.inertia,
-            start: [0.0, start],
         };
-        let mut world = World::new(body, guide, rig.gravity(), rate.period());
+        let mut world = World::new(body, guide, rig.gravity(), rate);
+        let heading = rig.drive().forward_speed;
+        let mut ground = GroundForce::new(terrain, wheel, heading, &mut world.physics);
+        if ground.has_stones() {
+            world.meet_stones(wheel, rate);
+            ground.follow(&mut world.physics, 0.0, rate.period());
+        }
+        let start = ground.resting_height(&geometry) + rig.clearance();
+        world.place(start);
         if let Some(leg) = rig.sprung_mass(wheel) {
             world.add_leg(leg, start);
         }
@@ -162,6 +174,7 @@ impl Simulation {
         let load = rig.normal_load();
         let mut simulation = Self {
             world,
+            has_stones: ground.has_stones(),
             ground,
             wheel,
             geometry,
@@ -198,7 +211,12 @@ impl Simulation {
     }
 
     fn let_down(&mut self) -> Result<(), SimulationError> {
-        let steps = (LET_DOWN * self.rate.hertz()) as u64;
+        let seconds = if self.has_stones {
+            LET_DOWN_ON_STONES
+        } else {
+            LET_DOWN
+        };
+        let steps = (seconds * self.rate.hertz()) as u64;
         for step in 0..steps {
             // The hand lets go over the second half.
             let hold = (2.0 - 2.0 * step as f64 / steps as f64).min(1.0);
@@ -216,6 +234,9 @@ impl Simulation {
         let dt = self.rate.period();
         let before = self.world.wheel_motion();
         let reach = self.ground.push(&self.geometry, &before, dt);
+        if self.has_stones {
+            self.ground.follow(&mut self.world.physics, before.x, dt);
+        }
         let spring = self.push_leg(&before, hand);
         let weight = if self.world.has_leg() {
             self.rig.unsprung_weight(&self.wheel)
@@ -228,6 +249,10 @@ impl Simulation {
         self.world.push_wheel(wrench);
         self.world.step();
         let after = self.world.wheel_motion();
+        let mut reach = reach;
+        if self.has_stones {
+            reach.touching |= self.touched_by_stones(&after);
+        }
         self.check(&after)?;
         Ok(self.read(&before, &after, weight - spring, reach))
     }
@@ -241,9 +266,17 @@ impl Simulation {
         };
         let body_weight = self.load - self.rig.unsprung_weight(&self.wheel);
         // At rest the spring carries the body; stretch counts from there.
-        let spring = leg.stiffness * stretch + leg.damping * rate - body_weight;
+        let spring = leg.spring_force(stretch, rate) - body_weight;
         self.world.push_leg(-spring - body_weight, hand);
         spring
+    }
+
+    /// Lugs that stones press on, one bit each.
+    fn touched_by_stones(&self, motion: &WheelMotion) -> u64 {
+        let force = self.geometry.touch_force;
+        let edges = self.geometry.lowest_edges(motion);
+        let touched = edges.filter(|edge| self.world.stones_touch(edge.lug, force));
+        touched.fold(0, |bits, edge| bits | 1 << edge.lug)
     }
 
     fn check(&self, motion: &WheelMotion) -> Result<(), SimulationError> {

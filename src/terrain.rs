@@ -2,6 +2,7 @@
 
 pub mod class;
 pub mod profile;
+pub mod stones;
 
 use crate::quantity::{RangeError, Seed};
 use crate::soil::Soil;

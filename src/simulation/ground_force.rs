@@ -3,10 +3,18 @@
 use super::contact::{Reach, WheelGeometry};
 use super::hard_contact::HardGround;
 use super::soil_track::SoilTrack;
+use super::stone_bearing::StoneBearing;
+use super::stone_bed::{BedRecipe, Floor, Laying, StoneBed};
 use super::world::WheelMotion;
 use crate::terrain::class::TerrainLabel;
-use crate::terrain::{Stretch, Terrain, TerrainSpec};
+use crate::terrain::profile::Profile;
+use crate::terrain::{Stones, Stretch, Terrain, TerrainSpec};
 use crate::wheel::Wheel;
+use rapier2d::prelude::PhysicsWorld;
+use std::sync::Mutex;
+
+/// Share of a stone's diameter that lies below the surface of sand [-].
+const EMBEDDING: f64 = 0.5;
 
 /// What fills one stretch of the track.
 enum Filling {
@@ -20,6 +28,7 @@ struct Layer {
     label: TerrainLabel,
     range: [f64; 2],
     filling: Filling,
+    stones: Option<(StoneBed, StoneBearing)>,
 }
 
 /// The fixed ground along the track.
@@ -28,11 +37,13 @@ pub(super) struct GroundForce {
 }
 
 impl GroundForce {
-    pub fn new(terrain: &Terrain, wheel: &Wheel) -> Self {
+    /// The ground of `terrain` under a wheel that sets out in the direction of `heading`; its
+    /// stones live in `world`.
+    pub fn new(terrain: &Terrain, wheel: &Wheel, heading: f64, world: &mut PhysicsWorld) -> Self {
         let layers = terrain
             .stretches()
             .iter()
-            .map(|stretch| Layer::new(terrain, stretch, wheel))
+            .map(|stretch| Layer::new(terrain, stretch, wheel, heading, world))
             .collect();
         Self { layers }
     }
@@ -58,14 +69,40 @@ impl GroundForce {
         sum
     }
 
+    /// Whether there are stones anywhere.
+    pub fn has_stones(&self) -> bool {
+        self.layers.iter().any(|layer| layer.stones.is_some())
+    }
+
+    /// Brings the stones along with a wheel at `x` [m]: those ahead in, those behind out, those in
+    /// soil borne by it over the next step of `dt` [s].
+    pub fn follow(&mut self, world: &mut PhysicsWorld, x: f64, dt: f64) {
+        for layer in &mut self.layers {
+            let Some((bed, bearing)) = &mut layer.stones else {
+                continue;
+            };
+            bed.follow(world, x);
+            if let Filling::Soil(track) = &mut layer.filling {
+                bearing.push(world, bed, track, dt);
+            }
+        }
+    }
+
+    /// Highest stone [m] near the start.
+    fn highest_stone(&self, span: [f64; 2]) -> Option<f64> {
+        let beds = self.layers.iter().filter_map(|layer| layer.stones.as_ref());
+        beds.filter_map(|(bed, _)| bed.top(span))
+            .max_by(f64::total_cmp)
+    }
+
     /// Undisturbed height [m] at `x` [m], and whether the ground there is soil.
     pub fn undisturbed(&mut self, x: f64) -> (f64, bool) {
         let layer = self.layer(x);
         match &mut layer.filling {
             Filling::Hard(ground) => {
-                let (profile, offset) = ground.profile();
+                let profile = ground.profile();
                 profile.extend(x, x);
-                (profile.at(x).height + offset, false)
+                (profile.at(x).height, false)
             }
             Filling::Soil(track) => (track.undisturbed(x), true),
             Filling::Stones => (0.0, false),
@@ -83,6 +120,8 @@ impl GroundForce {
             .into_iter()
             .map(|[x, down]| self.undisturbed(x).0 - down)
             .fold(f64::NEG_INFINITY, f64::max);
+        let at_stones = self.highest_stone([-0.7 * wheel.radius, 0.7 * wheel.radius]);
+        let at_edges = at_stones.map_or(at_edges, |top| at_edges.max(top + wheel.tip_radius));
         let steps = 400;
         (-steps..=steps)
             .map(|step| f64::from(step) / f64::from(steps) * 0.9 * wheel.radius)
@@ -98,13 +137,8 @@ impl GroundForce {
             match &mut layer.filling {
                 _ if low >= high => {}
                 Filling::Hard(ground) => {
-                    let (profile, offset) = ground.profile();
-                    profile.extend(low, high);
-                    surface.extend(
-                        profile
-                            .nodes(low, high)
-                            .map(|[x, height]| [x, height + offset]),
-                    );
+                    ground.profile().extend(low, high);
+                    surface.extend(ground.profile().nodes(low, high));
                 }
                 Filling::Soil(track) => {
                     surface.extend(track.surface(low, high));
@@ -131,32 +165,99 @@ impl GroundForce {
 }
 
 impl Layer {
-    fn new(terrain: &Terrain, stretch: &Stretch, wheel: &Wheel) -> Self {
-        let range = stretch.range;
+    fn new(
+        terrain: &Terrain,
+        stretch: &Stretch,
+        wheel: &Wheel,
+        heading: f64,
+        world: &mut PhysicsWorld,
+    ) -> Self {
+        let (label, range) = (stretch.label, stretch.range);
         let profile = terrain.profile(stretch);
-        let hard = |contact, offset| {
-            Filling::Hard(Box::new(HardGround::new(
-                profile.clone(),
-                contact,
-                wheel.friction,
-                range,
-                offset,
-            )))
-        };
         let filling = match &stretch.ground {
             TerrainSpec::Reference { contact }
             | TerrainSpec::Hard { contact, .. }
-            | TerrainSpec::GravelOnHard { contact, .. } => hard(*contact, 0.0),
+            | TerrainSpec::GravelOnHard { contact, .. } => {
+                let friction = wheel.friction;
+                let ground = HardGround::new(profile.clone(), *contact, friction, range);
+                Filling::Hard(Box::new(ground))
+            }
             TerrainSpec::Gravel { .. } => Filling::Stones,
             TerrainSpec::Sand { soil, .. } | TerrainSpec::GravelInSand { soil, .. } => {
-                Filling::Soil(Box::new(SoilTrack::new(profile, *soil, wheel, range)))
+                Filling::Soil(Box::new(SoilTrack::new(
+                    profile.clone(),
+                    *soil,
+                    wheel,
+                    range,
+                )))
             }
             TerrainSpec::Sequence(_) => unreachable!("a terrain's stretches hold no sequences"),
         };
+        let stones = laying(&stretch.ground).map(|(stones, laying)| {
+            let (seed, run) = terrain.seed();
+            let recipe = BedRecipe {
+                stones,
+                laying,
+                width: wheel.width,
+                seed,
+                run,
+            };
+            let floor = floor(laying, profile);
+            let bed = StoneBed::between(world, recipe, range, heading, floor);
+            (bed, StoneBearing::default())
+        });
         Self {
-            label: stretch.label,
+            label,
             range,
             filling,
+            stones,
+        }
+    }
+}
+
+/// How the stones of a ground lie, if it has any.
+fn laying(ground: &TerrainSpec) -> Option<(Stones, Laying)> {
+    match *ground {
+        TerrainSpec::Gravel { stones, depth } => Some((stones, Laying::Pile { depth })),
+        TerrainSpec::GravelOnHard {
+            stones,
+            stones_per_metre,
+            ..
+        } => Some((
+            stones,
+            Laying::Scattered {
+                per_metre: stones_per_metre,
+            },
+        )),
+        TerrainSpec::GravelInSand {
+            stones,
+            stones_per_metre,
+            ..
+        } => {
+            let embedding = EMBEDDING;
+            Some((
+                stones,
+                Laying::Embedded {
+                    per_metre: stones_per_metre,
+                    embedding,
+                },
+            ))
+        }
+        _ => None,
+    }
+}
+
+/// What stones lie on: the bottom of the trench, or the fixed surface.
+fn floor(laying: Laying, profile: Profile) -> Floor {
+    match laying {
+        Laying::Pile { depth } => Box::new(move |_| -depth),
+        Laying::Scattered { .. } | Laying::Embedded { .. } => {
+            let profile = Mutex::new(profile);
+            Box::new(move |x| {
+                let mut profile = profile.lock().expect("no height panics");
+                profile.extend(x, x);
+                profile.at(x).height
+            })
         }
     }
 }

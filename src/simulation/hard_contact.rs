@@ -24,7 +24,6 @@ pub(super) struct HardGround {
     contact: HardContact,
     friction: f64,
     range: [f64; 2],
-    offset: f64,
     /// Stretch of the tangential spring at every lug's edge [m].
     stretch: [f64; 64],
     rim_stretch: f64,
@@ -36,30 +35,23 @@ pub(super) struct HardGround {
 const LOOK_UP: f64 = 0.005;
 
 impl HardGround {
-    /// Ground on `range` [m], `offset` [m] above the datum, under a wheel with this friction.
-    pub fn new(
-        profile: Profile,
-        contact: HardContact,
-        friction: f64,
-        range: [f64; 2],
-        offset: f64,
-    ) -> Self {
+    /// Ground on `range` [m] under a wheel with this friction.
+    pub fn new(profile: Profile, contact: HardContact, friction: f64, range: [f64; 2]) -> Self {
         let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
         Self {
             profile,
             contact,
             friction,
             range,
-            offset,
             stretch,
             rim_stretch: 0.0,
             ceiling,
         }
     }
 
-    /// The ground's profile and its offset [m].
-    pub fn profile(&mut self) -> (&mut Profile, f64) {
-        (&mut self.profile, self.offset)
+    /// The ground's profile.
+    pub fn profile(&mut self) -> &mut Profile {
+        &mut self.profile
     }
 
     /// Load of the ground on the wheel over one step of `dt` [s].
@@ -95,7 +87,7 @@ impl HardGround {
         }
         let span = wheel.tip_radius + 2.0 * LOOK_UP;
         self.profile.extend(x - span, x + span);
-        let highest = self.profile.highest(x - span, x + span) + self.offset;
+        let highest = self.profile.highest(x - span, x + span);
         // Between nodes the cubic may overshoot them by a fraction of their difference.
         let ceiling = highest + 0.1 * self.profile.spacing();
         self.ceiling = [x, ceiling];
@@ -106,7 +98,7 @@ impl HardGround {
     fn press(&self, point: &Edge, motion: &WheelMotion, dt: f64, stretch: &mut f64) -> Wrench {
         let surface = self.profile.at(point.x);
         let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
-        let indentation = (surface.height + self.offset - point.y) * scale;
+        let indentation = (surface.height - point.y) * scale;
         if indentation <= 0.0 {
             *stretch = 0.0;
             return Wrench::default();
@@ -157,7 +149,7 @@ impl HardGround {
         let half = sqrt((r * r - (motion.y - self.ceiling[1]).max(0.0).powi(2)).max(0.0));
         let depth = |[x, height]: [f64; 2]| {
             let u = x - motion.x;
-            height + self.offset - (motion.y - sqrt((r * r - u * u).max(0.0)))
+            height - (motion.y - sqrt((r * r - u * u).max(0.0)))
         };
         let near: Vec<[f64; 2]> = self
             .profile

@@ -57,6 +57,15 @@ pub struct RoverLeg {
     pub slope_deg: f64,
 }
 
+impl RoverLeg {
+    /// Force [N] of spring and damper on the axle, upward, beyond what they carry at rest, where
+    /// the body stands `stretch` [m] above its place and rises off the axle at `rate` [m/s]
+    /// (Eq. 1).
+    pub fn spring_force(&self, stretch: f64, rate: f64) -> f64 {
+        self.stiffness * stretch + self.damping * rate
+    }
+}
+
 /// What holds, loads and drives the wheel.
 ///
 /// Read from a `[rig.single_wheel]` or `[rig.rover_leg]` table, in which the keys of [`Drive`]

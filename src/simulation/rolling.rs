@@ -1,15 +1,17 @@
-//! A wheel that rolls freely on flat hard ground, against mechanics.
+//! A wheel that rolls freely on flat hard ground, and a leg that is shaken, against mechanics.
 
 use super::GRAVITY;
 use super::contact::WheelGeometry;
 use super::hard_contact::HardGround;
-use super::world::{Guide, WheelBody, WheelMotion, World};
-use crate::quantity::Seed;
+use super::rig::{Drive, RoverLeg};
+use super::world::{Guide, WheelBody, WheelMotion, World, Wrench};
+use crate::quantity::{SampleRate, Seed};
 use crate::terrain::HardContact;
 use crate::terrain::profile::Profile;
 use crate::wheel::{Lugs, Wheel};
 
-const DT: f64 = 1.0 / 64_000.0;
+const RATE: f64 = 64_000.0;
+const DT: f64 = 1.0 / RATE;
 
 /// Stiff, and so lossy that nothing bounces.
 const DEAD: HardContact = HardContact {
@@ -31,16 +33,21 @@ fn roll(
     let geometry = WheelGeometry::new(wheel, weight);
     let profile = Profile::new(None, None, 1.0e-3, Seed(0), 0);
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-    let mut ground = HardGround::new(profile, contact, wheel.friction, everywhere, 0.0);
+    let mut ground = HardGround::new(profile, contact, wheel.friction, everywhere);
     let indentation = contact.reference_indentation
         * (weight / contact.reference_load).powf(1.0 / contact.exponent);
-    let start = [0.0, wheel.tip_radius() - indentation];
+    let start = wheel.tip_radius() - indentation;
     let body = WheelBody {
         mass: wheel.mass,
         inertia: wheel.inertia,
-        start,
     };
-    let mut world = World::new(body, Guide::Free, [0.0, 0.0], DT);
+    let mut world = World::new(
+        body,
+        Guide::Free,
+        [0.0, 0.0],
+        SampleRate::new(RATE).unwrap(),
+    );
+    world.place(start);
     world.launch(speed, 0.0, speed / wheel.tip_radius());
     for _ in 0..(seconds / DT) as usize {
         let motion = world.wheel_motion();
@@ -112,4 +119,75 @@ fn a_free_rolling_lugged_wheel_loses_per_lug_what_rimless_wheel_theory_says() {
         (mean - theory).abs() < 0.1 * (1.0 - theory),
         "{mean} against {theory}: {ratios:?}"
     );
+}
+
+/// `|H|` of Eq. (2): body over axle for a base sine of `frequency` [Hz].
+fn transmissibility(leg: &RoverLeg, mass: f64, frequency: f64) -> f64 {
+    let natural = (leg.stiffness / mass).sqrt();
+    let damping_ratio = leg.damping / (2.0 * (leg.stiffness * mass).sqrt());
+    let ratio = std::f64::consts::TAU * frequency / natural;
+    let damped = (2.0 * damping_ratio * ratio).powi(2);
+    ((1.0 + damped) / ((1.0 - ratio * ratio).powi(2) + damped)).sqrt()
+}
+
+#[test]
+fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
+    let drive = Drive {
+        forward_speed: 0.0,
+        slip: None,
+        wheel_speed: Some(0.0),
+        start_up: 0.0,
+        stop_at: None,
+    };
+    let leg = RoverLeg {
+        drive,
+        load: 284.4,
+        stiffness: 1.0e6,
+        damping: 1.6e3,
+        slope_deg: 0.0,
+    };
+    let (mass, rate, amplitude) = (25.0, 16_000.0, 1.0e-3);
+    for frequency in [4.0, 16.0, 28.0, 32.0, 40.0, 80.0] {
+        let omega = std::f64::consts::TAU * frequency;
+        // An axle so heavy that the leg does not move it.
+        let axle = WheelBody {
+            mass: 1.0e9,
+            inertia: 1.0,
+        };
+        let mut world = World::new(
+            axle,
+            Guide::Free,
+            [0.0, 0.0],
+            SampleRate::new(rate).unwrap(),
+        );
+        world.add_leg(mass, 0.0);
+        world.launch(0.0, amplitude * omega, 0.0);
+        let (mut in_phase, mut quadrature) = (0.0, 0.0);
+        // Two seconds for the start to die away, then whole periods.
+        let steps = (3.0 * rate) as usize;
+        for step in 0..steps {
+            let time = step as f64 / rate;
+            let axle = world.wheel_motion();
+            let [stretch, closing] = world.leg_stretch(&axle).unwrap();
+            let spring = leg.spring_force(stretch, closing);
+            world.push_leg(-spring, 0.0);
+            let fy = -1.0e9 * omega * omega * amplitude * (omega * time).sin();
+            world.push_wheel(Wrench {
+                fy,
+                ..Wrench::default()
+            });
+            if time >= 2.0 {
+                let body = axle.y + stretch;
+                in_phase += body * (omega * time).sin();
+                quadrature += body * (omega * time).cos();
+            }
+            world.step();
+        }
+        let found = 2.0 / rate * (in_phase * in_phase + quadrature * quadrature).sqrt() / amplitude;
+        let expected = transmissibility(&leg, mass, frequency);
+        assert!(
+            (found / expected - 1.0).abs() < 0.02,
+            "{frequency} Hz: {found} against {expected}"
+        );
+    }
 }

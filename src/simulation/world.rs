@@ -6,6 +6,9 @@
 //! The body stands for all that moves vertically with the wheel (wheel, carriage slide and
 //! counterweight); its weight is a force of the rig's, so the engine's gravity acts on stones only.
 
+use super::engine::{WheelColliders, contact_force, joint_parameters, parameters};
+use crate::quantity::SampleRate;
+use crate::wheel::Wheel;
 use rapier2d::prelude::*;
 
 /// Pose and motion of the wheel; `y` up, angles and angular speed positive when driving forward.
@@ -66,8 +69,6 @@ pub struct WheelBody {
     pub mass: f64,
     /// Moment of inertia about the axle [kg·m²].
     pub inertia: f64,
-    /// Where the axle starts [m].
-    pub start: [f64; 2],
 }
 
 /// Rigid bodies and their clock.
@@ -76,26 +77,26 @@ pub struct World {
     pub(super) wheel: RigidBodyHandle,
     drive: Option<(RigidBodyHandle, ImpulseJointHandle)>,
     leg: Option<(RigidBodyHandle, f64)>,
+    colliders: Option<WheelColliders>,
     dt: f64,
     angle: f64,
 }
 
 impl World {
-    /// A world with one wheel, stepped every `dt` [s].
-    pub fn new(body: WheelBody, guide: Guide, gravity: [f64; 2], dt: f64) -> Self {
+    /// A world with one wheel, stepped at `rate`.
+    pub fn new(body: WheelBody, guide: Guide, gravity: [f64; 2], rate: SampleRate) -> Self {
+        let dt = rate.period();
         let mut physics = PhysicsWorld {
             gravity: Vector::new(gravity[0], gravity[1]),
-            integration_parameters: engine_parameters(dt),
+            integration_parameters: joint_parameters(rate),
             ..PhysicsWorld::new()
         };
-        let start = Vector::new(body.start[0], body.start[1]);
         let locked = match guide {
             Guide::ClampedCarriage => LockedAxes::TRANSLATION_LOCKED_Y,
             _ => LockedAxes::empty(),
         };
         let wheel = physics.insert_body(
             RigidBodyBuilder::dynamic()
-                .translation(start)
                 .gravity_scale(0.0)
                 .can_sleep(false)
                 .locked_axes(locked)
@@ -106,11 +107,8 @@ impl World {
                 )),
         );
         let drive = (guide != Guide::Free).then(|| {
-            let carriage = physics.insert_body(
-                RigidBodyBuilder::kinematic_velocity_based()
-                    .translation(start)
-                    .can_sleep(false),
-            );
+            let carriage =
+                physics.insert_body(RigidBodyBuilder::kinematic_velocity_based().can_sleep(false));
             let joint = GenericJointBuilder::new(JointAxesMask::LIN_X)
                 .motor_model(JointAxis::AngX, MotorModel::AccelerationBased)
                 .motor_velocity(JointAxis::AngX, 0.0, SERVO_STIFFNESS)
@@ -125,9 +123,15 @@ impl World {
             wheel,
             drive,
             leg: None,
+            colliders: None,
             dt,
             angle: 0.0,
         }
+    }
+
+    /// Puts the axle at `height` [m].
+    pub fn place(&mut self, height: f64) {
+        self.physics.bodies[self.wheel].set_translation(Vector::new(0.0, height), false);
     }
 
     /// Sets the carriage's speed [m/s] and the motor's [rad/s] for the next step.
@@ -166,6 +170,20 @@ impl World {
         wheel.reset_torques(false);
         wheel.add_force(Vector::new(wrench.fx, wrench.fy), false);
         wheel.add_torque(-wrench.torque, false);
+    }
+
+    /// Gives the wheel an outline that stones meet, and the engine the parameters for stones.
+    pub fn meet_stones(&mut self, wheel: &Wheel, rate: SampleRate) {
+        self.physics.integration_parameters = parameters(rate);
+        self.colliders = Some(WheelColliders::attach(&mut self.physics, self.wheel, wheel));
+    }
+
+    /// Whether stones press on a lug with more than `force` [N].
+    pub fn stones_touch(&self, lug: usize, force: f64) -> bool {
+        self.colliders.as_ref().is_some_and(|colliders| {
+            let [fx, fy] = contact_force(&self.physics, colliders.lugs[lug]);
+            fx * fx + fy * fy > force * force
+        })
     }
 
     /// Adds a body of `mass` [kg] above the axle, which starts at `height` [m] and moves
@@ -246,13 +264,3 @@ impl World {
 
 /// Stiffness of the velocity servo [1/s]: the motor's speed error decays within a step.
 const SERVO_STIFFNESS: f64 = 1.0e9;
-
-fn engine_parameters(dt: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        dt,
-        num_solver_iterations: 1,
-        num_internal_stabilization_iterations: 1,
-        max_ccd_substeps: 0,
-        ..IntegrationParameters::default()
-    }
-}

@@ -29,6 +29,8 @@ struct Column {
     pressed: f64,
     /// Whether the rim bears on it.
     loaded: bool,
+    /// Whether a stone lies on it.
+    covered: bool,
 }
 
 /// The columns of one stretch; 32 kB a metre, kept for the run.
@@ -119,6 +121,25 @@ impl Columns {
         self.column_mut(index).loaded = loaded;
     }
 
+    /// Makes sure that `[low, high]` [m] can be asked for.
+    pub fn reach(&mut self, low: f64, high: f64) {
+        self.extend(low, high);
+    }
+
+    /// Takes the soil above `level` [m] out: what lies below counts as undisturbed.
+    pub fn dig_out(&mut self, index: i64, level: f64) {
+        let column = self.column_mut(index);
+        if level < column.pressed {
+            (column.virgin, column.arrival, column.pressed) = (level, level, level);
+        }
+        column.covered = true;
+    }
+
+    /// Notes whether a stone lies on a column.
+    pub fn cover(&mut self, index: i64, covered: bool) {
+        self.column_mut(index).covered = covered;
+    }
+
     /// Undisturbed height and height when the wheel arrived [m].
     pub fn heights(&self, index: i64) -> [f64; 2] {
         let column = self.column(index);
@@ -195,6 +216,7 @@ impl Columns {
             arrival: virgin,
             pressed: virgin,
             loaded: false,
+            covered: false,
         }
     }
 
@@ -224,7 +246,7 @@ impl Columns {
         let indices = self.indices(low, high);
         for index in indices.start..(indices.end - 1).max(indices.start) {
             let (left, right) = (*self.column(index), *self.column(index + 1));
-            if left.loaded || right.loaded {
+            if left.loaded || right.loaded || left.covered || right.covered {
                 continue;
             }
             let step = right.pressed - left.pressed;
