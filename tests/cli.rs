@@ -339,7 +339,7 @@ fn every_command_explains_itself() {
 }
 
 #[test]
-#[ignore = "simulates for some 10 s on two cores: cargo test --test cli -- --ignored"]
+#[ignore = "simulates for half a minute on two cores: cargo test --test cli -- --ignored"]
 fn the_demo_ends_with_its_report_whose_commands_write_the_same_bytes() {
     let folder = folder();
     let at = folder.path();

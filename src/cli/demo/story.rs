@@ -60,9 +60,9 @@ fn look(findings: &[Finding]) -> Section {
             "acceleration_y_rms",
             "Vertical acceleration of the axle, rms",
         ),
-        text: "Each lug that comes to bear lifts or jolts the axle, so the traces repeat lug by \
-               lug. Ground that gives way lets the lugs in: the rim then lies lower, and the \
-               jolts are softer."
+        text: "On firm ground each lug that comes to bear jolts the axle, and the traces repeat \
+               lug by lug. Loose stones give way when they will. Sand lets the lugs in: the rim \
+               lies lower, and the jolts are softer."
             .to_owned(),
         figures: vec![Figure {
             svg: side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
