@@ -53,6 +53,11 @@ enum Command {
     Plot(plot::Plot),
 }
 
+/// What the program was called with; wrong usage and `--help` end it here.
+pub fn read_arguments() -> Cli {
+    Cli::parse()
+}
+
 /// Runs the command.
 ///
 /// # Errors

@@ -110,8 +110,7 @@ fn every_foreign_world_has_one_door() {
         for (world, door) in doors {
             let used = code(&path).lines().any(|line| {
                 let line = line.trim_start();
-                !line.starts_with("//")
-                    && line.replace("crate::dataset::hdf5::", "").contains(world)
+                !line.starts_with("//") && line.replace("dataset::hdf5::", "").contains(world)
             });
             let study = world == "toml::" && module == "study";
             if used && module != door && !study {

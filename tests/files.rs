@@ -199,6 +199,25 @@ proptest! {
 }
 
 #[test]
+fn runs_and_channels_are_read_in_the_order_of_their_letters_however_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.h5");
+    let names: Vec<String> = (0..20).map(|i| format!("n{i:02}")).collect();
+    let channels = names.iter().rev().map(|name| channel(name, "N", vec![1.0]));
+    let trace = Trace {
+        channels: channels.collect(),
+        ..noisy(0)
+    };
+    let runs: Vec<(&str, &Trace)> = names.iter().map(|name| (name.as_str(), &trace)).collect();
+    write(&path, &runs).unwrap();
+    let file = RunFile::open(&path).unwrap();
+    assert_eq!(file.runs(), names);
+    let read = file.read("n07").unwrap();
+    let read: Vec<&String> = read.channels.iter().map(|channel| &channel.name).collect();
+    assert_eq!(read, names.iter().collect::<Vec<_>>());
+}
+
+#[test]
 fn forces_keep_six_digits_wheel_angle_and_unknown_channels_all_gaps_stay_gaps() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.h5");

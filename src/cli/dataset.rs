@@ -63,7 +63,7 @@ impl Dataset {
             runs: 0..self.runs,
             jobs: self.jobs,
         };
-        let progress = Progress::new(output, &self.scenario.asked(), series.simulated());
+        let progress = Progress::new(output, &self.scenario.stem(), series.simulated());
         let outcomes = series.write(&out, &progress)?;
         let computing_s = progress.elapsed();
         drop(progress);

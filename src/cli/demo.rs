@@ -48,7 +48,7 @@ struct Ground {
 }
 
 /// The grounds, in the order in which they are told.
-const GROUNDS: [Ground; 3] = [
+const GROUNDS: [Ground; 4] = [
     Ground {
         key: "ref",
         name: "flat hard ground",
@@ -58,6 +58,11 @@ const GROUNDS: [Ground; 3] = [
         key: "ht",
         name: "slate",
         scenario: include_str!("../../scenarios/single_wheel_ht.toml"),
+    },
+    Ground {
+        key: "gt",
+        name: "gravel",
+        scenario: include_str!("../../scenarios/single_wheel_gt.toml"),
     },
     Ground {
         key: "st",
@@ -221,24 +226,24 @@ impl fmt::Display for Summary {
         )?;
         write!(f, "{:<34}", "")?;
         for ground in &self.grounds {
-            write!(f, "{:>18}", ground.ground)?;
+            write!(f, "{:>17}", ground.ground)?;
         }
         write!(f, "\n{:<34}", "true class of the runs")?;
         for GroundSummary { classes, .. } in &self.grounds {
             let counts: Vec<String> = classes.iter().map(|(c, n)| format!("{n} {c}")).collect();
-            write!(f, "{:>18}", counts.join(", "))?;
+            write!(f, "{:>17}", counts.join(", "))?;
         }
         for quantity in &QUANTITIES {
             write!(f, "\n{:<28}{:>6}", quantity.name, quantity.shown_unit)?;
             for ground in &self.grounds {
                 let spread = ground.steady.get(quantity.key);
                 let shown = spread.map_or("-".to_owned(), |s| quantity.shown(s.mean));
-                write!(f, "{shown:>18}")?;
+                write!(f, "{shown:>17}")?;
             }
         }
         write!(f, "\n{:<34}", "findings of inspect")?;
         for ground in &self.grounds {
-            write!(f, "{:>18}", ground.findings)?;
+            write!(f, "{:>17}", ground.findings)?;
         }
         write!(f, "\n\n{}", self.report)
     }

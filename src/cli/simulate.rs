@@ -73,7 +73,7 @@ impl Simulate {
             runs: self.run..self.run.saturating_add(1),
             jobs: Jobs::ONE,
         };
-        let progress = Progress::new(output, &self.scenario.asked(), series.simulated());
+        let progress = Progress::new(output, &self.scenario.stem(), series.simulated());
         let outcomes = series.write(&out, &progress)?;
         let computing_s = progress.elapsed();
         drop(progress);

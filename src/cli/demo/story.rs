@@ -60,9 +60,9 @@ fn look(findings: &[Finding]) -> Section {
             "acceleration_y_rms",
             "Vertical acceleration of the axle, rms",
         ),
-        text: "Each lug that comes to bear lifts or jolts the axle, so the traces repeat lug by \
-               lug. Ground that gives way lets the lugs in: the rim then lies lower, and the \
-               jolts are softer."
+        text: "On firm ground each lug that comes to bear jolts the axle, and the traces repeat \
+               lug by lug. Loose stones give way when they will. Sand lets the lugs in: the rim \
+               lies lower, and the jolts are softer."
             .to_owned(),
         figures: vec![Figure {
             svg: side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
@@ -125,12 +125,15 @@ fn lugs(findings: &[Finding]) -> Section {
     let told = findings.iter().map(|finding| {
         let counts = classes(&finding.outcomes);
         let counts: Vec<String> = counts.iter().map(|(c, n)| format!("{n} {c}")).collect();
-        format!("{}: {}", finding.name, counts.join(", "))
+        format!("{} on {}", counts.join(" and "), finding.name)
     });
     let columns = CLASSES.iter().map(|class| Column::new(class, ""));
     Section {
         heading: "How do the lugs really meet the ground?".to_owned(),
-        answer: format!("{}.", told.collect::<Vec<_>>().join("; ")),
+        answer: format!(
+            "Runs of each class: {}.",
+            told.collect::<Vec<_>>().join(", ")
+        ),
         text: "This is the truth as the simulation saw it, lug by lug, and the label that a \
                recognition is scored against. LEIS: at least 90 % of the lugs that passed the \
                bottom went more than 1 mm into the soil. ALCT: else, at least 90 % touched. SLCT: \

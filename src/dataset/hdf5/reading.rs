@@ -8,6 +8,7 @@ use crate::terrain::class::TerrainLabel;
 use crate::trace::{Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
 use ::hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use ::hdf5::{Attribute, Container, Dataset, File, Group, H5Type, Location, MinorErrorCode};
+use ::hdf5::{IndexType, IterationOrder};
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::Error as NameError;
@@ -55,7 +56,7 @@ impl RunFile {
             created_by: root.text_or_empty("created_by")?,
         };
         let runs = group(&root, &file, "runs")?;
-        let runs = runs.member_names().map_err(|error| root.damaged(&error))?;
+        let runs = sorted_names(&runs).map_err(|error| root.damaged(&error))?;
         Ok(Self {
             provenance,
             runs,
@@ -89,7 +90,7 @@ impl RunFile {
         attributes(&self.place(&run))
     }
 
-    /// A run with all it has.
+    /// A run with all it has, channels and means in the order of their letters.
     ///
     /// # Errors
     /// As [`attributes`](Self::attributes); `Content` for a channel or mean without its unit, rate
@@ -138,9 +139,7 @@ impl RunFile {
         }
         let group = group(&self.place(run), run, name)?;
         let place = self.place(&group);
-        let names = group
-            .member_names()
-            .map_err(|error| place.damaged(&error))?;
+        let names = sorted_names(&group).map_err(|error| place.damaged(&error))?;
         let open = |name: String| Ok((name.clone(), dataset(&place, &group, &name)?));
         names.into_iter().map(open).collect()
     }
@@ -181,6 +180,11 @@ impl RunFile {
             location,
         }
     }
+}
+
+/// What a group holds, in the order of its letters: HDF5's own is that of its storage.
+fn sorted_names(group: &Group) -> ::hdf5::Result<Vec<String>> {
+    group.member_names_by(IndexType::Name, IterationOrder::Increasing)
 }
 
 /// Whether the file system lets this file be read at all, in its own words.
