@@ -169,3 +169,46 @@ pub fn contact_force(world: &PhysicsWorld, collider: ColliderHandle) -> [f64; 2]
     let dt = world.integration_parameters.dt;
     [impulse.x / dt, impulse.y / dt]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sliding speed [m/s] after a second of a block of 0.1 kg that is pushed by `push` times its
+    /// weight over a floor of friction 0.6.
+    fn pushed(push: f64, rate: f64) -> f64 {
+        let mut world = PhysicsWorld {
+            integration_parameters: parameters(SampleRate::new(rate).unwrap()),
+            ..PhysicsWorld::default()
+        };
+        let rule = CoefficientCombineRule::Min;
+        let floor = ColliderBuilder::cuboid(10.0, 0.1)
+            .translation(Vector::new(0.0, -0.1))
+            .friction(0.6)
+            .friction_combine_rule(rule)
+            .collision_groups(groups::GROUND);
+        world.insert_collider(floor, None);
+        let block = ColliderBuilder::cuboid(0.02, 0.01)
+            .mass(0.1)
+            .friction(0.6)
+            .friction_combine_rule(rule)
+            .collision_groups(groups::STONES);
+        let body = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.01)).can_sleep(false);
+        let (body, _) = world.insert(body, block);
+        world.bodies[body].add_force(Vector::new(push * 0.1 * 9.81, 0.0), true);
+        for _ in 0..rate as usize {
+            world.step();
+        }
+        world.bodies[body].linvel().x
+    }
+
+    #[test]
+    fn friction_holds_a_stone_up_to_its_coefficient_and_no_further() {
+        for rate in [8.0e3, 32.0e3] {
+            assert!(pushed(0.57, rate).abs() < 1.0e-6, "{}", pushed(0.57, rate));
+            // The rest of the push accelerates it.
+            let sliding = pushed(0.8, rate);
+            assert!((sliding / (0.2 * 9.81) - 1.0).abs() < 0.02, "{rate}: {sliding}");
+        }
+    }
+}
