@@ -66,7 +66,7 @@ use sweep::{Sweep, SweepTable};
 /// The version of study files that this program reads.
 const VERSION: i64 = 1;
 
-/// Most runs of a study: all conditions are checked before the first run, 0.2 ms each.
+/// Most runs of a study: all conditions are checked before the first run, some 0.1 ms each.
 const MOST_RUNS: u64 = 100_000;
 
 /// Where the runs of a study get their random numbers from.
