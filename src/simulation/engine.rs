@@ -193,7 +193,9 @@ mod tests {
             .friction(0.6)
             .friction_combine_rule(rule)
             .collision_groups(groups::STONES);
-        let body = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.01)).can_sleep(false);
+        let body = RigidBodyBuilder::dynamic()
+            .translation(Vector::new(0.0, 0.01))
+            .can_sleep(false);
         let (body, _) = world.insert(body, block);
         world.bodies[body].add_force(Vector::new(push * 0.1 * 9.81, 0.0), true);
         for _ in 0..rate as usize {
@@ -208,7 +210,10 @@ mod tests {
             assert!(pushed(0.57, rate).abs() < 1.0e-6, "{}", pushed(0.57, rate));
             // The rest of the push accelerates it.
             let sliding = pushed(0.8, rate);
-            assert!((sliding / (0.2 * 9.81) - 1.0).abs() < 0.02, "{rate}: {sliding}");
+            assert!(
+                (sliding / (0.2 * 9.81) - 1.0).abs() < 0.02,
+                "{rate}: {sliding}"
+            );
         }
     }
 }
