@@ -196,12 +196,12 @@ impl Simulation {
         self.ground.label(x)
     }
 
-    /// The ground before the wheel came, every `spacing` [m]: position and height [m].
+    /// The ground before the wheel came, stones included, every `spacing` [m]: position and height [m].
     pub fn undisturbed(&mut self, low: f64, high: f64, spacing: f64) -> Vec<[f64; 2]> {
         let nodes = (low / spacing).floor() as i64..=(high / spacing).ceil() as i64;
         nodes
             .map(|node| node as f64 * spacing)
-            .map(|x| [x, self.ground.undisturbed(x).0])
+            .map(|x| [x, self.ground.before(x)])
             .collect()
     }
 

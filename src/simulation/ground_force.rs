@@ -109,6 +109,18 @@ impl GroundForce {
         }
     }
 
+    /// Height [m] of the ground at `x` [m] before the wheel came, stones included.
+    pub fn before(&mut self, x: f64) -> f64 {
+        let stones = self.layers.iter().filter_map(|layer| layer.stones.as_ref());
+        let stones = stones.filter_map(|(bed, _)| bed.surface(x));
+        let top = stones.fold(f64::NEG_INFINITY, f64::max);
+        let layer = self.layer(x);
+        match (&layer.filling, top.is_finite()) {
+            (Filling::Stones, true) => top,
+            _ => self.undisturbed(x).0.max(top),
+        }
+    }
+
     /// Height [m] of the axle at which the wheel, at rest at 0, just touches.
     pub fn resting_height(&mut self, wheel: &WheelGeometry) -> f64 {
         let motion = WheelMotion {

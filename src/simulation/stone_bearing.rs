@@ -8,7 +8,7 @@
 
 use super::soil_track::SoilTrack;
 use super::stone_bed::StoneBed;
-use crate::terrain::stones::PlacedStone;
+use crate::terrain::stones::{PlacedStone, extent_at};
 use rapier2d::prelude::*;
 use std::collections::HashMap;
 
@@ -55,12 +55,7 @@ impl StoneOutline {
 
     /// Height [m] of the underside at `x` [m].
     pub fn underside(&self, x: f64) -> f64 {
-        let count = self.corners.len();
-        let edges = (0..count).map(|i| (self.corners[i], self.corners[(i + 1) % count]));
-        edges
-            .filter(|([a, _], [b, _])| (a.min(*b)..=a.max(*b)).contains(&x) && a != b)
-            .map(|([ax, ay], [bx, by])| ay + (by - ay) * (x - ax) / (bx - ax))
-            .fold(f64::INFINITY, f64::min)
+        extent_at(&self.corners, x).map_or(f64::INFINITY, |[low, _]| low)
     }
 }
 

@@ -9,10 +9,10 @@ mod pouring;
 use crate::quantity::Seed;
 use crate::simulation::engine::groups;
 use crate::terrain::Stones;
-use crate::terrain::stones::PlacedStone;
+use crate::terrain::stones::{PlacedStone, extent_at};
 use pouring::{Pouring, SECTION};
 use rapier2d::prelude::*;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Distance [m] along the track from the axle within which stones are free.
 pub const REACH: f64 = 0.15;
@@ -22,6 +22,8 @@ const STRIP: f64 = 0.1;
 const STRIDE: f64 = 1e-3;
 /// Distance [m] between the points of an uneven floor.
 const FLOOR_STEP: f64 = 0.002;
+/// Distance [m] between the points of the surface as poured.
+const SURFACE_STEP: f64 = 0.001;
 /// Bend [m] of the floor over two steps below which it counts as straight.
 const STRAIGHT: f64 = 1e-12;
 
@@ -150,6 +152,8 @@ pub struct StoneBed {
     stones: Vec<BedStone>,
     /// Colliders of the floor and the position [m], forward of the heading, where each ends.
     floors: VecDeque<(f64, ColliderHandle)>,
+    /// Highest stone as poured [m] at every [`SURFACE_STEP`], for as far as it has been poured.
+    surface: BTreeMap<i64, f64>,
     /// Position [m] of the axle when last looked at.
     looked_at: Option<f64>,
 }
@@ -168,6 +172,7 @@ impl StoneBed {
             end: f64::INFINITY,
             stones: Vec::new(),
             floors: VecDeque::new(),
+            surface: BTreeMap::new(),
             looked_at: None,
         }
     }
@@ -264,23 +269,54 @@ impl StoneBed {
         let poured = self.pouring.pour(&self.recipe, &|u| floor(heading * u));
         let end = self.end;
         let inside = |stone: &PlacedStone| stone.position[0] + stone.shape.outer_radius() <= end;
-        self.stones
-            .extend(poured.into_iter().filter(inside).map(|stone| BedStone {
-                stone: if heading < 0.0 {
-                    stone.mirrored()
-                } else {
-                    stone
-                },
-                state: State::Waiting,
-            }));
+        let poured = poured.into_iter().filter(inside);
+        let turned = poured.map(|stone| {
+            if heading < 0.0 {
+                stone.mirrored()
+            } else {
+                stone
+            }
+        });
+        let turned: Vec<PlacedStone> = turned.collect();
+        let (friction, embedded) = (
+            self.recipe.stones.friction,
+            matches!(self.recipe.laying, Laying::Embedded { .. }),
+        );
         let to = self.pouring.finished();
-        if to > from && !matches!(self.recipe.laying, Laying::Embedded { .. }) {
+        if to > from && !embedded {
             let mut range = [heading * from, heading * to];
             range.sort_by(f64::total_cmp);
-            let friction = self.recipe.stones.friction;
             let collider = insert_floor(world, range, friction, floor);
             self.floors.push_back((to, collider));
         }
+        for stone in turned {
+            self.survey(&stone);
+            let state = State::Waiting;
+            self.stones.push(BedStone { stone, state });
+        }
+    }
+
+    /// Takes a stone into the surface as poured.
+    fn survey(&mut self, stone: &PlacedStone) {
+        let corners = stone.corners();
+        let along = corners.iter().map(|corner| corner[0]);
+        let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        });
+        let first = libm::ceil(low / SURFACE_STEP) as i64;
+        let last = libm::floor(high / SURFACE_STEP) as i64;
+        for node in first..=last {
+            if let Some([_, top]) = extent_at(&corners, node as f64 * SURFACE_STEP) {
+                let surface = self.surface.entry(node).or_insert(top);
+                *surface = surface.max(top);
+            }
+        }
+    }
+
+    /// Height [m] of the highest stone, as poured, at `x` [m]; `None` where there was none.
+    pub fn surface(&self, x: f64) -> Option<f64> {
+        let node = libm::round(x / SURFACE_STEP) as i64;
+        self.surface.get(&node).copied()
     }
 
     /// Removes stones and floor that lie behind `end` [m], counted along the heading.

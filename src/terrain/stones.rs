@@ -144,6 +144,13 @@ impl PlacedStone {
         self.position[1] + highest.fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Corners in the track's frame [m], counter-clockwise.
+    pub fn corners(&self) -> Vec<[f64; 2]> {
+        let ([cos, sin], [x0, y0]) = (self.rotation, self.position);
+        let place = |&[x, y]: &[f64; 2]| [x0 + cos * x - sin * y, y0 + sin * x + cos * y];
+        self.shape.corners.iter().map(place).collect()
+    }
+
     /// Bound [m] on the distance between a point of this stone and the same point of `other`, the
     /// same stone elsewhere.
     pub fn distance(&self, other: &Self) -> f64 {
@@ -160,6 +167,19 @@ impl PlacedStone {
             rotation: [self.rotation[0], -self.rotation[1]],
         }
     }
+}
+
+/// Lowest and highest point [m] of a polygon of `corners` [m] at `x` [m]; `None` beside it.
+pub fn extent_at(corners: &[[f64; 2]], x: f64) -> Option<[f64; 2]> {
+    let count = corners.len();
+    let edges = (0..count).map(|i| (corners[i], corners[(i + 1) % count]));
+    edges
+        .filter(|([a, _], [b, _])| (a.min(*b)..=a.max(*b)).contains(&x) && a != b)
+        .map(|([ax, ay], [bx, by])| ay + (by - ay) * (x - ax) / (bx - ax))
+        .fold(None, |extent, y| {
+            let [low, high] = extent.unwrap_or([y, y]);
+            Some([f64::min(low, y), f64::max(high, y)])
+        })
 }
 
 /// Area and centroid of the polygon of `corners`, by the shoelace formula.
