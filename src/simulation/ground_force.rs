@@ -1,7 +1,7 @@
 //! The force layer: fixed ground acts on the wheel through here, whatever it is made of.
 
 use super::contact::{Reach, WheelGeometry};
-use super::hard_contact::HardGround;
+use super::hard_contact::{HardGround, RAMP_LENGTH};
 use super::soil_track::SoilTrack;
 use super::stone_bearing::StoneBearing;
 use super::stone_bed::{BedRecipe, Floor, Laying, StoneBed};
@@ -51,7 +51,8 @@ impl GroundForce {
     /// Load on the wheel over one step of `dt` [s].
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
         let mut sum = Reach::default();
-        let [low, high] = [motion.x - wheel.tip_radius, motion.x + wheel.tip_radius];
+        let reach = wheel.tip_radius + RAMP_LENGTH;
+        let [low, high] = [motion.x - reach, motion.x + reach];
         for layer in self
             .layers
             .iter_mut()

@@ -7,12 +7,15 @@
 //! scale that no ground has, and turns unstable at cheaper rates than 128 kHz; the spring has
 //! neither fault and holds the static friction that hard ground shows at zero slip.
 //!
+//! Where a stretch ends, its surface dives at [`RAMP`] under what comes next, as slate dips under
+//! drifted sand: a wheel that arrives sunk in soil climbs it, and meets no wall.
+//!
 //! A lug is its edge: flanks meet no bricks.
 
 use super::contact::{Edge, Reach, WheelGeometry};
 use super::world::{WheelMotion, Wrench};
 use crate::terrain::HardContact;
-use crate::terrain::profile::Profile;
+use crate::terrain::profile::{Profile, Surface};
 use libm::{pow, sqrt};
 
 /// Tangential over normal stiffness of a contact (Mindlin 1949, ν = 0.3).
@@ -30,6 +33,12 @@ pub(super) struct HardGround {
     /// Highest ground near the wheel and where that was looked up [m].
     ceiling: [f64; 2],
 }
+
+/// Slope at which hard ground dives under its neighbours [-]: 15°.
+pub(super) const RAMP: f64 = 0.268;
+
+/// How far it reaches below them along the track [m]: 54 mm deep, below any sunken lug.
+pub(super) const RAMP_LENGTH: f64 = 0.2;
 
 /// How far the wheel may roll before the highest ground near it is looked up again [m].
 const LOOK_UP: f64 = 0.005;
@@ -59,7 +68,7 @@ impl HardGround {
         let ceiling = self.ceiling(wheel, motion.x);
         let mut reach = Reach::default();
         for edge in wheel.lowest_edges(motion) {
-            if edge.y >= ceiling || !within(self.range, edge.x) {
+            if edge.y >= ceiling || !self.reaches(edge.x) {
                 self.stretch[edge.lug] = 0.0;
                 continue;
             }
@@ -94,9 +103,28 @@ impl HardGround {
         ceiling
     }
 
+    /// Height [m] and slope [-] at `x` [m].
+    fn surface(&self, x: f64) -> Surface {
+        let mut surface = self.profile.at(x);
+        let [before, after] = [self.range[0] - x, x - self.range[1]];
+        if before > 0.0 {
+            surface.height -= RAMP * before;
+            surface.slope += RAMP;
+        } else if after > 0.0 {
+            surface.height -= RAMP * after;
+            surface.slope -= RAMP;
+        }
+        surface
+    }
+
+    /// Whether there is ground at `x` [m].
+    fn reaches(&self, x: f64) -> bool {
+        x >= self.range[0] - RAMP_LENGTH && x < self.range[1] + RAMP_LENGTH
+    }
+
     /// Normal force and friction at one point of the wheel.
     fn press(&self, point: &Edge, motion: &WheelMotion, dt: f64, stretch: &mut f64) -> Wrench {
-        let surface = self.profile.at(point.x);
+        let surface = self.surface(point.x);
         let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
         let indentation = (surface.height - point.y) * scale;
         if indentation <= 0.0 {
@@ -147,9 +175,9 @@ impl HardGround {
         let mut points: Vec<Edge> = Vec::new();
         let r = wheel.radius;
         let half = sqrt((r * r - (motion.y - self.ceiling[1]).max(0.0).powi(2)).max(0.0));
-        let depth = |[x, height]: [f64; 2]| {
+        let depth = |x: f64| {
             let u = x - motion.x;
-            height - (motion.y - sqrt((r * r - u * u).max(0.0)))
+            self.surface(x).height - (motion.y - sqrt((r * r - u * u).max(0.0)))
         };
         let near: Vec<[f64; 2]> = self
             .profile
@@ -157,8 +185,8 @@ impl HardGround {
                 motion.x - half - 2.0 * self.profile.spacing(),
                 motion.x + half + 2.0 * self.profile.spacing(),
             )
-            .filter(|[x, _]| within(self.range, *x))
-            .map(|node| [node[0] - motion.x, depth(node)])
+            .filter(|[x, _]| self.reaches(*x))
+            .map(|[x, _]| [x - motion.x, depth(x)])
             .collect();
         for three in near.windows(3) {
             let [[_, before], [u, here], [_, after]] = [three[0], three[1], three[2]];
@@ -189,8 +217,4 @@ impl HardGround {
         }
         sum
     }
-}
-
-fn within([low, high]: [f64; 2], x: f64) -> bool {
-    x >= low && x < high
 }
