@@ -92,7 +92,7 @@ fn the_bits_of_a_run_are_what_they_were() {
     assert_eq!(found, GOLDEN);
 }
 
-const GOLDEN: &str = "";
+const GOLDEN: &str = "57361f04be43756fc3cab21d73901a64d544e4bc1e1471cf4279bfb1b93032f1";
 
 #[test]
 fn run_3_is_the_same_alone_or_beside_others() {

@@ -342,7 +342,11 @@ fn column_forces_of_a_smooth_wheel_agree_with_the_quadrature_within_3_percent() 
             let pull =
                 mean(late.iter().map(|state| state.ground.drawbar_pull)) - expected.drawbar_pull;
             println!(
-                "{convention:?} c_3 {exit_angle} s {slip}: z {sinkage:.5} F_N, M_R ratio {found:?}, pull {pull:.3} N of {:.2}",
+                "{convention:>10?} c_3 {exit_angle:4} slip {slip}: sinkage {:5.2} mm, over quadrature: F_N {:.4}, torque {:.4}; pull {:6.2} N, by quadrature {:6.2} N",
+                1e3 * sinkage,
+                found[0],
+                found[1],
+                pull + expected.drawbar_pull,
                 expected.drawbar_pull
             );
             assert!(
