@@ -36,7 +36,7 @@ fn solver_noise_of_a_standing_wheel_stays_below_a_third_of_the_slowest_reference
     ))
     .iter()
     .map(|state| state.vertical_acceleration));
-    for terrain in [reference(), sandy()] {
+    for terrain in [reference(), slate(), sandy()] {
         let mut standing = leg(0.0, 0.0);
         if let Rig::RoverLeg(leg) = &mut standing {
             leg.drive.forward_speed = 0.0;

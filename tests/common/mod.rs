@@ -6,7 +6,7 @@ use lugwheel::quantity::{SampleRate, Seed, SlipRatio};
 use lugwheel::simulation::rig::{Drive, Rig, RoverLeg, SingleWheel};
 use lugwheel::simulation::{Simulation, WheelState};
 use lugwheel::soil::{Soil, StressConvention};
-use lugwheel::terrain::{HardContact, Terrain, TerrainSpec};
+use lugwheel::terrain::{HardContact, Roughness, Terrain, TerrainSpec};
 use lugwheel::wheel::Wheel;
 
 pub const CONTACT: HardContact = HardContact {
@@ -118,4 +118,18 @@ pub fn range(values: impl Iterator<Item = f64>) -> f64 {
         (low.min(v), high.max(v))
     });
     high - low
+}
+
+pub fn slate() -> TerrainSpec {
+    let roughness = Roughness {
+        rms: 4.0e-4,
+        hurst: 0.8,
+        longest: 0.2,
+        shortest: 0.002,
+    };
+    TerrainSpec::Hard {
+        contact: CONTACT,
+        roughness,
+        joints: None,
+    }
 }
