@@ -14,6 +14,7 @@ use serde::de::IntoDeserializer;
 use serde::de::value::Error as NameError;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A run file opened for reading.
 #[derive(Debug)]
@@ -33,7 +34,7 @@ impl RunFile {
     pub fn open(path: impl AsRef<Path>) -> Outcome<Self> {
         let path = path.as_ref().to_owned();
         readable(&path)?;
-        let file = File::open(&path).map_err(|error| not_opened(&path, &error))?;
+        let file = open_unlocked(&path).map_err(|error| not_opened(&path, &error))?;
         let root = Place {
             path: &path,
             location: &file,
@@ -199,6 +200,27 @@ fn readable(path: &Path) -> Outcome<()> {
         source,
     })
 }
+
+/// Opens a file as soon as nobody else has it locked, or gives up after two seconds.
+///
+/// HDF5 locks what it opens, and a child process that another thread has just forked holds the
+/// lock until it executes its program.
+fn open_unlocked(path: &Path) -> hdf5::Result<File> {
+    const TRIES: u32 = 40;
+    for _ in 1..TRIES {
+        match File::open(path) {
+            Err(error) if error.to_string().contains(LOCKED) => std::thread::sleep(PAUSE),
+            opened => return opened,
+        }
+    }
+    File::open(path)
+}
+
+/// What the system says of a locked file (EAGAIN).
+const LOCKED: &str = "temporarily unavailable";
+
+/// Time between two tries to open a locked file.
+const PAUSE: Duration = Duration::from_millis(50);
 
 fn not_opened(path: &Path, error: &::hdf5::Error) -> RunFileError {
     let path = path.to_owned();
