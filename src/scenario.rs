@@ -16,6 +16,7 @@ pub mod experiment;
 
 use crate::quantity::{RangeError, SampleRate};
 use crate::sensors::Sensors;
+use crate::simulation::GRAVITY;
 use crate::simulation::rig::{Rig, RigError, RigTable};
 use crate::terrain::TerrainSpec;
 use crate::wheel::{Wheel, WheelTable};
@@ -33,6 +34,9 @@ const LONGEST_WAY: f64 = 100.0;
 const MOST_STEPS: f64 = 1.0e9;
 /// Length [s] of the windows in which a run is labelled and recognised, as in the paper.
 const PAPERS_WINDOW: f64 = 15.0;
+
+/// Slowest steps [Hz] at which contact with the ground is still resolved.
+const SLOWEST: f64 = 4_000.0;
 
 /// One experiment.
 #[derive(Debug, Clone, Serialize)]
@@ -164,7 +168,7 @@ impl Scenario {
             .unwrap_or_else(|| default_physics_rate(&self.terrain))
     }
 
-    /// Length [s] of the windows in which the run is labelled and recognised: the scenario's, or
+    /// Length [s] of the windows in which the run is labelled: the scenario's, or
     /// 15 s, or the whole of a shorter run.
     pub fn window(&self) -> f64 {
         self.window.unwrap_or(PAPERS_WINDOW.min(self.duration))
@@ -223,7 +227,13 @@ impl Scenario {
     }
 
     fn check_physics_rate(&self) -> Result<(), RangeError> {
-        let (sensors, physics) = (SampleRate::REFERENCE.whole(), self.physics_rate().whole());
+        let (sensors, physics) = (self.sensors.rate.whole(), self.physics_rate().whole());
+        RangeError::check(
+            "physics rate",
+            "Hz",
+            f64::from(physics),
+            [SLOWEST, f64::INFINITY],
+        )?;
         if sensors.is_multiple_of(physics) {
             return Ok(());
         }
@@ -246,9 +256,24 @@ impl Scenario {
         limit("duration", "s", self.duration, MOST_STEPS / rate, &reason)
     }
 
-    fn check_mass(&self) -> Result<(), RangeError> {
-        let Rig::SingleWheel(rig) = self.rig else {
+    /// A leg carries more than its wheel weighs.
+    fn check_leg(&self, load: f64) -> Result<(), RangeError> {
+        let weight = self.wheel.mass * GRAVITY;
+        if load > weight {
             return Ok(());
+        }
+        Err(RangeError {
+            quantity: "vertical load",
+            unit: "N",
+            range: format!("above the wheel's own weight of {weight:.1} N"),
+            value: load,
+        })
+    }
+
+    fn check_mass(&self) -> Result<(), RangeError> {
+        let rig = match self.rig {
+            Rig::SingleWheel(rig) => rig,
+            Rig::RoverLeg(leg) => return self.check_leg(leg.load),
         };
         if rig.moving_mass >= self.wheel.mass {
             return Ok(());
@@ -338,7 +363,7 @@ fn default_hertz(terrain: &TerrainSpec) -> f64 {
         TerrainSpec::Sequence(sections) => sections
             .iter()
             .map(|section| default_hertz(&section.ground))
-            .fold(16_000.0, f64::min),
+            .fold(8_000.0, f64::max),
     }
 }
 

@@ -2,7 +2,9 @@
 //!
 //! Each step the fixed ground, the load and the leg push the wheel's body, the engine moves it
 //! under the constraints of carriage and motor, and the loads are read as a rig would read them:
-//! from the momentum the wheel gained and from the reaction of carriage and motor.
+//! from the momentum the wheel gained and from the reaction of carriage and motor. On stones the
+//! engine solves a step several times and keeps of carriage and motor the last solution only;
+//! there pull and torque are the sum of the contacts, and the motor's follows from its momentum.
 
 mod contact;
 mod engine;
@@ -220,7 +222,8 @@ impl Simulation {
         for step in 0..steps {
             // The hand lets go over the second half.
             let hold = (2.0 - 2.0 * step as f64 / steps as f64).min(1.0);
-            self.advance([0.0, 0.0], hold * LET_DOWN_DAMPING)?;
+            let state = self.advance([0.0, 0.0], hold * LET_DOWN_DAMPING)?;
+            self.check_sinkage(&state)?;
         }
         Ok(())
     }
@@ -249,10 +252,6 @@ impl Simulation {
         self.world.push_wheel(wrench);
         self.world.step();
         let after = self.world.wheel_motion();
-        let mut reach = reach;
-        if self.has_stones {
-            reach.touching |= self.touched_by_stones(&after);
-        }
         self.check(&after)?;
         Ok(self.read(&before, &after, weight - spring, reach))
     }
@@ -271,12 +270,16 @@ impl Simulation {
         spring
     }
 
-    /// Lugs that stones press on, one bit each.
-    fn touched_by_stones(&self, motion: &WheelMotion) -> u64 {
-        let force = self.geometry.touch_force;
-        let edges = self.geometry.lowest_edges(motion);
-        let touched = edges.filter(|edge| self.world.stones_touch(edge.lug, force));
-        touched.fold(0, |bits, edge| bits | 1 << edge.lug)
+    fn check_sinkage(&self, state: &WheelState) -> Result<(), SimulationError> {
+        if state.sinkage < self.wheel.radius {
+            return Ok(());
+        }
+        Err(SimulationError::Sunk {
+            time: state.time,
+            sinkage: state.sinkage,
+            radius: self.wheel.radius,
+            load: self.rig.load(),
+        })
     }
 
     fn check(&self, motion: &WheelMotion) -> Result<(), SimulationError> {
@@ -300,22 +303,36 @@ impl Simulation {
     ) -> WheelState {
         let rate = self.rate.hertz();
         let (ax, ay) = ((after.vx - before.vx) * rate, (after.vy - before.vy) * rate);
-        let drive = self.world.drive_wrench();
         let spin_up = self.wheel.inertia * (after.omega - before.omega) * rate;
         let clamped = self.rig.clearance() > 0.0;
-        let ground = Loads {
-            normal_force: if clamped {
-                reach.wrench.fy
-            } else {
-                self.mass * ay + weight
-            },
-            drawbar_pull: self.mass * ax - drive.fx,
-            driving_torque: drive.torque - spin_up,
+        let normal_force = if clamped {
+            reach.wrench.fy
+        } else {
+            self.mass * ay + weight
+        };
+        let mut touching = reach.touching;
+        let ground = match self.world.stone_load(self.geometry.touch_force) {
+            Some((stones, touched)) => {
+                touching |= touched;
+                Loads {
+                    normal_force,
+                    drawbar_pull: reach.wrench.fx + stones.fx,
+                    driving_torque: -(reach.wrench.torque + stones.torque),
+                }
+            }
+            None => {
+                let drive = self.world.drive_wrench();
+                Loads {
+                    normal_force,
+                    drawbar_pull: self.mass * ax - drive.fx,
+                    driving_torque: drive.torque - spin_up,
+                }
+            }
         };
         let hub = Loads {
             normal_force: ground.normal_force - self.wheel.mass * ay,
             drawbar_pull: ground.drawbar_pull - self.wheel.mass * ax,
-            driving_torque: drive.torque,
+            driving_torque: ground.driving_torque + spin_up,
         };
         let (undisturbed, on_soil) = self.ground.undisturbed(after.x);
         WheelState {
@@ -332,7 +349,7 @@ impl Simulation {
             hub,
             sinkage: undisturbed - (after.y - self.wheel.radius),
             on_soil,
-            lugs_touching: reach.touching,
+            lugs_touching: touching,
             lugs_entered: reach.entered,
         }
     }
@@ -348,16 +365,8 @@ impl Iterator for Simulation {
         self.step += 1;
         let speeds = self.command.at(self.step as f64 * self.rate.period());
         let result = self.advance(speeds, 0.0).and_then(|state| {
-            if state.sinkage < self.wheel.radius {
-                return Ok(state);
-            }
-            let (radius, load) = (self.wheel.radius, self.rig.load());
-            Err(SimulationError::Sunk {
-                time: state.time,
-                sinkage: state.sinkage,
-                radius,
-                load,
-            })
+            self.check_sinkage(&state)?;
+            Ok(state)
         });
         self.failed = result.is_err();
         Some(result)

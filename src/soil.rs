@@ -1,6 +1,7 @@
 //! Wheel-soil mechanics: pressure-sinkage, shear, and their integral over the wheel.
 //!
-//! The simulator runs these functions forward and the identifier inverts the same ones.
+//! The one truth of these equations: the simulator runs them forward, and whoever identifies soil
+//! from loads can invert the same functions.
 //!
 //! Symbols of the whole project, SI units, angles [rad] at the axle from straight down, positive
 //! ahead:

@@ -202,7 +202,12 @@ impl Roughness {
         RangeError::check("roughness rms", "m", self.rms, [0.0, 0.5])?;
         RangeError::check("Hurst exponent (hurst)", "-", self.hurst, [0.0, 1.0])?;
         RangeError::positive("longest wavelength", "m", self.longest)?;
-        RangeError::positive("shortest wavelength", "m", self.shortest)?;
+        RangeError::check(
+            "shortest wavelength",
+            "m",
+            self.shortest,
+            [4.0 * NODE, f64::INFINITY],
+        )?;
         below(
             "shortest wavelength",
             self.shortest,
@@ -231,7 +236,7 @@ impl Stones {
     /// `RangeError` for sizes that do not grow from above 0 to 1 m, an angularity outside [0, 1],
     /// a density that is not positive, or a friction outside [0, 2].
     pub fn check(&self) -> Result<(), RangeError> {
-        RangeError::positive("min stone size", "m", self.size.min)?;
+        RangeError::check("min stone size", "m", self.size.min, [SMALLEST_STONE, 1.0])?;
         RangeError::check("max stone size", "m", self.size.max, [0.0, 1.0])?;
         below("min stone size", self.size.min, "max", self.size.max)?;
         RangeError::check("stone angularity", "-", self.angularity, [0.0, 1.0])?;
@@ -335,6 +340,9 @@ fn collect_numbers(prefix: &str, ground: &TerrainSpec, into: &mut BTreeMap<Strin
     }
 }
 
+/// Smallest stone [m]: what is finer is sand, and more than the engine can carry.
+const SMALLEST_STONE: f64 = 0.003;
+
 /// Distance between nodes of hard ground [m]: an eighth of the shortest roughness in use.
 const NODE: f64 = 2.5e-4;
 
@@ -431,6 +439,7 @@ impl Section {
 
 fn check_sand(soil: &Soil, roughness: Option<&Roughness>) -> Result<(), RangeError> {
     soil.checked()?;
+    RangeError::positive("shear modulus", "m", soil.shear_modulus)?;
     roughness.map_or(Ok(()), Roughness::check)
 }
 

@@ -216,10 +216,10 @@ fn an_unknown_key_set_on_the_command_line_is_told_its_neighbours() {
 }
 
 #[test]
-fn gravel_anywhere_on_the_track_sets_its_default_rate() {
+fn the_most_demanding_ground_of_a_track_sets_its_default_rate() {
     assert_eq!(shipped("single_wheel_st").physics_rate().hertz(), 16_000.0);
     assert_eq!(shipped("single_wheel_sgt").physics_rate().hertz(), 8_000.0);
-    assert_eq!(shipped("traverse").physics_rate().hertz(), 8_000.0);
+    assert_eq!(shipped("traverse").physics_rate().hertz(), 16_000.0);
 }
 
 static TEXTS: LazyLock<Vec<String>> = LazyLock::new(|| {

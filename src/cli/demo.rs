@@ -6,7 +6,6 @@ use super::dataset::classes;
 use super::interrupt::Interrupted;
 use super::output::{self, Output};
 use super::progress::Progress;
-use super::scenario_args::with_all;
 use super::series::{Jobs, Outcome, Series, spreads};
 use super::steady::{QUANTITIES, Spread};
 use clap::Args;
@@ -97,7 +96,7 @@ impl Demo {
             .iter()
             .map(|ground| {
                 let file = format!("single_wheel_{}.toml", ground.key);
-                with_all(Scenario::from_toml(ground.scenario, &file)?, &EDITS)
+                Scenario::from_toml(ground.scenario, &file)?.with_all(&EDITS)
             })
             .collect::<Result<Vec<_>, _>>()?;
         let simulated: f64 = scenarios.iter().map(|s| s.duration * RUNS as f64).sum();

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use lugwheel::quantity::Seed;
-use lugwheel::scenario::{Scenario, ScenarioError};
+use lugwheel::scenario::Scenario;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ impl ScenarioArgs {
     /// makes it none.
     pub fn load(&self) -> anyhow::Result<Scenario> {
         let scenario = Scenario::load(found(&self.scenario)?)?;
-        Ok(with_all(scenario, &self.set)?)
+        Ok(scenario.with_all(&self.set)?)
     }
 
     /// The seed.
@@ -59,13 +59,6 @@ impl ScenarioArgs {
         let stem = self.scenario.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
-}
-
-/// `scenario` with every `key=value` set, in this order.
-pub fn with_all(scenario: Scenario, edits: &[impl AsRef<str>]) -> Result<Scenario, ScenarioError> {
-    edits
-        .iter()
-        .try_fold(scenario, |scenario, edit| scenario.with(edit.as_ref()))
 }
 
 fn found(asked: &Path) -> Result<PathBuf, NoScenario> {

@@ -19,7 +19,7 @@ pub struct Simulate {
     #[command(flatten)]
     scenario: ScenarioArgs,
     /// Which run of the series that the seed begins
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=999_999))]
     run: u64,
     /// Run file to write [default: output/<scenario>/run.h5]
     #[arg(long, value_name = "FILE.h5")]

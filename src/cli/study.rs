@@ -115,7 +115,7 @@ impl StudyCommand {
             missing_shards: outcome.missing_shards,
             computing_s,
         })?;
-        if outcome.failed.is_empty() {
+        if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
         }
         Err(FailedRuns {

@@ -79,6 +79,7 @@ impl Vision {
 
     pub(super) fn check(&self) -> Result<(), RangeError> {
         RangeError::positive("frame rate", "Hz", self.frame_rate)?;
+        RangeError::check("frame rate", "Hz", self.frame_rate, [0.0, 1000.0])?;
         not_negative("vision delay", "s", self.delay)?;
         RangeError::check(
             "slip frames",

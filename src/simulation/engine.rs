@@ -106,10 +106,6 @@ pub mod groups {
 #[derive(Debug, Clone)]
 pub struct WheelColliders {
     /// The rim.
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "tests balance the forces on all parts")
-    )]
     pub rim: ColliderHandle,
     /// The lugs.
     pub lugs: Vec<ColliderHandle>,
@@ -146,15 +142,20 @@ fn lug_shape(wheel: &Wheel, angle: f64) -> ColliderBuilder {
     ColliderBuilder::cuboid(wheel.lug_height() / 2.0, thickness / 2.0).position(pose)
 }
 
-/// Mean force [N] of contacts on `collider` over the last step: along the track, upward.
-pub fn contact_force(world: &PhysicsWorld, collider: ColliderHandle) -> [f64; 2] {
-    let mut impulse = Vector::ZERO;
+/// Mean load of the contacts on a collider of the wheel over the last step: force along the track
+/// and upward [N], moment about the axle [N·m], counter-clockwise.
+///
+/// Contacts keep the sum of their impulses over the solutions of a step; joints keep the last
+/// one's only, so loads on stones are read here and not from the carriage.
+pub fn contact_load(world: &PhysicsWorld, collider: ColliderHandle) -> [f64; 3] {
+    let Some(body) = world.colliders.get(collider).and_then(Collider::parent) else {
+        return [0.0; 3];
+    };
+    let rotation = *world.bodies[body].rotation();
+    let (mut impulse, mut moment) = (Vector::ZERO, 0.0);
     for pair in world.narrow_phase.contact_pairs_with(collider) {
-        let sign = if pair.collider2 == collider {
-            1.0
-        } else {
-            -1.0
-        };
+        let is_second = pair.collider2 == collider;
+        let sign = if is_second { 1.0 } else { -1.0 };
         for manifold in pair.manifolds() {
             let normal = manifold.data.normal;
             let tangent = Vector::new(-normal.y, normal.x);
@@ -162,12 +163,21 @@ pub fn contact_force(world: &PhysicsWorld, collider: ColliderHandle) -> [f64; 2]
             for contact in &manifold.data.solver_contacts {
                 let [index] = contact.contact_id;
                 let point = &manifold.points[(index & !NEW_CONTACT_BIT) as usize].data;
-                impulse += (normal * point.impulse + tangent * point.tangent_impulse.x) * sign;
+                let push = (normal * point.impulse + tangent * point.tangent_impulse.x) * sign;
+                // Anchors turn with the body, from its centre of mass: the axle.
+                let anchor = if is_second {
+                    contact.anchor2
+                } else {
+                    contact.anchor1
+                };
+                let arm = rotation * anchor;
+                impulse += push;
+                moment += arm.x * push.y - arm.y * push.x;
             }
         }
     }
     let dt = world.integration_parameters.dt;
-    [impulse.x / dt, impulse.y / dt]
+    [impulse.x / dt, impulse.y / dt, moment / dt]
 }
 
 #[cfg(test)]

@@ -43,7 +43,8 @@ impl GroundForce {
         let layers = terrain
             .stretches()
             .iter()
-            .map(|stretch| Layer::new(terrain, stretch, wheel, heading, world))
+            .enumerate()
+            .map(|numbered| Layer::new(terrain, numbered, wheel, heading, world))
             .collect();
         Self { layers }
     }
@@ -180,7 +181,7 @@ impl GroundForce {
 impl Layer {
     fn new(
         terrain: &Terrain,
-        stretch: &Stretch,
+        (number, stretch): (usize, &Stretch),
         wheel: &Wheel,
         heading: f64,
         world: &mut PhysicsWorld,
@@ -214,6 +215,7 @@ impl Layer {
                 width: wheel.width,
                 seed,
                 run,
+                number,
             };
             let floor = floor(laying, profile);
             let bed = StoneBed::between(world, recipe, range, heading, floor);

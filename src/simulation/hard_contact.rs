@@ -75,7 +75,7 @@ impl HardGround {
             let mut stretch = self.stretch[edge.lug];
             let wrench = self.press(&edge, motion, dt, &mut stretch);
             self.stretch[edge.lug] = stretch;
-            if wrench.fy.abs() + wrench.fx.abs() > wheel.touch_force {
+            if wrench.force() > wheel.touch_force {
                 reach.touching |= 1 << edge.lug;
             }
             reach.wrench += wrench;
@@ -97,8 +97,8 @@ impl HardGround {
         let span = wheel.tip_radius + 2.0 * LOOK_UP;
         self.profile.extend(x - span, x + span);
         let highest = self.profile.highest(x - span, x + span);
-        // Between nodes the cubic may overshoot them by a fraction of their difference.
-        let ceiling = highest + 0.1 * self.profile.spacing();
+        // Between nodes the cubic overshoots a step between neighbours by less than 15 % of it.
+        let ceiling = highest + 0.15 * self.profile.steepest_step(x - span, x + span);
         self.ceiling = [x, ceiling];
         ceiling
     }
@@ -174,7 +174,13 @@ impl HardGround {
     fn push_rim(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Wrench {
         let mut points: Vec<Edge> = Vec::new();
         let r = wheel.radius;
-        let half = sqrt((r * r - (motion.y - self.ceiling[1]).max(0.0).powi(2)).max(0.0));
+        let half = sqrt(
+            (r * r - {
+                let above = (motion.y - self.ceiling[1]).max(0.0);
+                above * above
+            })
+            .max(0.0),
+        );
         let depth = |x: f64| {
             let u = x - motion.x;
             self.surface(x).height - (motion.y - sqrt((r * r - u * u).max(0.0)))
@@ -207,13 +213,18 @@ impl HardGround {
                 });
             }
         }
-        // All summits stretch the rim's one spring alike.
+        // All summits stretch the rim's one spring alike; the most loaded one tells how far.
         let before = self.rim_stretch;
-        let mut sum = Wrench::default();
+        let (mut sum, mut most) = (Wrench::default(), 0.0);
+        self.rim_stretch = 0.0;
         for point in &points {
             let mut stretch = before;
-            sum += self.press(point, motion, dt, &mut stretch);
-            self.rim_stretch = stretch;
+            let wrench = self.press(point, motion, dt, &mut stretch);
+            if wrench.force() > most {
+                most = wrench.force();
+                self.rim_stretch = stretch;
+            }
+            sum += wrench;
         }
         sum
     }

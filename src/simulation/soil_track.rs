@@ -137,6 +137,20 @@ impl SoilTrack {
         }
     }
 
+    /// Forgets where stones lay.
+    pub fn uncover(&mut self) {
+        self.columns.uncover();
+    }
+
+    /// Notes that a stone lies here: soil does not slide below it.
+    pub fn cover(&mut self, stone: &StoneOutline) {
+        let [low, high] = stone.extent();
+        self.columns.reach(low, high);
+        for index in self.columns.indices(low, high) {
+            self.columns.cover(index);
+        }
+    }
+
     /// Force [N] along and away from the track and moment [N·m] of the soil on a stone, which has
     /// sheared the soil below it by `stretch` [m].
     pub fn bear(&mut self, stone: &StoneOutline, stretch: &mut f64, dt: f64) -> [f64; 3] {
@@ -147,15 +161,16 @@ impl SoilTrack {
         let [low, high] = stone.extent();
         self.columns.reach(low, high);
         let (mut force, mut moment, mut area) = (0.0, 0.0, 0.0);
+        let mut lowest = f64::INFINITY;
         for index in self.columns.indices(low, high) {
             let x = index as f64 * COLUMN;
             let level = stone.underside(x);
+            lowest = lowest.min(level);
             let pressed = self.columns.press(index, level);
             let arm = x - stone.centre[0];
             let rise = stone.velocity[1] + stone.spin * arm;
             let elastic = law.pressure(pressed.virgin - pressed.lowest)
                 - self.soil.unloading_stiffness * (level - pressed.lowest);
-            self.columns.cover(index, true);
             if elastic <= 0.0 {
                 continue;
             }
@@ -165,12 +180,19 @@ impl SoilTrack {
             moment += arm * push;
             area += column;
         }
+        if area == 0.0 {
+            *stretch = 0.0;
+            return [0.0; 3];
+        }
         let limit = shear.cohesion * area + force * shear.tan_friction_angle;
+        // The underside slides, not the centre: a stone that rolls on sand does not shear it.
+        let below = lowest - stone.centre[1];
+        let sliding = stone.velocity[0] - stone.spin * below;
         let deepest = self.soil.shear_modulus.max(1.0e-4);
-        *stretch = (*stretch + stone.velocity[0] * dt).clamp(-deepest, deepest);
-        let damping = (self.soil.damping * area * stone.velocity[0]).clamp(-limit, limit);
+        *stretch = (*stretch + sliding * dt).clamp(-deepest, deepest);
+        let damping = (self.soil.damping * area * sliding).clamp(-limit, limit);
         let along = (-limit * *stretch / deepest - damping).clamp(-limit, limit);
-        [along, force, moment]
+        [along, force, moment - along * below]
     }
 
     /// Load of the soil on the wheel over one step of `dt` [s].

@@ -25,7 +25,7 @@ pub(super) struct StoneOutline {
     pub corners: Vec<[f64; 2]>,
     /// Centroid [m].
     pub centre: [f64; 2],
-    /// Velocity of the centroid [m/s] and spin [rad/s], counter-clockwise.
+    /// Velocity of the centroid [m/s].
     pub velocity: [f64; 2],
     /// Spin [rad/s], counter-clockwise.
     pub spin: f64,
@@ -74,7 +74,9 @@ impl StoneBearing {
             .collect();
         self.stretch
             .retain(|body, _| stones.iter().any(|(other, _, _)| other == body));
+        track.uncover();
         for (body, outline, free) in &stones {
+            track.cover(outline);
             let stretch = self.stretch.entry(*body).or_insert_with(|| {
                 track.dig_out(outline);
                 0.0

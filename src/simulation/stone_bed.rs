@@ -62,6 +62,8 @@ pub struct BedRecipe {
     pub seed: Seed,
     /// The run.
     pub run: u64,
+    /// Number of the bed among those of the track.
+    pub number: usize,
 }
 
 impl BedRecipe {
@@ -383,7 +385,7 @@ fn floor_points([from, to]: [f64; 2], floor: &dyn Fn(f64) -> f64) -> Vec<Vector>
 mod tests {
     use super::*;
     use crate::quantity::SampleRate;
-    use crate::simulation::engine::{WheelColliders, contact_force, parameters};
+    use crate::simulation::engine::{WheelColliders, contact_load, parameters};
     use crate::terrain::SizeRange;
     use crate::wheel::Wheel;
     use rapier2d::parry::query::contact;
@@ -410,6 +412,7 @@ mod tests {
             width: 0.15,
             seed: Seed(1),
             run,
+            number: 0,
         }
     }
 
@@ -523,9 +526,7 @@ mod tests {
                 let axle = self.world.bodies[body].translation().x;
                 self.bed.follow(&mut self.world, axle);
                 let parts = self.wheel.lugs.iter().chain([&self.wheel.rim]);
-                force += parts
-                    .map(|&c| contact_force(&self.world, c)[1])
-                    .sum::<f64>();
+                force += parts.map(|&c| contact_load(&self.world, c)[1]).sum::<f64>();
                 if step % BLOCK == 0 {
                     speeds.push(self.world.bodies[body].linvel().y);
                 }

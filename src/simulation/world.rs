@@ -6,7 +6,7 @@
 //! The body stands for all that moves vertically with the wheel (wheel, carriage slide and
 //! counterweight); its weight is a force of the rig's, so the engine's gravity acts on stones only.
 
-use super::engine::{WheelColliders, contact_force, joint_parameters, parameters};
+use super::engine::{WheelColliders, contact_load, joint_parameters, parameters};
 use crate::quantity::SampleRate;
 use crate::wheel::Wheel;
 use rapier2d::prelude::*;
@@ -41,6 +41,13 @@ pub struct Wrench {
     pub fy: f64,
     /// About the axle [N·m], positive where it turns the wheel as driving forward does.
     pub torque: f64,
+}
+
+impl Wrench {
+    /// Magnitude of the force [N].
+    pub fn force(&self) -> f64 {
+        libm::sqrt(self.fx * self.fx + self.fy * self.fy)
+    }
 }
 
 impl std::ops::AddAssign for Wrench {
@@ -187,12 +194,27 @@ impl World {
         self.colliders = Some(WheelColliders::attach(&mut self.physics, self.wheel, wheel));
     }
 
-    /// Whether stones press on a lug with more than `force` [N].
-    pub fn stones_touch(&self, lug: usize, force: f64) -> bool {
-        self.colliders.as_ref().is_some_and(|colliders| {
-            let [fx, fy] = contact_force(&self.physics, colliders.lugs[lug]);
-            fx * fx + fy * fy > force * force
-        })
+    /// Load of stones on the wheel over the last step, and the lugs they press on with more than
+    /// `touch_force` [N], one bit each; `None` in a world without stones.
+    pub fn stone_load(&self, touch_force: f64) -> Option<(Wrench, u64)> {
+        let colliders = self.colliders.as_ref()?;
+        let load = |collider| {
+            let [fx, fy, moment] = contact_load(&self.physics, collider);
+            Wrench {
+                fx,
+                fy,
+                torque: -moment,
+            }
+        };
+        let (mut sum, mut touching) = (load(colliders.rim), 0);
+        for (lug, collider) in colliders.lugs.iter().enumerate() {
+            let on_lug = load(*collider);
+            if on_lug.force() > touch_force {
+                touching |= 1 << lug;
+            }
+            sum += on_lug;
+        }
+        Some((sum, touching))
     }
 
     /// Adds a body of `mass` [kg] above the axle, which starts at `height` [m] and moves
@@ -254,7 +276,8 @@ impl World {
         }
     }
 
-    /// Load of carriage and motor on the wheel over the last step.
+    /// Load of carriage and motor on the wheel over the last step, where each step is solved once:
+    /// in a world without stones.
     pub fn drive_wrench(&self) -> Wrench {
         let Some(joint) = self
             .drive

@@ -8,9 +8,8 @@
 
 use super::{Joints, Roughness};
 use crate::quantity::Seed;
-use libm::{cos, pow, sqrt};
+use libm::{cos, log, pow, sqrt};
 use rand::RngExt;
-use rand_distr::{Distribution, StandardNormal};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
@@ -130,6 +129,13 @@ impl Profile {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Largest difference [m] between neighbouring nodes in `[low, high]` [m].
+    pub fn steepest_step(&self, low: f64, high: f64) -> f64 {
+        let nodes: Vec<[f64; 2]> = self.nodes(low, high).collect();
+        let steps = nodes.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs());
+        steps.fold(0.0, f64::max)
+    }
+
     /// Nodes in `[low, high]` [m] that have been made: position and height [m].
     pub fn nodes(&self, low: f64, high: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         let from = ((low / self.spacing).ceil() as i64 - self.first).max(0) as usize;
@@ -186,7 +192,10 @@ impl Generator {
     }
 
     fn normal(&self, what: &str, index: i64) -> f64 {
-        StandardNormal.sample(&mut self.brick_rng(what, index))
+        // Box-Muller, by functions whose bits are the same on every machine.
+        let mut rng = self.brick_rng(what, index);
+        let (radius, turn): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
+        sqrt(-2.0 * log(radius)) * cos(TAU * turn)
     }
 }
 

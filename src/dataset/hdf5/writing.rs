@@ -291,6 +291,7 @@ fn write_channel(channels: &Group, channel: &Channel) -> Result<()> {
 
 /// Whether six digits are enough for this channel.
 fn in_single_precision(name: &str) -> bool {
+    let name = name.trim_end_matches("_raw");
     unit_of(name).is_some() && name != "wheel_angle"
 }
 

@@ -41,6 +41,8 @@ pub(super) struct Columns {
     columns: VecDeque<Column>,
     /// Columns under the wheel at the last look.
     under: Range<i64>,
+    /// Columns that stones lie on.
+    covered: Vec<i64>,
     /// Greatest step between neighbours at the angle of repose [m].
     steepest: f64,
     since_relaxed: f64,
@@ -55,6 +57,7 @@ impl Columns {
             first: 0,
             columns: VecDeque::new(),
             under: 0..0,
+            covered: Vec::new(),
             steepest,
             since_relaxed: 0.0,
         }
@@ -132,18 +135,26 @@ impl Columns {
         if level < column.pressed {
             (column.virgin, column.arrival, column.pressed) = (level, level, level);
         }
-        column.covered = true;
+        self.cover(index);
     }
 
-    /// Notes whether a stone lies on a column.
-    pub fn cover(&mut self, index: i64, covered: bool) {
-        self.column_mut(index).covered = covered;
+    /// Notes that a stone lies on a column, until [`Columns::uncover`].
+    pub fn cover(&mut self, index: i64) {
+        self.column_mut(index).covered = true;
+        self.covered.push(index);
     }
 
-    /// Undisturbed height and height when the wheel arrived [m].
+    /// Forgets where stones lay.
+    pub fn uncover(&mut self) {
+        for index in std::mem::take(&mut self.covered) {
+            self.column_mut(index).covered = false;
+        }
+    }
+
+    /// Undisturbed height and height now [m].
     pub fn heights(&self, index: i64) -> [f64; 2] {
         let column = self.column(index);
-        [column.virgin, column.arrival]
+        [column.virgin, column.height()]
     }
 
     /// Leaves a print down to `level` [m] where no rim lies above it.

@@ -70,19 +70,19 @@ impl LugBites {
                 self.bites[edge.lug] = NO_BITE;
                 continue;
             };
-            let [virgin, arrival] = columns.heights(index);
-            if edge.y >= arrival {
+            let [virgin, surface] = columns.heights(index);
+            if edge.y >= surface {
                 let bite = std::mem::replace(&mut self.bites[edge.lug], NO_BITE);
                 if bite.lowest.is_finite() {
-                    columns.print(index, bite.lowest.max(arrival - self.wheel.lug_height()));
+                    columns.print(index, bite.lowest.max(surface - self.wheel.lug_height()));
                 }
                 continue;
             }
             if virgin - edge.y > ENTERED {
                 field.reach.entered |= 1 << edge.lug;
             }
-            let wrench = self.push_lug(motion, contact, &edge, virgin, field);
-            if wrench.fx.abs() + wrench.fy.abs() > wheel.touch_force {
+            let wrench = self.push_lug(motion, contact, &edge, [virgin, surface], field);
+            if wrench.force() > wheel.touch_force {
                 field.reach.touching |= 1 << edge.lug;
             }
             field.reach.wrench += wrench;
@@ -95,7 +95,7 @@ impl LugBites {
         motion: &WheelMotion,
         contact: &Contact,
         edge: &Edge,
-        virgin: f64,
+        [virgin, surface]: [f64; 2],
         field: &mut Field,
     ) -> Wrench {
         let (radius, d) = (self.wheel.tip_radius(), contact.direction);
@@ -131,7 +131,7 @@ impl LugBites {
         }
         let beyond = self.beyond_rim(angle, contact.depth.angles);
         if beyond > 0.0 {
-            let push = last_lug_push(&self.wheel, &self.soil, virgin - edge.y).force;
+            let push = last_lug_push(&self.wheel, &self.soil, surface - edge.y).force;
             along += push * mobilised * beyond;
         }
         Wrench {

@@ -30,13 +30,7 @@ impl RimShear {
         // The surface on which the soil shears reaches out beyond the rim and enters earlier.
         let entry = acos((radius / shear_radius * cos(angles.entry)).clamp(-1.0, 1.0));
         let step = TAU / PLACES as f64;
-        let first = place_of(
-            -contact.direction * std::f64::consts::FRAC_PI_2,
-            wheel_angle,
-        );
-        for offset in 0..PLACES {
-            let index = (first as i64 + contact.direction as i64 * offset as i64)
-                .rem_euclid(PLACES as i64) as usize;
+        for index in 0..PLACES {
             let angle = contact.direction * angle_of(index, wheel_angle);
             if angle > angles.exit - step && angle < entry {
                 let sliding =
@@ -64,10 +58,6 @@ impl RimShear {
 fn place(angle: f64, wheel_angle: f64) -> f64 {
     let turns = (angle + wheel_angle) / TAU;
     (turns - turns.floor()) * PLACES as f64
-}
-
-fn place_of(angle: f64, wheel_angle: f64) -> usize {
-    place(angle, wheel_angle) as usize % PLACES
 }
 
 /// Angle [rad] of a place from straight down, positive forward, in (-π, π].

@@ -72,7 +72,7 @@ impl Pouring {
         recipe: &BedRecipe,
         floor: &dyn Fn(f64) -> f64,
     ) -> Vec<PlacedStone> {
-        let stage = format!("stones of section {}", self.index);
+        let stage = format!("stones of bed {}, section {}", recipe.number, self.index);
         let mut rng = recipe.seed.rng(&stage, recipe.run);
         let range = [self.edge, self.edge + SECTION];
         let stones: Vec<PlacedStone> = match recipe.laying {
