@@ -5,6 +5,9 @@ use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+/// Standard gravity [m/s²].
+pub const GRAVITY: f64 = 9.80665;
+
 /// A number outside the range in which its quantity has a meaning.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{quantity} [{unit}] must {}, got {value}", self.rule())]

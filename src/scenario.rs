@@ -14,11 +14,12 @@
 pub(crate) mod document;
 pub mod experiment;
 
+use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SampleRate};
 use crate::sensors::Sensors;
-use crate::simulation::GRAVITY;
 use crate::simulation::rig::{Rig, RigError, RigTable};
 use crate::terrain::TerrainSpec;
+use crate::trace::truth::PAPER_WINDOW;
 use crate::wheel::{Wheel, WheelTable};
 use document::{Document, Misfit, check_version};
 use serde::{Deserialize, Serialize};
@@ -32,9 +33,6 @@ const VERSION: i64 = 1;
 const LONGEST_WAY: f64 = 100.0;
 /// Most steps of a run: about an hour of computing.
 const MOST_STEPS: f64 = 1.0e9;
-/// Length [s] of the windows in which a run is labelled and recognised, as in the paper.
-const PAPERS_WINDOW: f64 = 15.0;
-
 /// Slowest steps [Hz] at which contact with the ground is still resolved.
 const SLOWEST: f64 = 4_000.0;
 
@@ -171,7 +169,7 @@ impl Scenario {
     /// Length [s] of the windows in which the run is labelled: the scenario's, or
     /// 15 s, or the whole of a shorter run.
     pub fn window(&self) -> f64 {
-        self.window.unwrap_or(PAPERS_WINDOW.min(self.duration))
+        self.window.unwrap_or(PAPER_WINDOW.min(self.duration))
     }
 
     /// Checks every value, alone and against the others.

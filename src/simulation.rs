@@ -27,9 +27,6 @@ use ground_force::GroundForce;
 use rig::{Command, Rig};
 use world::{Guide, WheelBody, WheelMotion, World};
 
-/// Standard gravity [m/s²].
-pub const GRAVITY: f64 = 9.80665;
-
 /// Loads on the wheel in the plane of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Loads {

@@ -2,12 +2,10 @@
 
 use super::second_order::SecondOrder;
 use super::transducer::{Transducer, corner, finite};
+use crate::quantity::GRAVITY;
 use crate::quantity::RangeError;
 use crate::simulation::WheelState;
 use serde::{Deserialize, Serialize};
-
-/// Standard gravity [m/s²].
-const GRAVITY: f64 = 9.806_65;
 
 /// Accelerometer on the axle, its axis up; reads m/s² with gravity removed.
 ///

@@ -1,6 +1,6 @@
 //! What holds, loads and drives the wheel.
 
-use super::GRAVITY;
+use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SlipRatio};
 use crate::wheel::Wheel;
 use libm::{cos, sin};

@@ -1,10 +1,10 @@
 //! A wheel that rolls freely on flat hard ground, and a leg that is shaken, against mechanics.
 
-use super::GRAVITY;
 use super::contact::WheelGeometry;
 use super::hard_contact::HardGround;
 use super::rig::{Drive, RoverLeg};
 use super::world::{Guide, WheelBody, WheelMotion, World, Wrench};
+use crate::quantity::GRAVITY;
 use crate::quantity::{SampleRate, Seed};
 use crate::terrain::HardContact;
 use crate::terrain::profile::Profile;

@@ -151,19 +151,18 @@ impl World {
 
     /// Sets the carriage's speed [m/s] and the motor's [rad/s] for the next step.
     pub fn command(&mut self, forward_speed: f64, wheel_speed: f64) {
-        let Some((carriage, joint)) = self.drive else {
+        let Some((carriage, drive)) = self.drive else {
             return;
         };
         let carriage = &mut self.physics.bodies[carriage];
         if carriage.linvel().x != forward_speed {
             carriage.set_linvel(Vector::new(forward_speed, 0.0), false);
         }
-        let Some(joint) = self.physics.impulse_joints.get(joint) else {
+        let Some(joint) = self.physics.impulse_joints.get(drive) else {
             return;
         };
         if joint.data.motors[JointAxis::AngX as usize].target_vel != -wheel_speed {
-            let handle = self.drive.map(|(_, joint)| joint).expect("checked above");
-            if let Some(joint) = self.physics.impulse_joints.get_mut(handle, false) {
+            if let Some(joint) = self.physics.impulse_joints.get_mut(drive, false) {
                 joint
                     .data
                     .set_motor_velocity(JointAxis::AngX, -wheel_speed, SERVO_STIFFNESS);

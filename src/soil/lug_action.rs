@@ -17,12 +17,10 @@
 //! lugged rover wheels; the saw-tooth predicts `λ`. Checked against measured pull, sinkage and
 //! torque of a smooth and a lugged wheel in `tests/ding2011.rs`.
 
+use crate::quantity::GRAVITY;
 use crate::soil::Soil;
 use crate::wheel::{Lugs, Wheel};
 use std::f64::consts::TAU;
-
-/// Standard gravity [m/s²].
-const GRAVITY: f64 = 9.806_65;
 
 /// Mean radius `r_s` [m] of the surface along which soil shears off a wheel.
 ///

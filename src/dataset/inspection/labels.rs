@@ -2,6 +2,7 @@
 //! own sign and unit.
 
 use super::{Doubts, Severity, number};
+use crate::quantity::GRAVITY;
 use crate::quantity::SlipRatio;
 use crate::trace::{Channel, RunAttributes, Trace};
 
@@ -18,9 +19,6 @@ const SLIP_TOLERANCE: f64 = 0.03;
 
 /// Slip [-] above which the motor drives: with less, a slope or the carriage may drag the wheel.
 const DRIVING_SLIP: f64 = 0.05;
-
-/// Standard gravity [m/s²].
-const GRAVITY: f64 = 9.80665;
 
 pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
     check_wheel(&trace.attributes, doubts);
