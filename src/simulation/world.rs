@@ -161,12 +161,12 @@ impl World {
         let Some(joint) = self.physics.impulse_joints.get(drive) else {
             return;
         };
-        if joint.data.motors[JointAxis::AngX as usize].target_vel != -wheel_speed {
-            if let Some(joint) = self.physics.impulse_joints.get_mut(drive, false) {
-                joint
-                    .data
-                    .set_motor_velocity(JointAxis::AngX, -wheel_speed, SERVO_STIFFNESS);
-            }
+        if joint.data.motors[JointAxis::AngX as usize].target_vel != -wheel_speed
+            && let Some(joint) = self.physics.impulse_joints.get_mut(drive, false)
+        {
+            joint
+                .data
+                .set_motor_velocity(JointAxis::AngX, -wheel_speed, SERVO_STIFFNESS);
         }
     }
 
