@@ -9,8 +9,9 @@
 //!
 //! A tour, in the order in which the modules build on each other. What things are:
 //! [`quantity`] holds the few typed numbers, [`wheel`] the wheel, [`soil`] the equations of
-//! wheel and soil with the project's symbol table, [`terrain`] the ground along the track. What
-//! happens: [`simulation`] moves the wheel, state by state. What is measured: [`trace`] holds
+//! wheel and soil with the project's symbol table, [`terrain`] the ground along the track,
+//! [`vibration`] the kinematics of a rigid wheel that rolls over it. What happens: [`simulation`]
+//! moves the wheel, state by state. What is measured: [`trace`] holds
 //! channels and truth, [`sensors`] turn states into channels, [`dataset`] keeps runs in files.
 //! What is asked: [`scenario`] is one experiment as a file, [`study`] many of them in one table,
 //! [`report`] draws what came of it.
@@ -44,6 +45,8 @@ pub mod wheel;
 
 pub mod soil;
 pub mod terrain;
+
+pub mod vibration;
 
 // What happens.
 pub mod simulation;

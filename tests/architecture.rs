@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 11] = [
+const ORDER: [&str; 12] = [
     "quantity",
     "wheel",
     "soil",
     "terrain",
+    "vibration",
     "simulation",
     "trace",
     "sensors",
