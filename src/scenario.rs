@@ -31,6 +31,8 @@ use toml::de::DeValue;
 const VERSION: i64 = 1;
 /// Longest way [m] of a run: beyond it a speed is more likely a wrong unit.
 const LONGEST_WAY: f64 = 100.0;
+/// Longest way into a run [s] that is not recorded.
+const LONGEST_LEAD_IN: f64 = 1.0e4;
 /// Most steps of a run: about an hour of computing.
 const MOST_STEPS: f64 = 1.0e9;
 /// Slowest steps [Hz] at which contact with the ground is still resolved.
@@ -42,6 +44,9 @@ pub struct Scenario {
     version: i64,
     /// Duration of the run [s].
     pub duration: f64,
+    /// Time [s] the wheel drives before the record begins: until it has sunk in and runs steadily.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lead_in: f64,
     /// Steps per second of the simulation [Hz]; the terrain's own rate if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub physics_rate: Option<SampleRate>,
@@ -73,6 +78,8 @@ struct Source {
 struct ScenarioTable {
     version: i64,
     duration: f64,
+    #[serde(default)]
+    lead_in: f64,
     physics_rate: Option<SampleRate>,
     window: Option<f64>,
     terrain: TerrainSpec,
@@ -172,6 +179,11 @@ impl Scenario {
         self.window.unwrap_or(PAPER_WINDOW.min(self.duration))
     }
 
+    /// Time [s] the wheel drives: the lead-in and the record.
+    fn driven(&self) -> f64 {
+        self.lead_in + self.duration
+    }
+
     /// Checks every value, alone and against the others.
     ///
     /// # Errors
@@ -182,6 +194,8 @@ impl Scenario {
             move |error| OutOfRange { path, error }
         };
         RangeError::positive("duration", "s", self.duration).map_err(at("duration"))?;
+        RangeError::check("lead-in", "s", self.lead_in, [0.0, LONGEST_LEAD_IN])
+            .map_err(at("lead_in"))?;
         RangeError::positive("window", "s", self.window()).map_err(at("window"))?;
         self.check_terrain()?;
         self.wheel.checked().map_err(at("wheel"))?;
@@ -251,7 +265,7 @@ impl Scenario {
     fn check_steps(&self) -> Result<(), RangeError> {
         let rate = self.physics_rate().hertz();
         let reason = format!("{MOST_STEPS} steps at {rate} Hz; lower it or the physics rate");
-        limit("duration", "s", self.duration, MOST_STEPS / rate, &reason)
+        limit("duration", "s", self.driven(), MOST_STEPS / rate, &reason)
     }
 
     /// A leg carries more than its wheel weighs.
@@ -288,17 +302,17 @@ impl Scenario {
     }
 
     fn check_way(&self) -> Result<(), RangeError> {
-        let fastest = LONGEST_WAY / self.duration;
+        let fastest = LONGEST_WAY / self.driven();
         let speed = self.rig.drive().forward_speed;
-        let reason = format!("{LONGEST_WAY} m in {} s; speeds are in m/s", self.duration);
+        let reason = format!("{LONGEST_WAY} m in {} s; speeds are in m/s", self.driven());
         limit("forward speed", "m/s", speed, fastest, &reason)
     }
 
     fn check_turned_way(&self) -> Result<(), RangeError> {
         let Wheel { radius, .. } = self.wheel;
-        let fastest = LONGEST_WAY / self.duration / radius;
+        let fastest = LONGEST_WAY / self.driven() / radius;
         let speed = self.rig.drive().full_wheel_speed(radius)?;
-        let reason = format!("{LONGEST_WAY} m of rim in {} s", self.duration);
+        let reason = format!("{LONGEST_WAY} m of rim in {} s", self.driven());
         limit("wheel speed", "rad/s", speed, fastest, &reason)
     }
 }
@@ -316,6 +330,7 @@ impl ScenarioTable {
         Ok(Scenario {
             version: self.version,
             duration: self.duration,
+            lead_in: self.lead_in,
             physics_rate: self.physics_rate,
             window: self.window,
             terrain: self.terrain,
@@ -325,6 +340,10 @@ impl ScenarioTable {
             source,
         })
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 fn read(text: &str, file: &str) -> Result<Scenario, Misfit> {

@@ -49,16 +49,19 @@ impl Scenario {
         let mut chain = SensorChain::new(&self.sensors, rate, self.wheel.radius, seed, run)?;
         let mut truth = TruthRecorder::new(&self.wheel, self.window());
         let mut simulation = Simulation::new(&terrain, &self.wheel, &self.rig, rate)?;
-        let steps = (self.duration * rate.hertz()).round() as u64;
+        let steps_in = |time: f64| (time * rate.hertz()).round() as u64;
+        let lead_in = steps_in(self.lead_in);
         let mut way = [0.0_f64, 0.0];
-        for step in 0..steps {
+        for step in 0..lead_in + steps_in(self.duration) {
             let Some(state) = simulation.next() else {
                 break;
             };
             let state = state?;
             let label = simulation.label();
-            chain.push(&state);
-            truth.push(&state, label);
+            if step >= lead_in {
+                chain.push(&state);
+                truth.push(&state, label);
+            }
             way = [way[0].min(state.position), way[1].max(state.position)];
             if step % REPORT_EVERY == 0 && progress(state.time).is_break() {
                 return Err(ExperimentError::Stopped);

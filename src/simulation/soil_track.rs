@@ -88,8 +88,6 @@ struct Contact {
 pub(super) struct SoilTrack {
     soil: Soil,
     columns: Columns,
-    /// Width of wheel and stones [m].
-    width: f64,
     shear_radius: f64,
     rim_shear: RimShear,
     bites: LugBites,
@@ -104,7 +102,6 @@ impl SoilTrack {
         Self {
             soil,
             columns: Columns::new(profile, &soil, range),
-            width: wheel.width,
             shear_radius: shear_radius(wheel, &soil),
             rim_shear: RimShear::new(),
             bites: LugBites::new(wheel, &soil),
@@ -155,7 +152,7 @@ impl SoilTrack {
     /// sheared the soil below it by `stretch` [m].
     pub fn bear(&mut self, stone: &StoneOutline, stretch: &mut f64, dt: f64) -> [f64; 3] {
         let (law, shear) = (
-            self.soil.pressure_sinkage(self.width, 0.0),
+            self.soil.pressure_sinkage(stone.depth, 0.0),
             self.soil.shear(),
         );
         let [low, high] = stone.extent();
@@ -174,7 +171,7 @@ impl SoilTrack {
             if elastic <= 0.0 {
                 continue;
             }
-            let column = self.width * COLUMN;
+            let column = stone.depth * COLUMN;
             let push = column * (elastic - self.soil.damping * rise).max(0.0);
             force += push;
             moment += arm * push;

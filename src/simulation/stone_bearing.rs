@@ -29,10 +29,12 @@ pub(super) struct StoneOutline {
     pub velocity: [f64; 2],
     /// Spin [rad/s], counter-clockwise.
     pub spin: f64,
+    /// Depth [m] along the axle.
+    pub depth: f64,
 }
 
 impl StoneOutline {
-    fn new(stone: &PlacedStone, body: &RigidBody) -> Self {
+    fn new(stone: &PlacedStone, depth: f64, body: &RigidBody) -> Self {
         let (centre, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
         let [cos, sin] = [rotation.cos(), rotation.sin()];
         let corner =
@@ -42,6 +44,7 @@ impl StoneOutline {
             centre: [centre.x, centre.y],
             velocity: [velocity.x, velocity.y],
             spin: body.angvel(),
+            depth,
         }
     }
 
@@ -70,7 +73,10 @@ impl StoneBearing {
     ) {
         let stones: Vec<(RigidBodyHandle, StoneOutline, bool)> = bed
             .in_world()
-            .map(|(body, stone, free)| (body, StoneOutline::new(stone, &world.bodies[body]), free))
+            .map(|(body, stone, free)| {
+                let outline = StoneOutline::new(stone, bed.depth(stone), &world.bodies[body]);
+                (body, outline, free)
+            })
             .collect();
         self.stretch
             .retain(|body, _| stones.iter().any(|(other, _, _)| other == body));

@@ -56,7 +56,8 @@ pub struct BedRecipe {
     pub stones: Stones,
     /// How they lie.
     pub laying: Laying,
-    /// Depth [m] of a stone along the axle: the wheel's width (see [`crate::terrain::stones`]).
+    /// Width [m] of the wheel: the depth along the axle of stones in a pile or a layer, see
+    /// [`BedRecipe::depth`].
     pub width: f64,
     /// Where the stones' randomness comes from.
     pub seed: Seed,
@@ -67,6 +68,18 @@ pub struct BedRecipe {
 }
 
 impl BedRecipe {
+    /// Depth [m] of a stone along the axle.
+    ///
+    /// Stones of a pile or a layer lie in rows across the wheel's track (see
+    /// [`crate::terrain::stones`]). A stone in soil lies alone: it is as deep as its diameter, and
+    /// soil bears it on that width only.
+    pub fn depth(&self, stone: &PlacedStone) -> f64 {
+        match self.laying {
+            Laying::Embedded { .. } => stone.shape.diameter().min(self.width),
+            Laying::Pile { .. } | Laying::Scattered { .. } => self.width,
+        }
+    }
+
     /// Puts a stone into a world.
     pub fn insert(
         &self,
@@ -82,7 +95,7 @@ impl BedRecipe {
         let corners = corners.map(|&[x, y]| Vector::new(x, y)).collect();
         let collider = ColliderBuilder::convex_polyline(corners)
             .expect("a stone has five corners or more")
-            .density(self.stones.density * self.width)
+            .density(self.stones.density * self.depth(stone))
             .friction(self.stones.friction)
             .friction_combine_rule(CoefficientCombineRule::Min)
             .collision_groups(groups::STONES);
@@ -235,6 +248,11 @@ impl StoneBed {
         self.in_world()
             .filter(|(_, _, free)| *free)
             .map(|(body, _, _)| body)
+    }
+
+    /// Depth [m] of one of its stones along the axle.
+    pub fn depth(&self, stone: &PlacedStone) -> f64 {
+        self.recipe.depth(stone)
     }
 
     /// Every stone in the world: its body, its shape, and whether it is free.

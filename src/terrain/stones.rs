@@ -1,9 +1,10 @@
 //! Shapes of free stones: convex polygons in the plane of travel.
 //!
-//! A stone is as deep along the axle as the wheel is wide. The plane has no other depth that a
-//! wheel of that width could rest on: with it, the weight of a layer of stones under the wheel
-//! is that of the real layer. The limit: across a 150 mm wheel lie some four stones of 35 mm that
-//! move on their own, while here they move as one, so single impacts are stronger and rarer.
+//! In a pile or a layer a stone is as deep along the axle as the wheel is wide. The plane has no
+//! other depth that a wheel of that width could rest on: with it, the weight of a layer of stones
+//! under the wheel is that of the real layer. The limit: across a 150 mm wheel lie some four stones
+//! of 35 mm that move on their own, while here they move as one, so single impacts are stronger and
+//! rarer. A lone stone in soil is as deep as its diameter: the soil bears no more of it.
 
 use super::{SizeRange, Stones};
 use crate::quantity::RangeError;
