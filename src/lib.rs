@@ -4,17 +4,18 @@
 //! ```text
 //! scenario ──▶ terrain + wheel ──▶ simulation ──▶ sensors ──▶ trace ──▶ dataset
 //!                   ▲                  ▲                         │
-//!                (soil equations, forward)                       └──▶ report
+//!                (soil equations, forward)                       └──▶ features ──▶ recognition ──▶ class
 //! ```
 //!
 //! A tour, in the order in which the modules build on each other. What things are:
 //! [`quantity`] holds the few typed numbers, [`wheel`] the wheel, [`soil`] the equations of
 //! wheel and soil with the project's symbol table, [`terrain`] the ground along the track,
 //! [`vibration`] the kinematics of a rigid wheel that rolls over it. What happens: [`simulation`]
-//! moves the wheel, state by state. What is measured: [`trace`] holds
-//! channels and truth, [`sensors`] turn states into channels, [`dataset`] keeps runs in files.
-//! What is asked: [`scenario`] is one experiment as a file, [`study`] many of them in one table,
-//! [`report`] draws what came of it.
+//! moves the wheel, state by state. What is measured: [`trace`] holds channels and truth,
+//! [`sensors`] turn states into channels, [`dataset`] keeps runs in files. What is inferred, on
+//! measured runs as on simulated ones: [`features`] of a window's vibration, [`recognition`] of how
+//! the wheel met the ground. What is asked: [`scenario`] is one experiment as a file, [`study`] many
+//! of them in one table, [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -57,6 +58,11 @@ pub mod trace;
 pub mod sensors;
 
 pub mod dataset;
+
+// What is inferred.
+pub mod features;
+
+pub mod recognition;
 
 // What is asked.
 pub mod scenario;

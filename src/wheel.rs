@@ -164,6 +164,23 @@ impl Wheel {
         self.radius + self.lug_height()
     }
 
+    /// A wheel of which no more than its outline is known, as a file of measured runs tells it:
+    /// rim radius and width [m], number of lugs and their height [m]. What else a wheel has is NaN.
+    pub fn of_outline(radius: f64, width: f64, lug_count: u32, lug_height: f64) -> Self {
+        Self {
+            radius,
+            width,
+            mass: f64::NAN,
+            inertia: f64::NAN,
+            friction: f64::NAN,
+            lugs: (lug_count > 0).then_some(Lugs {
+                count: lug_count,
+                height: lug_height,
+                thickness: f64::NAN,
+            }),
+        }
+    }
+
     /// Whether the lugs keep the rim off flat hard ground: `(r + l) cos(α/2) >= r`.
     ///
     /// Otherwise the wheel is olig-lugged (Section 2.2).

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 14] = [
     "quantity",
     "wheel",
     "soil",
@@ -14,6 +14,8 @@ const ORDER: [&str; 12] = [
     "trace",
     "sensors",
     "dataset",
+    "features",
+    "recognition",
     "scenario",
     "study",
     "report",

@@ -5,7 +5,7 @@
 //! as they are.
 
 mod labels;
-mod samples;
+pub(crate) mod samples;
 
 use super::hdf5::RunFile;
 use crate::quantity::Seed;

@@ -100,25 +100,40 @@ fn constant(name: &str, value: f64, doubts: &mut Doubts) {
     doubts.channel(name, severity, message);
 }
 
-/// Doubts a channel that stays at its extreme value, which the next one is far rarer than.
-///
-/// Zero is where a force ends by nature.
-fn clipped(channel: &Channel, [extreme, next]: [f64; 2], doubts: &mut Doubts) {
-    if extreme == 0.0 {
-        return;
-    }
-    let count = |level: f64| channel.samples.iter().filter(|&&x| x == level).count();
-    let stays = channel.samples.chunk_by(|a, b| a == b);
-    let stuck = stays.filter(|stay| stay.len() >= STAY && stay[0] == extreme);
-    if stuck.count() > 0 && count(extreme) >= CROWD * count(next) {
+/// Doubts a channel that stays at its extreme value.
+fn clipped(channel: &Channel, levels: [f64; 2], doubts: &mut Doubts) {
+    let [extreme, _] = levels;
+    if let Some(stuck) = stuck_at(&channel.samples, levels) {
         let message = format!(
-            "{} of {} samples stuck at {}: clipped by the sensor's range?",
-            count(extreme),
+            "{stuck} of {} samples stuck at {}: clipped by the sensor's range?",
             channel.samples.len(),
             number(extreme)
         );
         doubts.channel(&channel.name, Severity::Warning, message);
     }
+}
+
+/// How many samples lie at the `extreme` value, where they stay there and the `next` one is far
+/// rarer. Zero is where a force ends by nature.
+fn stuck_at(samples: &[f64], [extreme, next]: [f64; 2]) -> Option<usize> {
+    if extreme == 0.0 {
+        return None;
+    }
+    let count = |level: f64| samples.iter().filter(|&&x| x == level).count();
+    let mut stays = samples.chunk_by(|a, b| a == b);
+    let stuck = stays.any(|stay| stay.len() >= STAY && stay[0] == extreme);
+    (stuck && count(extreme) >= CROWD * count(next)).then(|| count(extreme))
+}
+
+/// The levels at which `samples` are clipped: none, one or both ends of a sensor's range.
+pub(crate) fn clipped_levels(samples: &[f64]) -> Vec<f64> {
+    let Some([low, above_low, below_high, high]) = levels(samples) else {
+        return Vec::new();
+    };
+    let ends = [[low, above_low], [high, below_high]].into_iter();
+    ends.filter(|&levels| stuck_at(samples, levels).is_some())
+        .map(|[extreme, _]| extreme)
+        .collect()
 }
 
 /// Doubts channels that do not start and end together, to two samples of the slower.

@@ -1,0 +1,349 @@
+//! What features are extracted from: acceleration, wheel angle and wheel of one run, checked.
+
+use super::Window;
+use crate::dataset::inspection::samples::clipped_levels;
+use crate::trace::{Channel, Trace, unit_of};
+use crate::wheel::Wheel;
+use std::ops::Range;
+
+/// Acceleration and rotation of a wheel, sample by sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// The wheel's outline; its mass is not known.
+    pub wheel: Wheel,
+    /// Lug angle `α` [rad].
+    pub lug_angle: f64,
+    /// Samples per second [Hz].
+    pub sample_rate: f64,
+    /// Time [s] of the first sample.
+    pub start: f64,
+    /// Vertical acceleration [m/s²], gravity removed.
+    pub acceleration: Vec<f64>,
+    /// Wheel angle [rad] at the same times.
+    pub angle: Vec<f64>,
+    /// Whether the angle is measured, so that it tells where the lugs are; else it was summed up
+    /// from the speed and tells how far the wheel turned.
+    pub tells_lugs: bool,
+    /// Levels [m/s²] at which the acceleration is clipped.
+    clipped: Vec<f64>,
+}
+
+/// Why a run has no windows.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RecordError {
+    /// There is no acceleration.
+    #[error("no channel acceleration_y; vibration cannot be recognised without it")]
+    NoAcceleration,
+    /// Nothing tells how the wheel turned.
+    #[error(
+        "neither channel wheel_angle nor forward_speed: nothing tells how fast the lugs passed; record one of them"
+    )]
+    NoMotion,
+    /// The wheel has no lugs.
+    #[error("the wheel has no lugs (lug_count is 0); classes are told apart by them")]
+    NoLugs,
+    /// The wheel's geometry is not possible.
+    #[error("{0} of the run is {1} m; it has to be above 0")]
+    Geometry(&'static str, f64),
+    /// A channel is in another unit.
+    #[error("channel {channel} is in {unit:?}, expected {expected:?}: convert on import")]
+    Unit {
+        /// Which channel.
+        channel: String,
+        /// Its unit.
+        unit: String,
+        /// The unit it should have.
+        expected: &'static str,
+    },
+    /// A channel's sample rate is no rate.
+    #[error("channel {channel} has a sample rate of {rate} Hz")]
+    Rate {
+        /// Which channel.
+        channel: String,
+        /// Its rate [Hz].
+        rate: f64,
+    },
+    /// The channels do not overlap.
+    #[error("acceleration_y and {0} share less than two samples' time")]
+    NoOverlap(&'static str),
+}
+
+/// Why a window has no features.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unusable {
+    /// Samples that are no numbers.
+    #[error("{0} samples of acceleration or wheel angle are no numbers")]
+    NotNumbers(usize),
+    /// All samples are equal.
+    #[error("acceleration is constant: is the sensor connected?")]
+    Constant,
+    /// Samples at the end of the sensor's range.
+    #[error("{0} samples of acceleration are clipped")]
+    Clipped(usize),
+    /// The wheel does not turn.
+    #[error("the wheel is at rest")]
+    AtRest,
+    /// The wheel turned too little.
+    #[error("{passes:.2} lug passes in the window, fewer than {needed}")]
+    FewLugPasses {
+        /// How far it turned [lug passes].
+        passes: f64,
+        /// How far it has to.
+        needed: f64,
+    },
+    /// Too few samples per second.
+    #[error(
+        "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs"
+    )]
+    SlowRate {
+        /// The rate [Hz].
+        rate: f64,
+        /// The rate it takes [Hz].
+        needed: f64,
+        /// Corner of the low-pass [Hz].
+        bandwidth: f64,
+    },
+}
+
+/// Sample rate over bandwidth [-]: at 0.4 of the rate, where anti-alias filters take over, the
+/// Gaussian low-pass is 19 dB down.
+const RATE_PER_BANDWIDTH: f64 = 6.25;
+
+/// Turn in a window [rad] below which a wheel is at rest: a step of a coarse encoder.
+const AT_REST: f64 = 1.0e-3;
+
+impl Record {
+    /// The acceleration of a run and how its wheel turned.
+    ///
+    /// The angle is that of `wheel_angle`, interpolated where its samples lie at other times. A
+    /// run without it has it summed up from `forward_speed` and the slip ratio (channel, mean or
+    /// command) as `v / (r (1 - s))`.
+    ///
+    /// # Errors
+    /// [`RecordError`] for what is missing or in another unit.
+    pub fn of(trace: &Trace) -> Result<Self, RecordError> {
+        let wheel = wheel(trace)?;
+        let lug_angle = wheel.lug_angle().ok_or(RecordError::NoLugs)?;
+        let acceleration = known(trace, "acceleration_y")?.ok_or(RecordError::NoAcceleration)?;
+        let (rotation, tells_lugs) = rotation(trace, &wheel)?;
+        let span =
+            overlap(acceleration, &rotation).ok_or(RecordError::NoOverlap(if tells_lugs {
+                "wheel_angle"
+            } else {
+                "forward_speed"
+            }))?;
+        let samples = acceleration.samples[span.clone()].to_vec();
+        let times = span.clone().map(|index| acceleration.time(index));
+        Ok(Self {
+            wheel,
+            lug_angle,
+            sample_rate: acceleration.sample_rate,
+            start: acceleration.time(span.start),
+            clipped: clipped_levels(&samples),
+            acceleration: samples,
+            angle: at_times(&rotation, times),
+            tells_lugs,
+        })
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.acceleration.len()
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.acceleration.is_empty()
+    }
+
+    /// Time [s] at which a sample's period begins.
+    pub fn time(&self, sample: usize) -> f64 {
+        self.start + sample as f64 / self.sample_rate
+    }
+
+    /// Length of a window [s].
+    pub fn seconds(&self, window: &Range<usize>) -> f64 {
+        window.len() as f64 / self.sample_rate
+    }
+
+    /// Lug passes in a window [-]: how far the wheel turned, in lug angles.
+    pub fn lug_passes(&self, window: &Range<usize>) -> f64 {
+        let angle = &self.angle[window.clone()];
+        match (angle.first(), angle.last()) {
+            (Some(first), Some(last)) => (last - first).abs() / self.lug_angle,
+            _ => 0.0,
+        }
+    }
+
+    /// The windows, one after another from the first sample on. The last counts when at least
+    /// half of it was recorded; a shorter record is one window.
+    pub fn windows(&self, window: Window) -> Vec<Range<usize>> {
+        match window {
+            Window::Seconds(length) => self.windows_of_time(length),
+            Window::LugPasses(passes) => self.windows_of_angle(passes),
+        }
+    }
+
+    fn windows_of_time(&self, length: f64) -> Vec<Range<usize>> {
+        let bound = |number: f64| (number * length * self.sample_rate).round() as usize;
+        let count = (self.len() as f64 / (length * self.sample_rate))
+            .round()
+            .max(1.0) as usize;
+        let ranges = (0..count).map(|n| bound(n as f64)..bound(n as f64 + 1.0).min(self.len()));
+        ranges.filter(|window| !window.is_empty()).collect()
+    }
+
+    fn windows_of_angle(&self, passes: f64) -> Vec<Range<usize>> {
+        let turn = passes * self.lug_angle;
+        let (mut windows, mut start) = (Vec::new(), 0);
+        for sample in 0..self.len() {
+            if (self.angle[sample] - self.angle[start]).abs() >= turn {
+                windows.push(start..sample);
+                start = sample;
+            }
+        }
+        let rest = start..self.len();
+        if windows.is_empty() || self.lug_passes(&rest) >= 0.5 * passes {
+            windows.push(rest);
+        }
+        windows
+    }
+
+    /// Lug passes of a window that can have features at this `bandwidth` [Hz].
+    ///
+    /// # Errors
+    /// [`Unusable`] says why it cannot.
+    pub(crate) fn usable(&self, window: Range<usize>, bandwidth: f64) -> Result<f64, Unusable> {
+        let needed = RATE_PER_BANDWIDTH * bandwidth;
+        if self.sample_rate < needed {
+            let rate = self.sample_rate;
+            return Err(Unusable::SlowRate {
+                rate,
+                needed,
+                bandwidth,
+            });
+        }
+        self.sound(window.clone())?;
+        let passes = self.lug_passes(&window);
+        if passes * self.lug_angle < AT_REST {
+            return Err(Unusable::AtRest);
+        }
+        if passes < 1.0 {
+            return Err(Unusable::FewLugPasses {
+                passes,
+                needed: 1.0,
+            });
+        }
+        Ok(passes)
+    }
+
+    /// Whether the samples of a window are numbers, vary, and stay within the sensor's range.
+    pub(crate) fn sound(&self, window: Range<usize>) -> Result<(), Unusable> {
+        let acceleration = &self.acceleration[window.clone()];
+        let pairs = acceleration.iter().zip(&self.angle[window]);
+        let missing = pairs.filter(|(a, angle)| !a.is_finite() || !angle.is_finite());
+        match missing.count() {
+            0 => {}
+            missing => return Err(Unusable::NotNumbers(missing)),
+        }
+        if acceleration.iter().all(|a| *a == acceleration[0]) {
+            return Err(Unusable::Constant);
+        }
+        let clipped = acceleration.iter().filter(|a| self.clipped.contains(a));
+        match clipped.count() {
+            0 => Ok(()),
+            clipped => Err(Unusable::Clipped(clipped)),
+        }
+    }
+}
+
+fn wheel(trace: &Trace) -> Result<Wheel, RecordError> {
+    let run = &trace.attributes;
+    let above_zero = |name, value: f64| match value > 0.0 {
+        true => Ok(value),
+        false => Err(RecordError::Geometry(name, value)),
+    };
+    let radius = above_zero("wheel_radius_m", run.wheel_radius)?;
+    if run.lug_count > 0 {
+        above_zero("lug_height_m", run.lug_height)?;
+    }
+    Ok(Wheel::of_outline(
+        radius,
+        run.wheel_width,
+        run.lug_count,
+        run.lug_height,
+    ))
+}
+
+/// A channel of a name whose unit this program knows.
+fn known<'t>(trace: &'t Trace, name: &str) -> Result<Option<&'t Channel>, RecordError> {
+    let Some(channel) = trace.channel(name) else {
+        return Ok(None);
+    };
+    match unit_of(name) {
+        Some(expected) if channel.unit != expected => Err(RecordError::Unit {
+            channel: name.to_owned(),
+            unit: channel.unit.clone(),
+            expected,
+        }),
+        _ if !(channel.sample_rate > 0.0 && channel.sample_rate.is_finite()) => {
+            Err(RecordError::Rate {
+                channel: name.to_owned(),
+                rate: channel.sample_rate,
+            })
+        }
+        _ => Ok(Some(channel)),
+    }
+}
+
+/// The wheel angle as a channel, and whether it was measured.
+fn rotation(trace: &Trace, wheel: &Wheel) -> Result<(Channel, bool), RecordError> {
+    if let Some(angle) = known(trace, "wheel_angle")? {
+        return Ok((angle.clone(), true));
+    }
+    let speed = known(trace, "forward_speed")?.ok_or(RecordError::NoMotion)?;
+    let slip = trace
+        .steady_mean("slip_ratio")
+        .unwrap_or(trace.attributes.slip_ratio);
+    let mut turned = 0.0;
+    let samples = speed.samples.iter().map(|v| {
+        let now = turned;
+        turned += v / (wheel.radius * (1.0 - slip)) / speed.sample_rate;
+        now
+    });
+    let angle = Channel {
+        samples: samples.collect(),
+        ..speed.clone()
+    };
+    Ok((angle, false))
+}
+
+/// The samples of `channel` that lie within the time of `other`.
+fn overlap(channel: &Channel, other: &Channel) -> Option<Range<usize>> {
+    if other.samples.is_empty() {
+        return None;
+    }
+    let last = other.time(other.samples.len() - 1);
+    let index = |time: f64| (time - channel.start) * channel.sample_rate;
+    let slack = 1.0e-6;
+    let first = (index(other.start) - slack).ceil().max(0.0) as usize;
+    let end = ((index(last) + slack).floor() + 1.0).max(0.0) as usize;
+    let end = end.min(channel.samples.len());
+    (first + 2 <= end).then_some(first..end)
+}
+
+/// Values of a channel at `times` [s], between samples on straight lines.
+fn at_times(channel: &Channel, times: impl Iterator<Item = f64>) -> Vec<f64> {
+    let last = channel.samples.len() - 1;
+    let value = |time: f64| {
+        let place = ((time - channel.start) * channel.sample_rate).clamp(0.0, last as f64);
+        let nearest = place.round();
+        if (place - nearest).abs() < 1.0e-6 {
+            return channel.samples[nearest as usize];
+        }
+        let before = place as usize;
+        let share = place - before as f64;
+        channel.samples[before] * (1.0 - share) + channel.samples[before + 1] * share
+    };
+    times.map(value).collect()
+}

@@ -1,0 +1,184 @@
+//! Low-passed accelerations and the sums of their amplitudes.
+
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::f64::consts::LN_2;
+use std::sync::Arc;
+
+/// Keeps the plans of Fourier transforms.
+#[derive(Default)]
+pub(super) struct Spectra {
+    planner: Option<RealFftPlanner<f64>>,
+    plan: Option<Plan>,
+}
+
+struct Plan {
+    length: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    backward: Arc<dyn ComplexToReal<f64>>,
+}
+
+/// A window's acceleration less its mean, low-passed.
+pub(super) struct Filtered {
+    samples: Vec<f64>,
+    /// Sum over the lines of a Hann-windowed spectrum.
+    pub amplitude_sum: f64,
+}
+
+/// Gain [-] of a Gaussian low-pass at a frequency over its corner, 3 dB down at 1.
+pub(super) fn gaussian_gain(frequency: f64) -> f64 {
+    libm::exp(-0.5 * LN_2 * frequency * frequency)
+}
+
+/// The frequency [Hz per Hz of corner] where that gain has fallen to 1e-15.
+const NO_GAIN: f64 = 10.0;
+
+impl Spectra {
+    /// `samples` through a Gaussian low-pass whose corner lies at `corner` times the sample rate,
+    /// as if they went on periodically.
+    pub fn low_passed(&mut self, samples: &[f64], corner: f64) -> Filtered {
+        let plan = self.plan(samples.len());
+        let mut spectrum = plan.forward(samples);
+        let length = samples.len() as f64;
+        for (line, value) in spectrum.iter_mut().enumerate() {
+            let frequency = line as f64 / length / corner;
+            if frequency > NO_GAIN {
+                *value = Complex::default();
+            } else {
+                *value *= gaussian_gain(frequency);
+            }
+        }
+        spectrum[0] = Complex::default();
+        let amplitude_sum = hann_amplitudes(&spectrum);
+        Filtered {
+            amplitude_sum,
+            samples: plan.backward(&mut spectrum),
+        }
+    }
+
+    /// `samples` less their mean; they are low-passed already.
+    pub fn as_they_are(&mut self, samples: &[f64]) -> Filtered {
+        let plan = self.plan(samples.len());
+        let mut spectrum = plan.forward(samples);
+        spectrum[0] = Complex::default();
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        Filtered {
+            amplitude_sum: hann_amplitudes(&spectrum),
+            samples: samples.iter().map(|x| x - mean).collect(),
+        }
+    }
+
+    fn plan(&mut self, length: usize) -> &Plan {
+        if self.plan.as_ref().is_none_or(|plan| plan.length != length) {
+            let planner = self.planner.get_or_insert_with(RealFftPlanner::new);
+            self.plan = Some(Plan {
+                length,
+                forward: planner.plan_fft_forward(length),
+                backward: planner.plan_fft_inverse(length),
+            });
+        }
+        self.plan.as_ref().expect("it was made above")
+    }
+}
+
+impl Plan {
+    fn forward(&self, samples: &[f64]) -> Vec<Complex<f64>> {
+        let mut spectrum = self.forward.make_output_vec();
+        let mut input = samples.to_vec();
+        self.forward
+            .process(&mut input, &mut spectrum)
+            .expect("lengths are the plan's");
+        spectrum
+    }
+
+    fn backward(&self, spectrum: &mut [Complex<f64>]) -> Vec<f64> {
+        let mut samples = self.backward.make_output_vec();
+        if let Some(last) = spectrum
+            .last_mut()
+            .filter(|_| self.length.is_multiple_of(2))
+        {
+            last.im = 0.0;
+        }
+        self.backward
+            .process(spectrum, &mut samples)
+            .expect("lengths are the plan's, and the mean is zero");
+        let scale = 1.0 / self.length as f64;
+        samples.iter_mut().for_each(|sample| *sample *= scale);
+        samples
+    }
+}
+
+/// Sum of the amplitudes under a Hann window, which is `(-1, 2, -1)/4` across the lines.
+fn hann_amplitudes(spectrum: &[Complex<f64>]) -> f64 {
+    let lines = spectrum.windows(3);
+    lines
+        .map(|around| (around[1] * 0.5 - (around[0] + around[2]) * 0.25).norm())
+        .sum()
+}
+
+impl Filtered {
+    /// The samples, their mean taken off.
+    pub fn samples(&self) -> &[f64] {
+        &self.samples
+    }
+
+    /// Mean of the rectified samples.
+    pub fn rectified_mean(&self) -> f64 {
+        self.samples.iter().map(|x| x.abs()).sum::<f64>() / self.samples.len() as f64
+    }
+
+    /// Mean of the squared samples.
+    pub fn mean_square(&self) -> f64 {
+        self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn tone(cycles: f64, length: usize) -> Vec<f64> {
+        let phase = |i: usize| TAU * cycles * i as f64 / length as f64;
+        (0..length).map(|i| 3.0 * phase(i).sin()).collect()
+    }
+
+    #[test]
+    fn a_tone_at_the_corner_loses_3_db_and_one_far_above_everything() {
+        let mut spectra = Spectra::default();
+        let at_corner = spectra.low_passed(&tone(50.0, 1000), 0.05);
+        assert!((at_corner.mean_square() - 4.5 / 2.0).abs() < 1e-9);
+        assert!(spectra.low_passed(&tone(400.0, 1000), 0.02).mean_square() < 1e-20);
+    }
+
+    #[test]
+    fn amplitudes_of_two_tones_far_apart_add_up_and_a_constant_counts_nothing() {
+        let mut spectra = Spectra::default();
+        let sum = |cycles: &[f64], spectra: &mut Spectra| {
+            let mut samples = vec![7.0; 1000];
+            for &cycles in cycles {
+                for (sample, tone) in samples.iter_mut().zip(tone(cycles, 1000)) {
+                    *sample += tone;
+                }
+            }
+            spectra.as_they_are(&samples).amplitude_sum
+        };
+        let (one, two) = (sum(&[40.0], &mut spectra), sum(&[40.0, 90.0], &mut spectra));
+        assert!((two / one - 2.0).abs() < 1e-9);
+        assert!(sum(&[], &mut spectra) < 1e-9);
+    }
+
+    #[test]
+    fn an_impulse_becomes_a_pulse_of_one_sign_so_its_rectified_mean_keeps_its_area() {
+        let mut spectra = Spectra::default();
+        for (length, corner) in [(2000, 0.05), (2001, 0.05), (2000, 0.02)] {
+            let mut samples = vec![0.0; length];
+            samples[length / 3] = 1.0;
+            let filtered = spectra.low_passed(&samples, corner);
+            // Twice the area: the pulse, and the mean taken off it, which counts as much again;
+            // 2 % of the record lie under the pulse.
+            let rectified = filtered.rectified_mean() * length as f64;
+            assert!((rectified - 2.0).abs() < 0.05, "{rectified}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Which wheel-terrain interaction class (WTIC) a window of vibration belongs to (Section 4).
+//!
+//! Two methods, neither trained on labelled terrain:
+//!
+//! - [`Method::Paper`]: the paper's regions of the feature space (Eq. 59-61), verbatim.
+//! - [`Method::Improved`]: lug by lug, from what the paper leaves out: the wheel angle tells when
+//!   each lug should strike and how hard.
+//!
+//! Both answer UWTIC, with the reason, where they cannot tell. `baseline` is what users know, a
+//! classifier trained on band powers; [`confusion`] counts answers against truth.
+
+pub mod confusion;
+pub mod improved;
+pub mod paper;
+
+use crate::features::record::{Record, RecordError, Unusable};
+use crate::features::reference::Reference;
+use crate::features::{Extractor, Settings};
+use crate::quantity::RangeError;
+use crate::terrain::class::Wtic;
+use crate::trace::Trace;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// How a class is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// By the paper's regions, see [`paper`].
+    Paper,
+    /// Lug by lug, see [`improved`].
+    Improved,
+}
+
+/// What a method says of a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// The class.
+    pub class: Wtic,
+    /// How sure the method is [-], in [0, 1]; what it means is said by the method.
+    pub confidence: f64,
+    /// Why it is this class.
+    pub reason: String,
+}
+
+impl Answer {
+    /// The class cannot be told.
+    fn unknown(reason: impl ToString) -> Self {
+        Self {
+            class: Wtic::Uwtic,
+            confidence: 0.0,
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// A window of a run and its class.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recognized {
+    /// Begin [s].
+    pub start: f64,
+    /// End [s].
+    pub end: f64,
+    /// Lug passes in it [-].
+    pub lug_passes: f64,
+    /// Feature vector `P`, or why there is none.
+    pub p: Result<[f64; 4], Unusable>,
+    /// The answers, in the order of the methods asked.
+    pub answers: Vec<Answer>,
+}
+
+/// Why a run has no answers.
+#[derive(Debug, thiserror::Error)]
+pub enum RecognitionError {
+    /// The run lacks what every method needs.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A setting is out of its range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+}
+
+/// Recognises windows by one or several methods.
+pub struct Recognizer {
+    extractor: Extractor,
+    reference: Reference,
+    methods: Vec<Method>,
+}
+
+impl Recognizer {
+    /// A recogniser that answers by each of `methods`, its features taken over `reference`.
+    ///
+    /// # Errors
+    /// Those of [`Settings::check`].
+    pub fn new(
+        settings: Settings,
+        reference: Reference,
+        methods: &[Method],
+    ) -> Result<Self, RangeError> {
+        Ok(Self {
+            extractor: Extractor::new(settings)?,
+            reference,
+            methods: methods.to_vec(),
+        })
+    }
+
+    /// The class of every window of a run.
+    ///
+    /// # Errors
+    /// `RecognitionError::Record` where acceleration, rotation or lugs are missing or in another
+    /// unit. A window that cannot be used is no error: its class is UWTIC, with the reason.
+    pub fn recognize(&mut self, trace: &Trace) -> Result<Vec<Recognized>, RecognitionError> {
+        let record = Record::of(trace)?;
+        let windows = record.windows(self.extractor.settings().window);
+        Ok(windows
+            .into_iter()
+            .map(|window| self.window(&record, window))
+            .collect())
+    }
+
+    fn window(&mut self, record: &Record, window: Range<usize>) -> Recognized {
+        let features = self
+            .extractor
+            .features(record, window.clone(), &self.reference);
+        let p = features.map(|features| features.p());
+        let answers = self.methods.iter().map(|method| match method {
+            Method::Paper => match &p {
+                Ok(p) => paper::class(*p, record.lug_angle),
+                Err(reason) => Answer::unknown(reason),
+            },
+            Method::Improved => improved::class(record, window.clone()),
+        });
+        Recognized {
+            start: record.time(window.start),
+            end: record.time(window.end),
+            lug_passes: record.lug_passes(&window),
+            answers: answers.collect(),
+            p,
+        }
+    }
+}
