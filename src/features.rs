@@ -50,6 +50,9 @@ pub enum MeanValue {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Frequency {
+    /// The line of the lug pass where it stands out, else the contact rate, see
+    /// [`frequency::lug_line`].
+    LugLine,
     /// Contact events per lug pass, see [`frequency::contact_rate`].
     ContactRate,
     /// The strongest line of the order spectrum, see [`frequency::strongest_order`].
@@ -86,7 +89,7 @@ impl Default for Settings {
             window: Window::Seconds(crate::trace::truth::PAPER_WINDOW),
             bandwidth: 100.0,
             mean: MeanValue::Rectified,
-            frequency: Frequency::ContactRate,
+            frequency: Frequency::LugLine,
         }
     }
 }
@@ -241,6 +244,7 @@ impl Extractor {
 
     fn frequency(&self, increments: &frequency::VelocityIncrements) -> f64 {
         match self.settings.frequency {
+            Frequency::LugLine => frequency::lug_line(increments),
             Frequency::ContactRate => frequency::contact_rate(increments),
             Frequency::StrongestOrder => frequency::strongest_order(increments),
         }

@@ -1,10 +1,12 @@
-//! Frequency of the vibration over that of the lug pass (Eq. 51), two ways.
+//! Frequency of the vibration over that of the lug pass (Eq. 51), three ways.
 //!
 //! Windows hold between one and some sixteen lug passes, and the paper's limits are 15 % apart
-//! from 1: no spectrum resolves that. Contact events can be counted, and their intervals averaged,
-//! in a window of any length; this is what (51) is, `κ_f = 1 / mean C_f`, where `C_f` is the
-//! interval between two contacts in lug angles. Both ways work on wheel angle instead of time, so
-//! that a changing speed does not smear the count.
+//! from 1: with few passes no spectrum resolves that. Contact events can be counted, and their
+//! intervals averaged, in a window of any length; this is what (51) is, `κ_f = 1 / mean C_f`, where
+//! `C_f` is the interval between two contacts in lug angles. But in soil there are no contacts to
+//! count, and there the line of the lug pass stands clear. So the default looks for that line first
+//! and counts events where there is none. All work on wheel angle instead of time, so that a
+//! changing speed smears nothing.
 
 use super::record::{Record, Unusable};
 use super::spectrum::gaussian_gain;
@@ -14,9 +16,8 @@ use std::ops::Range;
 /// Steps of the wheel angle per lug pass.
 const STEPS: usize = 32;
 
-/// Corner of the low-pass before events are counted, in lug orders [-]: an impact becomes one lobe,
-/// and two impacts a third of a lug angle apart stay two.
-const CORNER: f64 = 2.5;
+/// Corner of the low-pass before events are counted, in lug orders [-]: an impact becomes one lobe.
+const EVENT_CORNER: f64 = 1.0;
 
 /// The change of vertical velocity [m/s] in equal steps of wheel angle.
 pub struct VelocityIncrements {
@@ -91,7 +92,7 @@ impl VelocityIncrements {
 
 /// Contact events per lug pass [-].
 ///
-/// An event is a lobe of upward acceleration behind a low-pass of 2.5 lug orders; it weighs as much
+/// An event is a lobe of upward acceleration behind a low-pass of one lug order; it weighs as much
 /// as the velocity `v_i` gained in it:
 ///
 /// ```text
@@ -100,13 +101,59 @@ impl VelocityIncrements {
 ///
 /// Equal events count fully; lobes of noise and roughness between them hardly count.
 pub fn contact_rate(increments: &VelocityIncrements) -> f64 {
-    let smoothed = increments.smoothed(CORNER);
+    let smoothed = increments.smoothed(EVENT_CORNER);
     let lobes = smoothed.chunk_by(|a, b| (*a > 0.0) == (*b > 0.0));
     let gained = lobes
         .filter(|lobe| lobe[0] > 0.0)
         .map(|lobe| lobe.iter().sum::<f64>());
     let [sum, squares] = gained.fold([0.0, 0.0], |[sum, squares], v| [sum + v, squares + v * v]);
     sum * sum / squares / increments.passes
+}
+
+/// Corner of the low-pass before a line is fitted, in lug orders [-].
+const LINE_CORNER: f64 = 1.5;
+/// Orders of the line of the lug pass [lug orders], and how finely they are tried.
+const LINE_ORDERS: [f64; 2] = [0.7, 1.3];
+const LINE_STEP: f64 = 0.02;
+/// Share of the vibration's power below the corner [-] from which a line counts.
+const LINE_SHARE: f64 = 0.3;
+
+/// Order [-] of the line of the lug pass where it holds more than 30 % of the power below 1.5 lug
+/// orders, fitted by least squares between 0.7 and 1.3; else the [`contact_rate`].
+pub fn lug_line(increments: &VelocityIncrements) -> f64 {
+    let smoothed = increments.smoothed(LINE_CORNER);
+    let mean = smoothed.iter().sum::<f64>() / smoothed.len() as f64;
+    let varying: Vec<f64> = smoothed.iter().map(|v| v - mean).collect();
+    let count = ((LINE_ORDERS[1] - LINE_ORDERS[0]) / LINE_STEP).round() as u32;
+    let orders = (0..=count).map(|i| LINE_ORDERS[0] + LINE_STEP * f64::from(i));
+    let best = orders
+        .map(|order| (order, line_share(&varying, order)))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    match best {
+        Some((order, share)) if share > LINE_SHARE => order,
+        _ => contact_rate(increments),
+    }
+}
+
+/// Share of the power [-] that a sinusoid of this order explains, its own mean taken off.
+fn line_share(varying: &[f64], order: f64) -> f64 {
+    let phase = |step: usize| TAU * order / STEPS as f64 * step as f64;
+    let n = varying.len() as f64;
+    let waves = || (0..varying.len()).map(|step| libm::sincos(phase(step)));
+    let [s_mean, c_mean] =
+        waves().fold([0.0, 0.0], |[s, c], (sin, cos)| [s + sin / n, c + cos / n]);
+    let (mut ss, mut sc, mut cc, mut sv, mut cv) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for ((sin, cos), v) in waves().zip(varying) {
+        let (s, c) = (sin - s_mean, cos - c_mean);
+        ss += s * s;
+        sc += s * c;
+        cc += c * c;
+        sv += s * v;
+        cv += c * v;
+    }
+    let power: f64 = varying.iter().map(|v| v * v).sum();
+    let determinant = ss * cc - sc * sc;
+    (sv * sv * cc - 2.0 * sv * cv * sc + cv * cv * ss) / determinant / power
 }
 
 /// Orders searched for the strongest line [lug orders].

@@ -352,7 +352,8 @@ mod tests {
         let reference =
             Reference::through_sensors(&wheel, &sensors, &speeds, Settings::default()).unwrap();
         let [slow, fast] = [0, 1].map(|i| reference.corrections[i].ratios[3]);
-        assert!(slow > fast && fast > 1.0, "{slow} {fast}");
+        // The noise alone has 1.3 times the mean square of the slow reference.
+        assert!(slow > 1.2 && (fast - 1.0).abs() < 0.02, "{slow} {fast}");
     }
 
     #[test]
