@@ -12,5 +12,11 @@
 //! Heights `h` are those of the rim's lowest point above the reference surface, in every equation;
 //! the axle lies `r` above. The printed equations mix the two.
 
+pub mod bounds;
 pub mod flat_ground;
+pub mod harmonics;
+pub mod outline;
 pub mod reference;
+pub mod rolling;
+pub mod simplified;
+pub mod soft_ground;
