@@ -93,26 +93,30 @@ impl<G: FnMut(f64) -> f64> Rolling<G> {
 
     fn step(&mut self, turn: f64) {
         let support = self.footing.support;
-        if self.turned(turn).1.support == support {
-            self.accept(turn);
+        let whole = self.turned(turn);
+        if whole.1.support == support {
+            self.accept(turn, whole);
             return;
         }
         // Turn about the old point until the new one takes over, then about that.
         let (mut kept, mut lost) = (0.0, turn);
+        let mut taken_over = whole;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (kept + lost);
-            if self.turned(middle).1.support == support {
+            let there = self.turned(middle);
+            if there.1.support == support {
                 kept = middle;
             } else {
-                lost = middle;
+                (lost, taken_over) = (middle, there);
             }
         }
-        self.accept(lost);
-        self.accept(turn - lost);
+        self.accept(lost, taken_over);
+        let rest = self.turned(turn - lost);
+        self.accept(turn - lost, rest);
     }
 
-    fn accept(&mut self, turn: f64) {
-        (self.position, self.footing) = self.turned(turn);
+    fn accept(&mut self, turn: f64, (position, footing): (f64, Footing)) {
+        (self.position, self.footing) = (position, footing);
         self.wheel_angle += turn;
     }
 

@@ -5,7 +5,9 @@
 //! surface, which Fig. 7 shows; here stands its negative, the height, as in every other equation.
 //!
 //! What path an edge takes is the soil's matter, and the paper leaves it open. [`YieldingSoil`] is
-//! one choice.
+//! one choice. It puts the wheel highest where a lug points straight down, as Fig. 7b does. Simulated
+//! sand carries a lug most while it still comes down, and has the wheel highest a fifth of a lug angle
+//! earlier (at 100 N and a slip of 0.2).
 
 use super::flat_ground::lug_at_the_bottom;
 use crate::wheel::Wheel;
@@ -44,7 +46,8 @@ pub fn rim_height(
 /// and the edges carve circles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct YieldingSoil {
-    /// Depth [m] of the edge of a lug that points straight down.
+    /// Depth [m] of the edge of a lug that points straight down; more than `1 - C_M` of the reference
+    /// amplitude, or lugs would leave the soil before the next one enters.
     pub tip_sinkage: f64,
     /// Amplitude over the reference vibration's, `C_M` of Eq. (48) [-], in [0, 1].
     pub amplitude: f64,
