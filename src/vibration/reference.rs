@@ -9,6 +9,7 @@ use super::flat_ground;
 use crate::wheel::Wheel;
 use libm::floor;
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::PI;
 
 /// One change of support on flat hard ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,12 +33,20 @@ const REACH: f64 = 0.25;
 /// ... and this time [s].
 const LONGEST: f64 = 0.5;
 
+/// No wheel angle is as large [rad].
+const LARGEST: f64 = 1.0e9;
+
+fn is_reading(angle: f64) -> bool {
+    angle.abs() < LARGEST
+}
+
 /// The lug changes of a wheel that turned by `angles` [rad] on flat hard ground, in their order.
 ///
-/// `angles` are equally spaced at `sample_rate` [Hz], grow when driving forward, are continuous
-/// over full turns, and are 0 where a lug points straight down, as the simulation's are: an
-/// encoder with another zero shifts all changes alike. Samples that are no numbers are passed
-/// over. A smooth wheel has no lug changes.
+/// `angles` are equally spaced at `sample_rate` [Hz], grow when driving forward, and are 0 where a
+/// lug points straight down, as the simulation's are: an encoder with another zero shifts all
+/// changes alike. They may start again at 0 after a full turn: more than half a turn from one sample
+/// to the next is the counter's doing, not the wheel's. Samples that are no numbers, or beyond 1e9
+/// rad, are passed over. A smooth wheel has no lug changes.
 ///
 /// A multi-lugged wheel's velocity jumps by `2 |ω| (r + l) sin(α/2)`, half-way between lugs. An
 /// olig-lugged wheel comes down on its rim between lugs, and jumps twice for every lug, from rim to
@@ -46,10 +55,9 @@ const LONGEST: f64 = 0.5;
 ///
 /// Time and wheel speed `ω` come from a parabola through the readings around the change, by
 /// least squares: as many as hold 32 steps of the encoder on either side, within a quarter of
-/// the lug angle and half a second. So a 17-bit encoder, whose counts come
-/// slower than 2 kHz samples at 10 mm/s, tells the speed within 1 %, and a continuous angle
-/// needs some 30 ms. A turn of less than a twentieth of the lug angle beyond a change and
-/// back counts as none.
+/// the lug angle and half a second. So a 17-bit encoder, whose counts come slower than 2 kHz samples
+/// at 10 mm/s, tells the speed within 1 %, and a continuous angle needs some 30 ms. A turn of less
+/// than a twentieth of the lug angle beyond a change and back counts as none.
 ///
 /// # Reference
 /// Eq. (5), (9) and their derivatives.
@@ -64,7 +72,7 @@ pub fn lug_changes(wheel: &Wheel, angles: &[f64], sample_rate: f64) -> Vec<LugCh
         reach: REACH * supports.lug_angle,
         jump_per_speed,
     };
-    let is_number = |sample: &usize| angles[*sample].is_finite();
+    let is_number = |sample: &usize| is_reading(angles[*sample]);
     let (Some(first), Some(last)) = (
         (0..angles.len()).find(is_number),
         (0..angles.len()).rfind(is_number),
@@ -74,8 +82,15 @@ pub fn lug_changes(wheel: &Wheel, angles: &[f64], sample_rate: f64) -> Vec<LugCh
     let mut changes = Vec::new();
     let mut support = supports.at(angles[first]);
     let mut held = supports.held(support);
+    let mut previous = angles[first];
     for sample in (first..=last).filter(is_number) {
         let angle = angles[sample];
+        let turned = angle - std::mem::replace(&mut previous, angle);
+        if turned.abs() > PI {
+            support = supports.at(angle);
+            held = supports.held(support);
+            continue;
+        }
         if angle >= held[0] && angle <= held[1] && sample != last {
             continue;
         }
@@ -185,10 +200,10 @@ impl Record<'_> {
     /// per sample].
     fn crossing(&self, level: f64, direction: f64, sample: usize) -> (f64, f64) {
         let angle = |i: usize| self.angles[i];
-        let is_before = |i: &usize| direction * (angle(*i) - level) <= 0.0;
+        let is_before = |i: &usize| is_reading(angle(*i)) && direction * (angle(*i) - level) <= 0.0;
         let before = (0..sample).rev().find(is_before).unwrap_or(sample);
         let after = (before + 1..sample)
-            .find(|i| angle(*i).is_finite())
+            .find(|i| is_reading(angle(*i)))
             .unwrap_or(sample);
         if before == after {
             return (sample as f64, 0.0);
@@ -220,10 +235,10 @@ impl Record<'_> {
         let mut steps = 0;
         for sample in samples {
             let angle = self.angles[sample];
-            if (angle - level).abs() > self.reach || steps > STEPS {
+            if is_reading(angle) && (angle - level).abs() > self.reach || steps > STEPS {
                 break;
             }
-            if angle != reading && angle.is_finite() {
+            if angle != reading && is_reading(angle) {
                 (reading, stepped) = (angle, Some(sample));
                 steps += 1;
             }
@@ -239,7 +254,7 @@ fn fit(angles: &[f64], place: f64, level: f64) -> Option<(f64, f64)> {
     let mut moments = [0.0; 5];
     let mut sums = Vector3::zeros();
     let mut count = 0;
-    for (i, angle) in angles.iter().enumerate().filter(|(_, a)| a.is_finite()) {
+    for (i, angle) in angles.iter().enumerate().filter(|(_, a)| is_reading(**a)) {
         let u = (i as f64 - place) / half;
         let powers = [1.0, u, u * u, u * u * u, u * u * u * u];
         for (moment, power) in moments.iter_mut().zip(powers) {
@@ -266,6 +281,7 @@ fn fit(angles: &[f64], place: f64, level: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
     use crate::wheel::Lugs;
+    use proptest::prelude::*;
 
     const RATE: f64 = 2000.0;
 
@@ -454,5 +470,41 @@ mod tests {
         assert_eq!(lug_changes(&smooth, &whole, RATE), []);
         assert_eq!(lug_changes(&wheel, &[f64::NAN; 4], RATE), []);
         assert_eq!(lug_changes(&wheel, &[], RATE), []);
+    }
+
+    #[test]
+    fn an_encoder_that_starts_again_at_zero_after_a_turn_tells_the_same_changes() {
+        let wheel = Wheel::rover();
+        let whole = sampled(30.0, |t| 0.5 * t);
+        let wrapped: Vec<f64> = whole.iter().map(|a| a.rem_euclid(2.0 * PI)).collect();
+        let (seen, expected) = (
+            lug_changes(&wheel, &wrapped, RATE),
+            lug_changes(&wheel, &whole, RATE),
+        );
+        assert_eq!(seen.len(), expected.len());
+        for (a, b) in seen.iter().zip(&expected) {
+            assert!((a.time - b.time).abs() < 1e-9);
+            assert!((a.velocity_jump / b.velocity_jump - 1.0).abs() < 1e-6);
+        }
+    }
+
+    proptest! {
+        /// Whatever an encoder writes, changes lie within the record and are numbers.
+        #[test]
+        fn any_record_ends_in_numbers(
+            angles in prop::collection::vec(prop::num::f64::ANY, 0..50),
+            scale in 0.0..4.0_f64,
+        ) {
+            let walk: Vec<f64> = angles.iter().map(|a| scale * (a % 1.0)).collect();
+            for wheel in [Wheel::rover(), olig()] {
+                for record in [&angles, &walk] {
+                    let changes = lug_changes(&wheel, record, RATE);
+                    for change in &changes {
+                        prop_assert!((0.0..=record.len() as f64 / RATE).contains(&change.time));
+                        prop_assert!(change.velocity_jump.is_finite() && change.velocity_jump >= 0.0);
+                    }
+                }
+            }
+        }
     }
 }
