@@ -125,7 +125,7 @@ impl Recognizer {
         let p = features.map(|features| features.p());
         let answers = self.methods.iter().map(|method| match method {
             Method::Paper => match &p {
-                Ok(p) => paper::class(*p, record.lug_angle),
+                Ok(p) => paper::class(*p, record.wheel.lug_count()),
                 Err(reason) => Answer::unknown(reason),
             },
             Method::Improved => improved::class(record, window.clone()),

@@ -6,6 +6,7 @@
 
 use super::Answer;
 use crate::terrain::class::Wtic;
+use crate::vibration::bounds::{amplitude_bound, mean_square_bound};
 
 /// Half-width `ε_f` of `κ_f` about 1 [-].
 pub const EPSILON_F: f64 = 0.15;
@@ -34,36 +35,19 @@ pub struct Region {
     pub limits: [[f64; 2]; 4],
 }
 
-/// Upper limit `ε_Au` of `κ_A` [-]: `(1 - cos α) / (1 - cos(α/2)) = 4 cos²(α/4)` (Eq. 57).
-pub fn amplitude_limit(lug_angle: f64) -> f64 {
-    let half = libm::cos(0.25 * lug_angle);
-    4.0 * half * half
-}
-
-/// The three regions (59), (60), (61) for a wheel of this lug angle [rad].
-pub fn regions(lug_angle: f64) -> [Region; 3] {
+/// The three regions (59), (60), (61) of a wheel with so many lugs.
+pub fn regions(lugs: u32) -> [Region; 3] {
     let lg = libm::log10;
-    let (a, ms) = (
-        amplitude_limit(lug_angle),
-        amplitude_limit(lug_angle) * amplitude_limit(lug_angle),
-    );
+    let (a, ms) = (lg(amplitude_bound(lugs)), lg(mean_square_bound(lugs)));
     let same = [lg(1.0 - EPSILON_F), lg(1.0 + EPSILON_F)];
     let mean = [lg(LOWER), lg(EPSILON_MVU)];
     let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
     let region = |class, limits| Region { class, limits };
     [
-        region(
-            Wtic::Alct,
-            [same, [lg(LOWER), lg(a)], mean, [lg(LOWER), lg(ms)]],
-        ),
+        region(Wtic::Alct, [same, [lg(LOWER), a], mean, [lg(LOWER), ms]]),
         region(
             Wtic::Slct,
-            [
-                [low, same[0]],
-                [lg(a), high],
-                [mean[1], high],
-                [lg(ms), high],
-            ],
+            [[low, same[0]], [a, high], [mean[1], high], [ms, high]],
         ),
         region(Wtic::Leis, [same, [low, lg(LOWER)], mean, [low, lg(LOWER)]]),
     ]
@@ -79,9 +63,9 @@ impl Region {
     }
 }
 
-/// The class of a feature vector of a wheel of this lug angle [rad].
-pub fn class(p: [f64; 4], lug_angle: f64) -> Answer {
-    let margins = regions(lug_angle).map(|region| (region.class, region.margins(p)));
+/// The class of a feature vector of a wheel with so many lugs.
+pub fn class(p: [f64; 4], lugs: u32) -> Answer {
+    let margins = regions(lugs).map(|region| (region.class, region.margins(p)));
     let inside = |(_, margins): &(Wtic, [f64; 4])| margins.iter().all(|margin| *margin >= 0.0);
     let smallest = |margins: [f64; 4]| margins.into_iter().fold(f64::INFINITY, f64::min);
     if p.iter().any(|p| p.is_nan()) {
@@ -128,17 +112,49 @@ fn confidence(margin: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
+
+    /// `P` of these features.
+    fn p(kappas: [f64; 4]) -> [f64; 4] {
+        kappas.map(f64::log10)
+    }
 
     #[test]
-    fn eq_57_and_58_read_as_printed_at_24_and_28_lugs() {
-        for (lugs, expected) in [(24.0, 3.983), (28.0, 3.987)] {
-            let alpha: f64 = TAU / lugs;
-            let printed = (1.0 - alpha.cos()) / (1.0 - (alpha / 2.0).cos());
-            assert!((amplitude_limit(alpha) - printed).abs() < 1e-12);
-            assert!((printed - expected).abs() < 5e-4);
-            let [alct, ..] = regions(alpha);
-            assert!((alct.limits[3][1] - 2.0 * printed.log10()).abs() < 1e-12);
+    fn the_paper_s_typical_windows_lie_in_their_regions() {
+        for (kappas, expected) in [
+            ([1.0, 1.2, 1.1, 1.5], Wtic::Alct),
+            ([0.5, 20.0, 30.0, 500.0], Wtic::Slct),
+            ([1.0, 0.2, 0.8, 0.05], Wtic::Leis),
+            // Fewer contacts, but weak: no region of the paper holds it.
+            ([0.5, 1.2, 1.1, 1.5], Wtic::Uwtic),
+        ] {
+            assert_eq!(class(p(kappas), 28).class, expected, "{kappas:?}");
         }
+    }
+
+    #[test]
+    fn limits_are_the_equations_and_the_borders_belong_to_alct() {
+        let [alct, slct, leis] = regions(24);
+        // Eq. (57) at 24 lugs is 3.983, (58) its square 15.86.
+        assert!((alct.limits[1][1] - 3.983_f64.log10()).abs() < 1e-4);
+        assert!((alct.limits[3][1] - 15.86_f64.log10()).abs() < 2e-3);
+        assert_eq!(alct.limits[1][1], slct.limits[1][0]);
+        assert_eq!(alct.limits[1][0], leis.limits[1][1]);
+        assert_eq!(class(p([1.15, 0.5, 0.5, 0.5]), 24).class, Wtic::Alct);
+        assert_eq!(class(p([1.16, 0.6, 0.6, 0.6]), 24).class, Wtic::Uwtic);
+    }
+
+    #[test]
+    fn an_unknown_window_names_the_features_that_lie_outside() {
+        let answer = class(p([1.0, 0.2, 0.3, 0.05]), 28);
+        assert_eq!(answer.class, Wtic::Uwtic);
+        assert_eq!(answer.reason, "nearest to LEIS, but p3 (mean) lies outside");
+        assert_eq!(class([f64::NAN; 4], 28).class, Wtic::Uwtic);
+    }
+
+    #[test]
+    fn confidence_grows_with_the_distance_from_the_border() {
+        let near = class(p([1.14, 1.0, 1.0, 1.0]), 28).confidence;
+        let far = class(p([1.0, 1.0, 1.0, 1.0]), 28).confidence;
+        assert!(near < far && far < 1.0, "{near} {far}");
     }
 }
