@@ -4,6 +4,7 @@
 //! file says where they come from ([`Provenance`]). A measured run may hold any subset of the
 //! channels, each as a time series or as a steady mean; only a simulated one has ground truth.
 
+pub mod csv;
 pub mod hdf5;
 pub mod inspection;
 

@@ -28,6 +28,7 @@ mod writing;
 
 pub use reading::RunFile;
 pub use writing::RunFileWriter;
+pub(super) use writing::check_name;
 
 use ::hdf5::H5Type;
 use ::hdf5::types::FixedAscii;
