@@ -323,6 +323,9 @@ fn in_plain_words(message: &str) -> String {
     if message.starts_with("wanted exactly 1 element") {
         return "this table names one kind of thing: keep one key in it".to_owned();
     }
+    if message.contains("`$__toml_private_datetime`") {
+        return "a date is no value here; write a date in quotes".to_owned();
+    }
     let Some(rest) = message.strip_prefix("unknown ") else {
         return message.to_owned();
     };

@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn comments_blanks_quotes_a_byte_order_mark_and_windows_lines_are_no_data() {
-        let text = "\u{feff}# rig 3\r\n t , \"F [N]\"\r\n0, 1.5\r\n\r\n# paused\r\n1,-2e3\r\n";
+        let text = "\u{feff}# rig 3\r\n t ,\"F [N]\"\r\n0, 1.5\r\n\r\n# paused\r\n1,-2e3\r\n";
         assert_eq!(numbers(text, "F [N]").unwrap(), [1.5, -2000.0]);
         assert_eq!(numbers("\u{feff}t,F\n3,4\n", "t").unwrap(), [3.0]);
     }

@@ -253,7 +253,7 @@ fn unknown_channel(name: &str, column: &str) -> String {
         .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
     let meant = match best {
         Some(best) if likeness(best) >= 0.8 => format!("did you mean {best}?"),
-        _ => format!("known are {}", known.join(", ")),
+        _ => format!("known are {}.", known.join(", ")),
     };
     format!(
         "{name} is no known channel; {meant} To carry it along, give its unit: \
