@@ -228,6 +228,35 @@ fn every_zero_offset_of_the_carnegie_mellon_sensor_is_found() {
     );
 }
 
+#[test]
+fn the_campaign_in_the_readme_is_one() {
+    let readme = fs::read_to_string(at("../README.md")).unwrap();
+    let after = readme.split("<!-- campaign -->\n```toml\n").nth(1).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("campaign.toml", after.split("```").next().unwrap());
+    write(
+        "run_01.csv",
+        "t,Fz_N,az,Mx_Nmm\n0.0,100,1.1,-5000\n0.1,101,0.9,-5000\n",
+    );
+    write(
+        "means.csv",
+        "slip [%],Fx [kN],sd [kN],samples\n30,0.02,0.001,500\n",
+    );
+    let campaign = Campaign::load(folder.path().join("campaign.toml")).unwrap();
+    let runs = campaign.runs().map(|run| run.unwrap().1);
+    let [series, steady] = &runs.collect::<Vec<_>>()[..] else {
+        panic!("two runs")
+    };
+    let torque = &series.channel("driving_torque").unwrap().samples;
+    assert!(torque.iter().all(|torque| close(*torque, 5.0)));
+    let acceleration = &series.channel("acceleration_y").unwrap().samples;
+    assert!(close(acceleration[0], 0.1 * GRAVITY));
+    let pull = mean(steady, "drawbar_pull");
+    assert!(close(pull.value, 20.0) && close(pull.sd, 1.0) && pull.n == 500);
+    assert!(close(steady.attributes.slip_ratio, 0.3));
+}
+
 fn bad_campaigns() -> Vec<PathBuf> {
     let entries = fs::read_dir(at("campaigns/bad")).unwrap();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -305,6 +334,32 @@ proptest! {
                 prop_assert!(channel.samples.len() >= 2 && channel.sample_rate > 0.0);
             }
             Err(error) => prop_assert!(error.to_string().contains("a.toml:")),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn a_mutilated_campaign_is_read_or_refused_but_never_panics(
+        cuts in prop::collection::vec((0..2_000_usize, 0..12_usize, "[-a-z0-9\"{}=,.\n°]{0,6}"), 1..4),
+    ) {
+        let sound = fs::read_to_string(at("campaigns/sound.toml")).unwrap();
+        let mut letters: Vec<char> = sound.chars().collect();
+        for (start, length, instead) in cuts {
+            let start = start % letters.len();
+            let end = (start + length).min(letters.len());
+            letters.splice(start..end, instead.chars());
+        }
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["sound.csv", "means.csv"] {
+            fs::copy(at("campaigns").join(name), folder.path().join(name)).unwrap();
+        }
+        let campaign = folder.path().join("a.toml");
+        fs::write(&campaign, letters.into_iter().collect::<String>()).unwrap();
+        if let Some(error) = first_error(&campaign) {
+            prop_assert!(error.to_string().contains("a.toml:"));
         }
     }
 }

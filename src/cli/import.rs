@@ -97,7 +97,8 @@ impl fmt::Display for Summary {
             doubts,
             ..
         } = self;
-        writeln!(f, "{campaign}: {runs} runs")?;
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        writeln!(f, "{campaign}: {runs} run{}", plural(*runs))?;
         for (kind, names) in [("channels", &self.channels), ("means", &self.means)] {
             if !names.is_empty() {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -105,7 +106,8 @@ impl fmt::Display for Summary {
             }
         }
         if *doubts > 0 {
-            writeln!(f, "{doubts} doubts; see lugwheel inspect {file}")?;
+            let plural = plural(*doubts);
+            writeln!(f, "{doubts} doubt{plural}; see lugwheel inspect {file}")?;
         }
         writeln!(f, "\nwritten to {file}")
     }

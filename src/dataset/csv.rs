@@ -20,10 +20,11 @@
 //! ```
 //!
 //! A cell becomes `(cell - subtract) · scale · unit`: `subtract` is in the column's unit and 0
-//! unless given, `scale` is 1, `unit` the channel's own ([`CHANNELS`]); a column whose header
-//! states another unit than the one it is read in is refused. A channel that is not among the
-//! known ones needs its `unit` and is carried along. Times come from `time_s`, equally spaced to a
-//! fifth of a period, or from `sample_rate_hz`.
+//! unless given, `scale` is 1, `unit` the channel's own. A column without `unit` whose header
+//! states another one is refused. A channel that is not among the known
+//! [`CHANNELS`](crate::trace::CHANNELS) needs its `unit` and is carried along. Times come from
+//! `time_s`, equally spaced to a fifth of a period, or from `sample_rate_hz`. Empty lines and those
+//! that begin with `#` are no data.
 //!
 //! Every attribute of a run may be left out: `id` (else `run_000000`, counted), `wheel`,
 //! `load_n`, `speed_m_s`, `slip_ratio` or `rim_speed_m_s` [m/s], `terrain`, `class`, `repeat`,
@@ -42,8 +43,6 @@ mod unit;
 
 use super::hdf5::check_name;
 use crate::document::{Document, Fault, Misfit, check_version};
-#[allow(unused_imports, reason = "named in the documentation")]
-use crate::trace::CHANNELS;
 use crate::trace::Trace;
 use description::{CampaignTable, SourceTable};
 use source::Source;
@@ -136,8 +135,7 @@ impl Campaign {
         let key = format!("run.{index}");
         let source = Source { table, key: &key };
         check_channels(source)?;
-        let id = condition::id_of_run(source)?;
-        let trace = series::read(source, self.folder())?;
+        let (id, trace) = series::read(source, self.folder())?;
         Ok(Run { id, key, trace })
     }
 

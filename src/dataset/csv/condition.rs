@@ -13,9 +13,9 @@ use serde::de::value::Error as NameError;
 /// Most lugs of a measured wheel [-].
 const MOST_LUGS: f64 = 1000.0;
 
-/// The attributes of a run of time series.
-pub(super) fn of_run(source: Source<'_>) -> Result<RunAttributes, Misplaced> {
-    Condition { source, row: None }.attributes()
+/// Id, where one is given, and attributes of a run of time series.
+pub(super) fn of_run(source: Source<'_>) -> Result<(Option<String>, RunAttributes), Misplaced> {
+    Condition { source, row: None }.read()
 }
 
 /// Id, where one is given, and attributes of the run in a row.
@@ -25,16 +25,7 @@ pub(super) fn of_row(
     row: &Row,
 ) -> Result<(Option<String>, RunAttributes), Misplaced> {
     let row = Some((header, row));
-    let condition = Condition { source, row };
-    let id = condition.text("id", source.table.id.as_ref())?;
-    let id = Some(id).filter(|id| !id.is_empty());
-    Ok((id, condition.attributes()?))
-}
-
-/// The id of a run of time series, where one is given.
-pub(super) fn id_of_run(source: Source<'_>) -> Result<Option<String>, Misplaced> {
-    let id = Condition { source, row: None }.text("id", source.table.id.as_ref())?;
-    Ok(Some(id).filter(|id| !id.is_empty()))
+    Condition { source, row }.read()
 }
 
 /// A part of a campaign, and the row of its file that holds what it leaves to columns.
@@ -44,6 +35,12 @@ struct Condition<'a> {
 }
 
 impl Condition<'_> {
+    fn read(&self) -> Result<(Option<String>, RunAttributes), Misplaced> {
+        let id = self.text("id", self.source.table.id.as_ref())?;
+        let id = Some(id).filter(|id| !id.is_empty());
+        Ok((id, self.attributes()?))
+    }
+
     fn attributes(&self) -> Result<RunAttributes, Misplaced> {
         let table = self.source.table;
         let wheel = &table.wheel;
@@ -83,19 +80,21 @@ impl Condition<'_> {
         let table = self.source.table;
         let range = |x| SlipRatio::new(x).map(SlipRatio::get);
         let slip = self.number("slip_ratio", "1", &table.slip_ratio, range)?;
-        let rim_speed = self.speed("rim_speed_m_s", &table.rim_speed_m_s)?;
         if table.rim_speed_m_s.is_none() {
             return Ok(slip);
         }
-        if table.slip_ratio.is_some() {
-            let message = "slip_ratio tells the rim's speed already; keep one of the two";
-            return Err(self.source.fault("rim_speed_m_s", message));
-        }
-        let Some(forward) = &table.speed_m_s else {
-            let message = "the rim's speed tells the slip only beside speed_m_s; give that too";
-            return Err(self.source.fault("rim_speed_m_s", message));
+        let misfit = match (&table.slip_ratio, &table.speed_m_s) {
+            (Some(_), _) => Some("slip_ratio tells the rim's speed already; keep one of the two"),
+            (None, None) => {
+                Some("the rim's speed tells the slip only beside speed_m_s; give that too")
+            }
+            (None, Some(_)) => None,
         };
-        let forward = self.speed("speed_m_s", &Some(forward.clone()))?;
+        if let Some(misfit) = misfit {
+            return Err(self.source.fault("rim_speed_m_s", misfit));
+        }
+        let rim_speed = self.speed("rim_speed_m_s", &table.rim_speed_m_s)?;
+        let forward = self.speed("speed_m_s", &table.speed_m_s)?;
         let slip = |(rim, forward)| SlipRatio::from_motion(1.0, rim, forward).get();
         Ok(rim_speed.zip(forward).map(slip))
     }

@@ -15,9 +15,12 @@ const JITTER: f64 = 0.2;
 /// How far [-] a rate from a time column may lie off a whole one that it is taken for.
 const WHOLE: f64 = 1.0e-6;
 
-/// The run that `source` describes.
-pub(super) fn read(source: Source<'_>, folder: &Path) -> Result<Trace, Misplaced> {
-    let attributes = condition::of_run(source)?;
+/// The run that `source` describes, with its id where one is given.
+pub(super) fn read(
+    source: Source<'_>,
+    folder: &Path,
+) -> Result<(Option<String>, Trace), Misplaced> {
+    let (id, attributes) = condition::of_run(source)?;
     let mut rows = source.open(folder)?;
     let names = source.channels()?;
     let measures = names.iter().map(|name| {
@@ -59,11 +62,12 @@ pub(super) fn read(source: Source<'_>, folder: &Path) -> Result<Trace, Misplaced
         start,
         samples,
     });
-    Ok(Trace {
+    let trace = Trace {
         attributes,
         channels: channels.collect(),
         ..Trace::default()
-    })
+    };
+    Ok((id, trace))
 }
 
 /// What tells the time of a row.

@@ -135,24 +135,26 @@ impl Header {
     /// # Errors
     /// Where the cell holds anything else: file, line, column and cell, and the way out.
     pub(super) fn number(&self, row: &Row, column: usize) -> Result<f64, String> {
+        let cell = row.cells.get(column).unwrap_or_default();
+        let text = std::str::from_utf8(cell).unwrap_or_default();
+        if let Ok(number) = text.trim().parse() {
+            return Ok(number);
+        }
         let text = self.text(row, column);
         if MISSING.contains(&text.to_lowercase().as_str()) {
             return Ok(f64::NAN);
         }
-        text.parse::<f64>().map_err(|_| {
-            let way_out = match text.contains(',') {
-                true => "write a point for the decimal comma",
-                false => {
-                    "leave a cell empty where nothing was measured, and begin a line that is no \
-                     data with #"
-                }
-            };
-            let name = &self.names[column];
-            format!(
-                "{}: column {name:?} holds {text:?}, which is no number; {way_out}",
-                self.place(row)
-            )
-        })
+        let way_out = match text.contains(',') {
+            true => "write a point for the decimal comma",
+            false => {
+                "leave a cell empty where nothing was measured, and begin a line that is no data \
+                 with #"
+            }
+        };
+        let (place, name) = (self.place(row), &self.names[column]);
+        Err(format!(
+            "{place}: column {name:?} holds {text:?}, which is no number; {way_out}"
+        ))
     }
 
     /// File and line of a row.
