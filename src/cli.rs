@@ -6,6 +6,7 @@
 mod dataset;
 mod demo;
 pub mod failure;
+mod import;
 mod inspect;
 mod interrupt;
 mod output;
@@ -37,6 +38,7 @@ Examples:
   lugwheel simulate single_wheel_st                   one run on sand
   lugwheel dataset single_wheel_ht --runs 50          a labelled data set
   lugwheel study scenarios/studies/quick.toml         sweeps and seeds, a row a run
+  lugwheel import campaign.toml --out measured.h5     measured CSV files in a run file
   lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
 
@@ -49,6 +51,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Dataset(dataset::Dataset),
     Study(study::StudyCommand),
+    Import(import::Import),
     Inspect(inspect::Inspect),
     Plot(plot::Plot),
 }
@@ -70,6 +73,7 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Simulate(command) => command.run(output),
         Command::Dataset(command) => command.run(output),
         Command::Study(command) => command.run(output),
+        Command::Import(command) => command.run(output),
         Command::Inspect(command) => command.run(output),
         Command::Plot(command) => command.run(output),
     }

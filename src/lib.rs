@@ -8,14 +8,15 @@
 //! ```
 //!
 //! A tour, in the order in which the modules build on each other. What things are:
-//! [`quantity`] holds the few typed numbers, [`wheel`] the wheel, [`soil`] the equations of
-//! wheel and soil with the project's symbol table, [`terrain`] the ground along the track,
-//! [`vibration`] the kinematics of a rigid wheel that rolls over it. What happens: [`simulation`]
-//! moves the wheel, state by state. What is measured: [`trace`] holds channels and truth,
-//! [`sensors`] turn states into channels, [`dataset`] keeps runs in files. What is inferred, on
-//! measured runs as on simulated ones: [`features`] of a window's vibration, [`recognition`] of how
-//! the wheel met the ground. What is asked: [`scenario`] is one experiment as a file, [`study`] many
-//! of them in one table, [`report`] draws what came of it.
+//! [`quantity`] holds the few typed numbers, [`document`] the texts that describe experiments and
+//! campaigns and the faults in them, [`wheel`] the wheel, [`soil`] the equations of wheel and soil
+//! with the project's symbol table, [`terrain`] the ground along the track, [`vibration`] the
+//! kinematics of a rigid wheel that rolls over it. What happens: [`simulation`] moves the wheel,
+//! state by state. What is measured: [`trace`] holds channels and truth, [`sensors`] turn states
+//! into channels, [`dataset`] keeps runs in files, simulated or imported from a rig. What is
+//! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
+//! [`recognition`] of how the wheel met the ground. What is asked: [`scenario`] is one experiment as
+//! a file, [`study`] many of them in one table, [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -42,6 +43,8 @@
 
 // What things are.
 pub mod quantity;
+
+pub mod document;
 pub mod wheel;
 
 pub mod soil;

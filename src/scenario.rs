@@ -11,9 +11,9 @@
 //! assert!(error.to_string().starts_with("short.toml:1:1: missing field `terrain`"));
 //! ```
 
-pub(crate) mod document;
 pub mod experiment;
 
+use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SampleRate};
 use crate::sensors::Sensors;
@@ -21,9 +21,7 @@ use crate::simulation::rig::{Rig, RigError, RigTable};
 use crate::terrain::TerrainSpec;
 use crate::trace::truth::PAPER_WINDOW;
 use crate::wheel::{Wheel, WheelTable};
-use document::{Document, Misfit, check_version};
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
 
@@ -467,65 +465,4 @@ pub enum ScenarioError {
         /// The reason, with a way out.
         reason: String,
     },
-}
-
-/// A fault in the text of a scenario or a study, and its place.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub struct Fault {
-    /// Name of the file.
-    pub file: String,
-    /// Line, from 1.
-    pub line: usize,
-    /// Column, from 1, in characters.
-    pub column: usize,
-    /// What is wrong, and the way out.
-    pub message: String,
-    excerpt: String,
-    width: usize,
-}
-
-impl Fault {
-    pub(crate) fn new(file: &str, text: &str, Misfit { place, message }: Misfit) -> Self {
-        let before = text.get(..place.start).unwrap_or_default();
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let excerpt = text[line_start..].lines().next().unwrap_or_default();
-        let column = before[line_start..].chars().count() + 1;
-        let marked = text.get(place).unwrap_or_default();
-        let width = marked.lines().next().unwrap_or_default().chars().count();
-        Self {
-            file: file.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column,
-            message,
-            excerpt: excerpt.to_owned(),
-            width: width.max(1),
-        }
-    }
-
-    fn with_hint(mut self, keys: &[String]) -> Self {
-        let keys = keys.join("`, `");
-        self.message = format!("{}; keys like it in this scenario: `{keys}`", self.message);
-        self
-    }
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            file, line, column, ..
-        } = self;
-        let number = line.to_string();
-        let gutter = " ".repeat(number.len());
-        let indent: String = self
-            .excerpt
-            .chars()
-            .take(column - 1)
-            .map(|c| if c == '\t' { '\t' } else { ' ' })
-            .collect();
-        let caret = "^".repeat(self.width);
-        writeln!(f, "{file}:{line}:{column}: {}", self.message)?;
-        writeln!(f, "{gutter} |")?;
-        writeln!(f, "{number} | {}", self.excerpt)?;
-        write!(f, "{gutter} | {indent}{caret}")
-    }
 }

@@ -50,10 +50,10 @@ pub mod table;
 
 pub use execution::{Options, Outcome, Progress};
 
+use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
-use crate::scenario::document::{Document, Misfit, check_version};
 use crate::scenario::experiment::ExperimentError;
-use crate::scenario::{Fault, Scenario, ScenarioError};
+use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};

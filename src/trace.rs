@@ -84,9 +84,9 @@ pub struct Mean {
     pub unit: String,
     /// Mean.
     pub value: f64,
-    /// Standard deviation within the steady interval.
+    /// Standard deviation within the steady interval; NaN where it is not known.
     pub sd: f64,
-    /// Number of samples behind it.
+    /// Number of samples behind it; 0 where nobody counted.
     pub n: u64,
 }
 
@@ -129,7 +129,7 @@ pub struct Truth {
     pub profile: Vec<[f64; 2]>,
 }
 
-/// What a run's file says of it besides its channels.
+/// What a run's file says of it besides its channels. Numbers that nobody knows are NaN.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunAttributes {
     /// Rim radius [m].

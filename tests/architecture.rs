@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "quantity",
+    "document",
     "wheel",
     "soil",
     "terrain",
@@ -105,7 +106,7 @@ fn every_foreign_world_has_one_door() {
         ("hdf5::", "dataset"),
         ("clap::", "cli"),
         ("indicatif::", "cli"),
-        ("toml::", "scenario"),
+        ("toml::", "document"),
     ];
     let mut faults = Vec::new();
     for path in sources(&root()) {
@@ -115,8 +116,9 @@ fn every_foreign_world_has_one_door() {
                 let line = line.trim_start();
                 !line.starts_with("//") && line.replace("dataset::hdf5::", "").contains(world)
             });
-            let study = world == "toml::" && module == "study";
-            if used && module != door && !study {
+            // These two also write what they read.
+            let writes = world == "toml::" && ["scenario", "study"].contains(&module.as_str());
+            if used && module != door && !writes {
                 faults.push(format!("{} uses {world}", path.display()));
             }
         }

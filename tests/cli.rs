@@ -188,6 +188,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_wrong() {
     refuses("simulate quick --seed x", 2, &["--seed", "'x'"]);
     refuses("dataset quick --runs 0", 2, &["--runs", "1..=999999"]);
     refuses("dataset quick --jobs 0", 2, &["--jobs"]);
+    refuses("import note.txt", 2, &["--out <FILE.h5>"]);
 }
 
 #[test]
@@ -210,6 +211,8 @@ fn an_invalid_input_file_exits_with_3_and_the_message_shows_the_way() {
     refuses("inspect missing.h5", 3, &["cannot read missing.h5"]);
     refuses("inspect note.txt", 3, &["note.txt is not an HDF5 file"]);
     refuses("plot sub", 3, &["cannot read sub"]);
+    refuses("import moon.toml --out a.h5", 3, &["campaign moon.toml"]);
+    refuses("import note.txt --out a.h5", 3, &["note.txt:1:"]);
 }
 
 #[test]
@@ -250,6 +253,72 @@ fn a_failed_run_is_named_with_its_reason_and_leaves_the_file_of_before() {
     done(short(at, "dataset", "--runs 1 --out runs.h5"));
     assert_eq!(RunFile::open(at.join("runs.h5")).unwrap().runs().len(), 1);
     assert_eq!(left(at), ["runs.h5"]);
+}
+
+/// A campaign of two runs in `folder`; the second has `cell` for its last force.
+fn write_campaign(folder: &Path, cell: &str) {
+    let run = |file: &str| {
+        format!(
+            "[[run]]\nfile = \"{file}\"\ncolumns = {{ time_s = \"t\", normal_force = \"F\" }}\nload_n = 10\n"
+        )
+    };
+    let campaign = format!("version = 1\n{}{}", run("one.csv"), run("two.csv"));
+    fs::write(folder.join("campaign.toml"), campaign).unwrap();
+    let samples = |cell: &str| format!("t,F\n0.0,10.1\n0.1,9.9\n0.2,{cell}\n");
+    fs::write(folder.join("one.csv"), samples("10.0")).unwrap();
+    fs::write(folder.join("two.csv"), samples(cell)).unwrap();
+}
+
+#[test]
+fn a_campaign_is_imported_whole_or_not_at_all() {
+    let folder = folder();
+    let at = folder.path();
+    write_campaign(at, "10.2");
+    let said = done(run(at, "import campaign.toml --out runs.h5"));
+    assert!(
+        said.starts_with("campaign.toml: 2 runs\nchannels  normal_force\n"),
+        "{said}"
+    );
+    assert!(said.ends_with("written to runs.h5\n"), "{said}");
+    let before = fs::read(at.join("runs.h5")).unwrap();
+    let json = done(run(at, "import campaign.toml --out again.h5 --json"));
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&json["runs"], &json["doubts"]), (&2.into(), &0.into()));
+    assert!(
+        before == fs::read(at.join("again.h5")).unwrap(),
+        "the same bytes"
+    );
+    write_campaign(at, "ten");
+    let output = run(at, "import campaign.toml --out runs.h5");
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    assert!(
+        errors.starts_with("error: campaign.toml:8:42: two.csv:4: column \"F\" holds \"ten\""),
+        "{errors}"
+    );
+    assert!(
+        before == fs::read(at.join("runs.h5")).unwrap(),
+        "the file of before stays"
+    );
+    let files = ["again.h5", "campaign.toml", "one.csv", "runs.h5", "two.csv"];
+    assert_eq!(left(at), files);
+}
+
+#[test]
+fn what_an_import_doubts_it_says_and_inspect_explains() {
+    let folder = folder();
+    let at = folder.path();
+    write_campaign(at, "10.2");
+    let campaign = fs::read_to_string(at.join("campaign.toml")).unwrap();
+    let kilograms = campaign.replacen("load_n = 10", "load_n = 98.1", 1);
+    fs::write(at.join("campaign.toml"), kilograms).unwrap();
+    let said = done(run(at, "import campaign.toml --out runs.h5"));
+    assert!(
+        said.contains("1 doubt; see lugwheel inspect runs.h5\n"),
+        "{said}"
+    );
+    let said = done(run(at, "inspect runs.h5"));
+    assert!(said.contains("a 9.8th: kilogram against newton?"), "{said}");
 }
 
 #[test]
@@ -320,7 +389,7 @@ fn a_reader_that_leaves_is_no_failure_and_a_full_stdout_is() {
 #[test]
 fn every_command_explains_itself() {
     let folder = folder();
-    for command in ["demo", "simulate", "dataset", "inspect", "plot"] {
+    for command in ["demo", "simulate", "dataset", "import", "inspect", "plot"] {
         let short = done(run(folder.path(), &format!("{command} -h")));
         assert!(
             short.contains("Usage: lugwheel") && short.contains("--json"),

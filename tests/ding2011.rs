@@ -57,7 +57,10 @@ struct Point {
 const LUG_THICKNESS: f64 = 0.002;
 
 fn points() -> Vec<Point> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ding2011.csv");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/ding2011/points.csv"
+    );
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path(file)

@@ -215,6 +215,26 @@ fn a_run_of_means_alone_shows_its_means() {
 }
 
 #[test]
+fn what_nobody_knows_of_a_measured_run_is_not_written() {
+    let mut trace = Trace {
+        attributes: sand().attributes,
+        means: vec![Mean {
+            name: "drawbar_pull".to_owned(),
+            unit: "N".to_owned(),
+            value: 18.25,
+            sd: f64::NAN,
+            n: 0,
+        }],
+        ..Trace::default()
+    };
+    trace.attributes.load = f64::NAN;
+    trace.attributes.wheel_width = f64::NAN;
+    let svg = trace_figure(&trace, "7").unwrap();
+    assert!(svg.contains("drawbar_pull: 18.25 N<") && !svg.contains("NaN"));
+    assert!(svg.contains("mm/s   |   slip ") && !svg.contains("load "));
+}
+
+#[test]
 fn channels_that_are_empty_or_no_numbers_are_remarked_upon_and_never_panic() {
     type Edit = fn(&mut Channel);
     let faults: [(Edit, &str); 5] = [

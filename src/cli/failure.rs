@@ -3,6 +3,7 @@
 use super::interrupt::Interrupted;
 use super::scenario_args::NoScenario;
 use super::study::FailedRuns;
+use lugwheel::dataset::csv::CampaignError;
 use lugwheel::dataset::hdf5::RunFileError;
 use lugwheel::scenario::ScenarioError;
 use lugwheel::study::StudyError;
@@ -61,6 +62,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
         || cause.is::<NoScenario>()
+        || cause.is::<CampaignError>()
         || matches!(
             cause.downcast_ref::<StudyError>(),
             Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))

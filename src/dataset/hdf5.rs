@@ -15,7 +15,8 @@
 //!
 //! Known channels are stored in single precision: 6e-8 of the value, 0.01 mN on 100 N and 1 nm on
 //! 20 mm. The wheel angle grows without end and keeps double precision, as do channels this
-//! program does not know. Numbers that nobody knows (the load of a hand-pushed cart) are NaN.
+//! program does not know. Numbers that nobody knows (the load of a hand-pushed cart, the spread of a
+//! published mean) are NaN.
 //!
 //! The structures are HDF5 1.8's, which have checksums, as compressed samples do: damage is an error
 //! or a gap, not a wrong number. Only texts have none.
@@ -28,6 +29,7 @@ mod writing;
 
 pub use reading::RunFile;
 pub use writing::RunFileWriter;
+pub(super) use writing::check_name;
 
 use ::hdf5::H5Type;
 use ::hdf5::types::FixedAscii;

@@ -1,10 +1,11 @@
-//! What is in a run file, checked: channels, units, rates, gaps, clipped or constant channels, and
-//! labels that the channels contradict.
+//! What is in a run file, checked: channels, units, rates, gaps, offsets, clipped or constant
+//! channels, and labels that the channels contradict.
 //!
 //! A check can only doubt. Each finding says what it saw and what would explain it; the data stay
 //! as they are.
 
 mod labels;
+mod offsets;
 pub(crate) mod samples;
 
 use super::hdf5::RunFile;
@@ -12,6 +13,8 @@ use crate::quantity::Seed;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use crate::trace::{Channel, Mean, RunAttributes, Trace};
 use serde::Serialize;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::fmt;
 
 /// What is in a run file, and what is odd about it.
@@ -91,7 +94,7 @@ pub struct MeanSummary {
 }
 
 /// How much a finding matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// Worth knowing.
@@ -151,6 +154,7 @@ pub fn findings(id: &str, trace: &Trace) -> Vec<Finding> {
 fn check(trace: &Trace, doubts: &mut Doubts) {
     samples::check(trace, doubts);
     labels::check(trace, doubts);
+    offsets::check(trace, doubts);
 }
 
 /// Findings of one run, as they are made.
@@ -257,8 +261,12 @@ impl fmt::Display for Inspection {
             return writeln!(f, "\nnothing odd");
         }
         writeln!(f, "\n{}", counted(findings.len(), "finding"))?;
-        for finding in findings {
-            finding.fmt(f)?;
+        for (finding, runs) in alike(findings) {
+            write!(f, "{finding}")?;
+            match runs {
+                1 => writeln!(f)?,
+                runs => writeln!(f, " (and in {})", counted(runs - 1, "other run"))?,
+            }
         }
         Ok(())
     }
@@ -277,9 +285,9 @@ impl fmt::Display for RunSummary {
             f,
             "\n{}: terrain {label}, class {class}, {} mm/s, slip {}, {} N{truth}",
             self.run,
-            number(1.0e3 * self.speed_m_s),
-            number(self.slip_ratio),
-            number(self.load_n),
+            known(1.0e3 * self.speed_m_s),
+            known(self.slip_ratio),
+            known(self.load_n),
         )?;
         if !self.channels.is_empty() {
             writeln!(
@@ -340,8 +348,12 @@ impl fmt::Display for MeanSummary {
             self.channel,
             self.unit,
             number(self.mean),
-            number(self.sd),
-            self.n
+            known(self.sd),
+            if self.n > 0 {
+                self.n.to_string()
+            } else {
+                "-".to_owned()
+            }
         )
     }
 }
@@ -357,12 +369,37 @@ impl fmt::Display for Finding {
             Some(channel) => format!("{} {channel}", self.run),
             None => self.run.clone(),
         };
-        writeln!(f, "  {severity:<8} {place}: {}", self.message)
+        write!(f, "  {severity:<8} {place}: {}", self.message)
     }
+}
+
+/// The first of the findings that differ in nothing but their run, and how many there are.
+fn alike(findings: &[Finding]) -> Vec<(&Finding, usize)> {
+    let mut groups: Vec<(&Finding, usize)> = Vec::new();
+    let mut known: HashMap<_, usize> = HashMap::new();
+    for finding in findings {
+        let what = (&finding.channel, finding.severity, &finding.message);
+        match known.entry(what) {
+            Entry::Occupied(group) => groups[*group.get()].1 += 1,
+            Entry::Vacant(new) => {
+                new.insert(groups.len());
+                groups.push((finding, 1));
+            }
+        }
+    }
+    groups
 }
 
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A number, or that nobody knows it.
+fn known(value: f64) -> String {
+    match value.is_nan() {
+        true => "-".to_owned(),
+        false => number(value),
+    }
 }
 
 /// A number with four digits that count.
@@ -492,16 +529,12 @@ mod tests {
     #[test]
     fn a_rim_commanded_12_mm_s_that_ran_at_13_is_named_from_means_alone() {
         // Forward at 10 mm/s with slip 0.2311, where the command makes it 1/6.
-        let mean = |name: &str, value| Mean {
-            name: name.to_owned(),
-            unit: unit_of(name).unwrap().to_owned(),
-            value,
-            sd: 0.0,
-            n: 1,
-        };
         let mut trace = sound();
         trace.channels.clear();
-        trace.means = vec![mean("slip_ratio", 0.2311), mean("forward_speed", 0.01)];
+        trace.means = vec![
+            mean("slip_ratio", 0.2311, 0.0),
+            mean("forward_speed", 0.01, 0.0),
+        ];
         trace.attributes.speed = 0.01;
         trace.attributes.slip_ratio = 1.0 / 6.0;
         let part = "slip 0.1667 (rim at 12 mm/s) ran at slip 0.2311 (rim at 13.01 mm/s)";
@@ -581,6 +614,146 @@ mod tests {
         expect(&wheel, None, error, "wheel_width_m is 150: millimetres?");
         let backward = with("wheel_angle", scaled(-1.0));
         expect(&backward, Some("wheel_angle"), error, "change its sign");
+    }
+
+    fn shifted(by: f64) -> impl Fn(&mut Channel) {
+        move |channel| channel.samples.iter_mut().for_each(|x| *x += by)
+    }
+
+    #[test]
+    fn a_gravity_in_the_wrong_unit_is_told_from_a_small_offset() {
+        let error = Severity::Error;
+        for (mean, part) in [
+            (-9.81, "gravity is still in it"),
+            (1.0, "in units of g"),
+            (96.2, "converted from g twice"),
+            (981.0, "in cm/s^2"),
+            (9810.0, "in mm/s^2"),
+        ] {
+            let trace = with("acceleration_y", shifted(mean));
+            expect(&trace, Some("acceleration_y"), error, part);
+        }
+        // The middle half of 10 s: 0.03 m/s^2 makes 0.15 m/s, 0.06 m/s^2 makes 0.3 m/s.
+        assert_eq!(findings("run", &with("acceleration_y", shifted(0.03))), []);
+        let offset = with("acceleration_y", shifted(0.06));
+        let part = "which makes 0.3 m/s of vertical speed in 5 s: an offset";
+        expect(&offset, Some("acceleration_y"), Severity::Warning, part);
+    }
+
+    #[test]
+    fn units_of_torque_pull_and_angle_are_doubted_by_their_size() {
+        let error = Severity::Error;
+        let torque = with("driving_torque", scaled(1000.0));
+        expect(
+            &torque,
+            Some("driving_torque"),
+            error,
+            "newton millimetres?",
+        );
+        let pull = with("drawbar_pull", scaled(1000.0));
+        expect(&pull, Some("drawbar_pull"), error, "a wrong prefix");
+        let degrees = with("wheel_angle", scaled(180.0 / std::f64::consts::PI));
+        expect(&degrees, Some("wheel_angle"), error, "in degrees?");
+        let mut degrees_alone = degrees;
+        degrees_alone.channels.retain(|c| c.name != "slip_ratio");
+        expect(&degrees_alone, Some("wheel_angle"), error, "in degrees?");
+    }
+
+    #[test]
+    fn a_braking_wheel_that_pulls_forward_has_a_wrong_sign() {
+        let mut trace = sound();
+        trace.attributes.slip_ratio = -0.5;
+        trace
+            .channels
+            .retain(|c| !["slip_ratio", "wheel_angle"].contains(&c.name.as_str()));
+        let part = "mean is 20 N while braking with slip -0.5";
+        expect(&trace, Some("drawbar_pull"), Severity::Warning, part);
+        trace.attributes.speed = -0.014;
+        trace.channels.retain(|c| c.name != "forward_speed");
+        assert_eq!(findings("run", &trace), [], "in reverse it is right");
+    }
+
+    #[test]
+    fn a_run_that_nobody_described_raises_no_doubt_but_that() {
+        let nobody_knows = RunAttributes {
+            wheel_radius: f64::NAN,
+            wheel_width: f64::NAN,
+            load: f64::NAN,
+            speed: f64::NAN,
+            slip_ratio: f64::NAN,
+            ..RunAttributes::default()
+        };
+        let trace = Trace {
+            attributes: nobody_knows,
+            ..sound()
+        };
+        let found = findings("run", &trace);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found.iter().all(|f| f.severity == Severity::Info));
+        assert!(found[0].message.starts_with("wheel_radius_m is not known"));
+    }
+
+    fn mean(name: &str, value: f64, sd: f64) -> Mean {
+        Mean {
+            name: name.to_owned(),
+            unit: unit_of(name).unwrap_or("N").to_owned(),
+            value,
+            sd,
+            n: 1000,
+        }
+    }
+
+    #[test]
+    fn a_sensor_without_load_that_reads_more_than_its_noise_has_an_offset() {
+        let mut trace = sound();
+        trace.channels.clear();
+        trace.attributes.load = 0.0;
+        trace.attributes.speed = 0.0;
+        trace.attributes.slip_ratio = 0.0;
+        trace.means = vec![
+            mean("normal_force", -0.2, 0.1),
+            mean("drawbar_pull", 5.8, 0.1),
+            mean("sinkage", 0.01, 0.0),
+        ];
+        let part = "reads 5.8 N (noise 0.1) without load: subtract it";
+        expect(&trace, Some("drawbar_pull"), Severity::Warning, part);
+        trace.attributes.load = 100.0;
+        trace.means.remove(0);
+        assert_eq!(findings("run", &trace), []);
+    }
+
+    #[test]
+    fn a_lifted_wheel_may_need_torque_to_turn_but_feels_no_ground() {
+        let mut trace = sound();
+        trace.attributes.load = 0.0;
+        trace
+            .channels
+            .retain(|c| c.name == "driving_torque" || c.name == "drawbar_pull");
+        let part = "without load";
+        expect(&trace, Some("drawbar_pull"), Severity::Warning, part);
+    }
+
+    #[test]
+    fn a_torque_before_the_wheel_turns_is_an_offset_and_a_start_from_rest_is_sound() {
+        let waits = |i: f64| 0.111 * (i / RATE - 1.0).max(0.0);
+        let mut trace = with_samples("wheel_angle", waits);
+        let stands = |samples: &mut [f64], mean: f64| {
+            let at_rest = samples[..500].iter_mut().enumerate();
+            at_rest.for_each(|(i, x)| *x = mean + 0.01 * (i as f64 * 0.7).sin());
+        };
+        for (name, at_rest) in [("driving_torque", 0.0), ("drawbar_pull", 1.0)] {
+            let channel = trace.channels.iter_mut().find(|c| c.name == name);
+            stands(&mut channel.unwrap().samples, at_rest);
+        }
+        assert_eq!(findings("run", &trace), [], "1 N is 1 % of the load");
+        let torque = trace
+            .channels
+            .iter_mut()
+            .find(|c| c.name == "driving_torque");
+        stands(&mut torque.unwrap().samples, 0.7);
+        // Half of the time until it has turned by 0.2 degrees.
+        let part = "for 0.516 s before the wheel turns: an offset";
+        expect(&trace, Some("driving_torque"), Severity::Warning, part);
     }
 
     #[test]
@@ -677,6 +850,27 @@ mod tests {
         let json = serde_json::to_value(&inspection).unwrap();
         assert_eq!(json["findings"][0]["severity"], "warning");
         assert_eq!(json["runs"][0]["channels"][1]["channel"], "normal_force");
+    }
+
+    #[test]
+    fn findings_that_differ_only_in_their_run_stand_on_one_line() {
+        let gap = |run: &str| Finding {
+            run: run.to_owned(),
+            channel: None,
+            severity: Severity::Info,
+            message: "wheel_radius_m is not known".to_owned(),
+        };
+        let inspection = Inspection {
+            file: "runs.h5".to_owned(),
+            created_by: String::new(),
+            seed: None,
+            runs: Vec::new(),
+            findings: vec![gap("r1"), gap("r2"), gap("r3")],
+        };
+        let table = inspection.to_string();
+        let last = "  info     r1: wheel_radius_m is not known (and in 2 other runs)";
+        assert_eq!(table.lines().last(), Some(last), "{table}");
+        assert!(table.contains("\n3 findings\n"));
     }
 
     #[test]

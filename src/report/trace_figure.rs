@@ -8,7 +8,7 @@ use super::page::four_digits;
 use super::spectrum::{OrderSpectrum, order_spectrum};
 use super::wheel_picture::{Ground, Pose, WheelShape, draw_wheel_on_ground, height_at};
 use crate::terrain::class::{TerrainLabel, Wtic};
-use crate::trace::{Channel, ClassWindow, RunAttributes, Trace};
+use crate::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace};
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1200.0;
@@ -507,14 +507,19 @@ impl Sheet {
         self.below += 14.0;
         self.line(Font::HEADER, "Means of the steady state");
         for mean in &trace.means {
-            let line = format!(
-                "{}: {} ± {} {} (standard deviation, n = {})",
-                mean.name,
-                four_digits(mean.value),
-                four_digits(mean.sd),
-                mean.unit,
-                mean.n
-            );
+            let Mean { name, unit, .. } = mean;
+            let value = four_digits(mean.value);
+            let line = match mean.sd.is_nan() {
+                true => format!("{name}: {value} {unit}"),
+                false => format!(
+                    "{name}: {value} ± {} {unit} (standard deviation, n = {})",
+                    four_digits(mean.sd),
+                    match mean.n {
+                        0 => "unknown".to_owned(),
+                        n => n.to_string(),
+                    }
+                ),
+            };
             self.line(Font::SMALL, &line);
         }
     }
@@ -549,19 +554,29 @@ fn class_colour(class: Wtic) -> &'static str {
     }
 }
 
+/// The wheel and what was commanded, without what nobody knows.
 fn wheel_and_condition(run: &RunAttributes) -> String {
     let wheel = match run.lug_count {
         0 => "smooth wheel".to_owned(),
         count => format!("{count} lugs of {:.1} mm", run.lug_height * 1e3),
     };
-    format!(
-        "{wheel}, rim radius {:.0} mm, width {:.0} mm   |   load {:.1} N   |   speed {:.1} mm/s   |   slip {:.2}",
-        run.wheel_radius * 1e3,
-        run.wheel_width * 1e3,
-        run.load,
-        run.speed * 1e3,
-        run.slip_ratio
-    )
+    let known = |value: f64, text: String| value.is_finite().then_some(text);
+    let (radius, width) = (run.wheel_radius * 1e3, run.wheel_width * 1e3);
+    let wheel = [
+        Some(wheel),
+        known(radius, format!("rim radius {radius:.0} mm")),
+        known(width, format!("width {width:.0} mm")),
+    ];
+    let wheel: Vec<String> = wheel.into_iter().flatten().collect();
+    let speed = run.speed * 1e3;
+    let parts = [
+        Some(wheel.join(", ")),
+        known(run.load, format!("load {:.1} N", run.load)),
+        known(speed, format!("speed {speed:.1} mm/s")),
+        known(run.slip_ratio, format!("slip {:.2}", run.slip_ratio)),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    parts.join("   |   ")
 }
 
 /// Where the run comes from, and its label.

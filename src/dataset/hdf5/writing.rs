@@ -196,7 +196,11 @@ fn check_names<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Resul
     Ok(())
 }
 
-fn check_name(what: &str, name: &str) -> Result<(), String> {
+/// Refuses what cannot be the name of a group or dataset.
+///
+/// # Errors
+/// The reason, in words.
+pub(in crate::dataset) fn check_name(what: &str, name: &str) -> std::result::Result<(), String> {
     if name.is_empty() || name == "." || name == ".." || name.contains(['/', '\0']) {
         return Err(format!("{what} {name:?} must be a name without \"/\""));
     }

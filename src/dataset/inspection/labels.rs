@@ -5,6 +5,7 @@ use super::{Doubts, Severity, number};
 use crate::quantity::GRAVITY;
 use crate::quantity::SlipRatio;
 use crate::trace::{Channel, RunAttributes, Trace};
+use std::f64::consts::TAU;
 
 /// How far the mean normal force may lie off the load [-].
 ///
@@ -20,12 +21,20 @@ const SLIP_TOLERANCE: f64 = 0.03;
 /// Slip [-] above which the motor drives: with less, a slope or the carriage may drag the wheel.
 const DRIVING_SLIP: f64 = 0.05;
 
+/// Braking slip [-] above which the ground holds the wheel back on any slope a rig has.
+const BRAKING_SLIP: f64 = 0.2;
+
+/// Pull over load [-] beyond which a unit is wrong, and torque over load at the lugs' tips: a
+/// locked wheel that ploughs to its axle drags by twice its load.
+const MOST_GRIP: f64 = 5.0;
+
 pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
     check_wheel(&trace.attributes, doubts);
     check_load(trace, doubts);
     check_speed(trace, doubts);
     check_slip(trace, doubts);
     check_signs(trace, doubts);
+    check_sizes(trace, doubts);
     check_acceleration(trace, doubts);
     check_sinkage(trace, doubts);
     check_class(trace, doubts);
@@ -43,7 +52,10 @@ fn check_wheel(attributes: &RunAttributes, doubts: &mut Doubts) {
         ("wheel_radius_m", wheel_radius),
         ("wheel_width_m", wheel_width),
     ] {
-        if !(0.01..=2.0).contains(&length) {
+        if length.is_nan() {
+            let message = format!("{name} is not known; what needs it is left out");
+            doubts.run(Severity::Info, message);
+        } else if !(0.01..=2.0).contains(&length) {
             let message = format!("{name} is {}: millimetres?", number(length));
             doubts.run(Severity::Error, message);
         }
@@ -63,7 +75,7 @@ fn check_load(trace: &Trace, doubts: &mut Doubts) {
         return;
     };
     let load = trace.attributes.load;
-    if force < 0.0 {
+    if force < 0.0 && load != 0.0 {
         let message = format!(
             "mean is {} N: the normal force points upward on the wheel; change its sign",
             number(force)
@@ -127,29 +139,58 @@ fn check_speed(trace: &Trace, doubts: &mut Doubts) {
 }
 
 fn check_slip(trace: &Trace, doubts: &mut Doubts) {
+    if let Some(message) = unit_of_angle(trace) {
+        doubts.channel("wheel_angle", Severity::Error, message);
+    }
     let Some((channel, slip)) = shown_slip(trace) else {
         return;
     };
     let commanded = trace.attributes.slip_ratio;
+    if channel == "wheel_angle" && unit_of_angle(trace).is_some() {
+        return;
+    }
     if !(-1.0..=1.0).contains(&slip) {
         let message = format!("mean is {}, outside [-1, 1]: per cent?", number(slip));
         doubts.channel(channel, Severity::Error, message);
     } else if (slip - commanded).abs() > SLIP_TOLERANCE {
-        let forward = trace.steady_mean("forward_speed");
-        let forward = forward.unwrap_or(trace.attributes.speed);
-        let rim = |slip| match rim_speed(slip, forward) {
+        let ordered = trace.attributes.speed;
+        let measured = trace.steady_mean("forward_speed").unwrap_or(ordered);
+        let ordered = if ordered.is_nan() { measured } else { ordered };
+        let rim = |slip, forward| match rim_speed(slip, forward) {
             Some(speed) => format!(" (rim at {} mm/s)", number(1.0e3 * speed)),
             None => String::new(),
         };
         let message = format!(
             "the run commanded slip {}{} ran at slip {}{}: the label is wrong; trust the channel",
             number(commanded),
-            rim(commanded),
+            rim(commanded, ordered),
             number(slip),
-            rim(slip)
+            rim(slip, measured)
         );
         doubts.channel(channel, Severity::Warning, message);
     }
+}
+
+/// What the unit of the wheel angle must be for the wheel to turn as commanded, if not radian.
+fn unit_of_angle(trace: &Trace) -> Option<String> {
+    let RunAttributes {
+        speed,
+        slip_ratio,
+        wheel_radius,
+        ..
+    } = trace.attributes;
+    let turning = wheel_speed(trace.channel("wheel_angle")?)?;
+    let commanded = rim_speed(slip_ratio, speed)? / wheel_radius;
+    let ratio = (turning / commanded).abs();
+    let units = [("degrees", 360.0 / TAU), ("turns", 1.0 / TAU)];
+    let (unit, _) = units
+        .iter()
+        .find(|(_, size)| (ratio / size - 1.0).abs() < 0.1)?;
+    Some(format!(
+        "turns at {} rad/s, commanded {} rad/s: in {unit}?",
+        number(turning),
+        number(commanded)
+    ))
 }
 
 /// The slip that the channels show, and the channel that shows it: slip itself, else the wheel's
@@ -201,8 +242,10 @@ fn check_signs(trace: &Trace, doubts: &mut Doubts) {
         );
         doubts.channel("wheel_angle", Severity::Error, message);
     }
+    // Where nobody knows the speed, forward is the common case.
+    let direction = if speed.is_nan() { 1.0 } else { speed };
     if let Some(torque) = trace.steady_mean("driving_torque")
-        && torque * speed < 0.0
+        && torque * direction < 0.0
         && slip_ratio > DRIVING_SLIP
     {
         let message = format!(
@@ -213,6 +256,51 @@ fn check_signs(trace: &Trace, doubts: &mut Doubts) {
         );
         doubts.channel("driving_torque", Severity::Warning, message);
     }
+    if let Some(pull) = trace.steady_mean("drawbar_pull")
+        && pull * direction > 0.0
+        && slip_ratio < -BRAKING_SLIP
+    {
+        let message = format!(
+            "mean is {} N while braking with slip {}: a wheel that brakes pulls backward; change \
+             its sign",
+            number(pull),
+            number(slip_ratio)
+        );
+        doubts.channel("drawbar_pull", Severity::Warning, message);
+    }
+}
+
+/// Doubts a pull or a torque that no ground can give at this load.
+fn check_sizes(trace: &Trace, doubts: &mut Doubts) {
+    let RunAttributes {
+        load,
+        wheel_radius,
+        lug_height,
+        ..
+    } = trace.attributes;
+    let tip_radius = wheel_radius + lug_height;
+    for (name, unit, most, guess) in [
+        ("drawbar_pull", "N", load, "a wrong prefix (milli, kilo)?"),
+        (
+            "driving_torque",
+            "N m",
+            load * tip_radius,
+            "newton millimetres?",
+        ),
+    ] {
+        let most = MOST_GRIP * most;
+        if let Some(mean) = trace.steady_mean(name)
+            && mean.abs() > most
+            && load > 0.0
+        {
+            let message = format!(
+                "mean is {} {unit} at a load of {} N: {guess}",
+                number(mean),
+                number(load)
+            );
+            doubts.channel(name, Severity::Error, message);
+        }
+    }
 }
 
 fn check_acceleration(trace: &Trace, doubts: &mut Doubts) {
@@ -220,12 +308,18 @@ fn check_acceleration(trace: &Trace, doubts: &mut Doubts) {
     let Some(mean) = trace.steady_mean(name) else {
         return;
     };
-    let near = |value: f64| (mean.abs() / value - 1.0).abs() < 0.05;
-    let guess = if near(GRAVITY) {
-        "gravity is still in it; subtract it on import"
-    } else if near(1.0) {
-        "in units of g, with gravity in it?"
-    } else {
+    const GUESSES: [(f64, &str); 5] = [
+        (GRAVITY, "gravity is still in it; subtract it on import"),
+        (1.0, "in units of g, with gravity in it?"),
+        (
+            GRAVITY * GRAVITY,
+            "converted from g twice, with gravity in it?",
+        ),
+        (1.0e2 * GRAVITY, "in cm/s^2, with gravity in it?"),
+        (1.0e3 * GRAVITY, "in mm/s^2 or milli-g, with gravity in it?"),
+    ];
+    let near = |(value, _): &&(f64, &str)| (mean.abs() / value - 1.0).abs() < 0.05;
+    let Some((_, guess)) = GUESSES.iter().find(near) else {
         return;
     };
     let message = format!("mean is {} m/s^2: {guess}", number(mean));

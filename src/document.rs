@@ -1,8 +1,12 @@
 //! A TOML text in which every key knows its place: to point at a line, and to edit one.
+//!
+//! Scenarios, studies and campaigns of measured runs are such texts; a [`Fault`] in one of them
+//! shows the line that holds it.
 
 use crate::quantity::RangeError;
 use serde::de::DeserializeOwned;
 use std::cmp::Reverse;
+use std::fmt;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
@@ -19,6 +23,68 @@ impl From<toml::de::Error> for Misfit {
         let place = error.span().unwrap_or(0..0);
         let message = in_plain_words(error.message());
         Self { place, message }
+    }
+}
+
+/// A fault in the text of a scenario, study or campaign, and its place.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub struct Fault {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1, in characters.
+    pub column: usize,
+    /// What is wrong, and the way out.
+    pub message: String,
+    excerpt: String,
+    width: usize,
+}
+
+impl Fault {
+    pub(crate) fn new(file: &str, text: &str, Misfit { place, message }: Misfit) -> Self {
+        let before = text.get(..place.start).unwrap_or_default();
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let excerpt = text[line_start..].lines().next().unwrap_or_default();
+        let column = before[line_start..].chars().count() + 1;
+        let marked = text.get(place).unwrap_or_default();
+        let width = marked.lines().next().unwrap_or_default().chars().count();
+        Self {
+            file: file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column,
+            message,
+            excerpt: excerpt.to_owned(),
+            width: width.max(1),
+        }
+    }
+
+    /// This fault with the keys of a scenario that resemble an unknown one.
+    pub(crate) fn with_hint(mut self, keys: &[String]) -> Self {
+        let keys = keys.join("`, `");
+        self.message = format!("{}; keys like it in this scenario: `{keys}`", self.message);
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            file, line, column, ..
+        } = self;
+        let number = line.to_string();
+        let gutter = " ".repeat(number.len());
+        let indent: String = self
+            .excerpt
+            .chars()
+            .take(column - 1)
+            .map(|c| if c == '\t' { '\t' } else { ' ' })
+            .collect();
+        let caret = "^".repeat(self.width);
+        writeln!(f, "{file}:{line}:{column}: {}", self.message)?;
+        writeln!(f, "{gutter} |")?;
+        writeln!(f, "{number} | {}", self.excerpt)?;
+        write!(f, "{gutter} | {indent}{caret}")
     }
 }
 
@@ -256,6 +322,9 @@ fn shared_words(key: &str, quantity: &str) -> usize {
 fn in_plain_words(message: &str) -> String {
     if message.starts_with("wanted exactly 1 element") {
         return "this table names one kind of thing: keep one key in it".to_owned();
+    }
+    if message.contains("`$__toml_private_datetime`") {
+        return "a date is no value here; write a date in quotes".to_owned();
     }
     let Some(rest) = message.strip_prefix("unknown ") else {
         return message.to_owned();

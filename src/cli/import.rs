@@ -1,0 +1,114 @@
+//! `import`: measured CSV files to a run file.
+
+use super::interrupt;
+use super::output::Output;
+use clap::Args;
+use lugwheel::dataset::Provenance;
+use lugwheel::dataset::csv::Campaign;
+use lugwheel::dataset::hdf5::RunFileWriter;
+use lugwheel::dataset::inspection::{Severity, findings};
+use lugwheel::trace::Trace;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Gather measured CSV files in a run file
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Import {
+    /// Campaign file: which CSV files, which columns, in which units, measured how
+    #[arg(value_name = "CAMPAIGN.toml")]
+    campaign: PathBuf,
+    /// Run file to write
+    #[arg(long, value_name = "FILE.h5")]
+    out: PathBuf,
+}
+
+const EXAMPLES: &str = "\
+Example campaign:
+  version = 1
+  [[run]]                       # a time series; [table] has a row of steady means a run
+  file = \"run_01.csv\"
+  columns = { time_s = \"t\", normal_force = \"Fz\", acceleration_y = { column = \"az\", unit = \"g\", subtract = 1.0 } }
+  wheel = { radius_m = 0.14, width_m = 0.15, lug_count = 28, lug_height_m = 0.015 }
+  load_n = 100.0
+  speed_m_s = 0.014
+  slip_ratio = 0.1              # commanded
+  terrain = \"ST\"
+
+Whatever is not known may be left out. The file holds all runs, or it is not written.";
+
+/// What was gathered.
+#[derive(Debug, Serialize)]
+struct Summary {
+    campaign: String,
+    file: String,
+    runs: usize,
+    channels: BTreeSet<String>,
+    means: BTreeSet<String>,
+    /// Findings of `inspect` that are warnings or errors.
+    doubts: usize,
+}
+
+impl Import {
+    /// Imports the campaign and says what it holds.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let campaign = Campaign::load(&self.campaign)?;
+        let mut writer = RunFileWriter::create(&self.out, &Provenance::measured())?;
+        let mut summary = Summary {
+            campaign: self.campaign.display().to_string(),
+            file: self.out.display().to_string(),
+            runs: 0,
+            channels: BTreeSet::new(),
+            means: BTreeSet::new(),
+            doubts: 0,
+        };
+        for run in campaign.runs() {
+            interrupt::check()?;
+            let (id, trace) = run?;
+            writer.add(&id, &trace)?;
+            summary.add(&id, &trace);
+        }
+        writer.finish()?;
+        output.print(&summary)
+    }
+}
+
+impl Summary {
+    fn add(&mut self, id: &str, trace: &Trace) {
+        self.runs += 1;
+        let channels = trace.channels.iter().map(|channel| channel.name.clone());
+        self.channels.extend(channels);
+        let means = trace.means.iter().map(|mean| mean.name.clone());
+        self.means.extend(means);
+        let doubts = findings(id, trace);
+        let doubts = doubts.iter().filter(|f| f.severity > Severity::Info);
+        self.doubts += doubts.count();
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            campaign,
+            file,
+            runs,
+            doubts,
+            ..
+        } = self;
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        writeln!(f, "{campaign}: {runs} run{}", plural(*runs))?;
+        for (kind, names) in [("channels", &self.channels), ("means", &self.means)] {
+            if !names.is_empty() {
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                writeln!(f, "{kind:<10}{}", names.join(", "))?;
+            }
+        }
+        if *doubts > 0 {
+            let plural = plural(*doubts);
+            writeln!(f, "{doubts} doubt{plural}; see lugwheel inspect {file}")?;
+        }
+        writeln!(f, "\nwritten to {file}")
+    }
+}

@@ -1,0 +1,200 @@
+//! Measured campaigns: CSV files of a test rig, described by one TOML file.
+//!
+//! ```toml
+//! version = 1
+//!
+//! [[run]]                      # a time series: every column a channel
+//! file = "run_01.csv"          # from this file's folder; a header row names the columns
+//! columns = { time_s = "t", acceleration_y = { column = "az", unit = "g", subtract = 1.0 }, normal_force = "Fz_N" }
+//! wheel = { radius_m = 0.14, width_m = 0.15, lug_count = 28, lug_height_m = 0.015 }
+//! load_n = 100.0
+//! speed_m_s = 0.014
+//! slip_ratio = 0.1             # commanded; or rim_speed_m_s
+//! terrain = "ST"
+//!
+//! [table]                      # steady means: every row a run
+//! file = "means.csv"
+//! columns = { drawbar_pull = { column = "Fx [kN]", unit = "kN", sd = "sd [kN]", n = "samples" } }
+//! wheel = { radius_m = 0.14, width_m = 0.15 }
+//! slip_ratio = { column = "slip [%]", unit = "%" }
+//! ```
+//!
+//! A cell becomes `(cell - subtract) · scale · unit`: `subtract` is in the column's unit and 0
+//! unless given, `scale` is 1, `unit` the channel's own. A column without `unit` whose header
+//! states another one is refused. A channel that is not among the known
+//! [`CHANNELS`](crate::trace::CHANNELS) needs its `unit` and is carried along. Times come from
+//! `time_s`, equally spaced to a fifth of a period, or from `sample_rate_hz`. Empty lines and those
+//! that begin with `#` are no data.
+//!
+//! Every attribute of a run may be left out: `id` (else `run_000000`, counted), `wheel`,
+//! `load_n`, `speed_m_s`, `slip_ratio` or `rim_speed_m_s` [m/s], `terrain`, `class`, `repeat`,
+//! `day`, `notes`. Numbers that nobody knows are NaN, as are missing cells of a channel, and the
+//! spread of a mean; an unknown count is 0. In a [table] an attribute is a value for all rows or a
+//! `{ column = "..." }`. `rows = { trial = 3 }` picks the rows whose cells are equal; `delimiter`
+//! is a comma unless given.
+
+mod condition;
+mod description;
+mod series;
+mod sheet;
+mod source;
+mod steady;
+mod unit;
+
+use super::hdf5::check_name;
+use crate::document::{Document, Fault, Misfit, check_version};
+use crate::trace::Trace;
+use description::{CampaignTable, SourceTable};
+use source::Source;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// The version of campaign files that this program reads.
+const VERSION: i64 = 1;
+
+/// A campaign file, its CSV files not yet read.
+#[derive(Debug)]
+pub struct Campaign {
+    path: PathBuf,
+    text: String,
+    table: CampaignTable,
+}
+
+/// Why a campaign cannot be imported.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// The file cannot be read.
+    #[error("cannot read campaign {}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The text is no campaign, or a CSV file is not what it says.
+    #[error(transparent)]
+    Invalid(#[from] Fault),
+}
+
+/// Something wrong, and the dotted key in the campaign that says so.
+#[derive(Debug)]
+struct Misplaced {
+    key: String,
+    message: String,
+}
+
+impl Campaign {
+    /// Reads a campaign file.
+    ///
+    /// # Errors
+    /// `Unreadable` where there is no such text file; `Invalid` points at the line of the first
+    /// fault: text that is not TOML, unknown or missing keys, values of the wrong type.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, CampaignError> {
+        let path = path.as_ref().to_owned();
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(source) => return Err(CampaignError::Unreadable { path, source }),
+        };
+        let table =
+            read(&text).map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit))?;
+        Ok(Self { path, text, table })
+    }
+
+    /// The runs with their ids, in the order of the file, each read from its CSV file when its
+    /// turn comes.
+    ///
+    /// # Errors
+    /// `Invalid` points at the line of the campaign that a CSV file does not keep to, or whose
+    /// value is outside its range; where a cell is to blame, with its file, line and column.
+    pub fn runs(&self) -> impl Iterator<Item = Result<(String, Trace), CampaignError>> + '_ {
+        let series = self.table.runs.iter().enumerate();
+        let series = series.map(|(index, table)| vec![self.series(index, table)]);
+        let steady = self.table.table.iter().map(|table| self.steady(table));
+        let mut ids = HashSet::new();
+        let runs = series.chain(steady).flatten().enumerate();
+        runs.map(move |(number, run)| {
+            let Run { id, key, trace } = run.map_err(|misplaced| self.fault(misplaced))?;
+            let id = id.unwrap_or_else(|| format!("run_{number:06}"));
+            let fault = |message: String| {
+                self.fault(Misplaced {
+                    key: format!("{key}.id"),
+                    message,
+                })
+            };
+            check_name("run id", &id).map_err(fault)?;
+            if !ids.insert(id.clone()) {
+                let message =
+                    format!("an earlier run has the id {id:?}; leave id out to number them");
+                return Err(fault(message));
+            }
+            Ok((id, trace))
+        })
+    }
+
+    fn series(&self, index: usize, table: &SourceTable) -> Result<Run, Misplaced> {
+        let key = format!("run.{index}");
+        let source = Source { table, key: &key };
+        check_channels(source)?;
+        let (id, trace) = series::read(source, self.folder())?;
+        Ok(Run { id, key, trace })
+    }
+
+    fn steady(&self, table: &SourceTable) -> Vec<Result<Run, Misplaced>> {
+        let key = "table";
+        let source = Source { table, key };
+        let read = check_channels(source).and_then(|()| steady::read(source, self.folder()));
+        let run = |(id, trace)| {
+            let key = key.to_owned();
+            Ok(Run { id, key, trace })
+        };
+        match read {
+            Ok(runs) => runs.into_iter().map(run).collect(),
+            Err(misplaced) => vec![Err(misplaced)],
+        }
+    }
+
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    fn fault(&self, Misplaced { key, message }: Misplaced) -> CampaignError {
+        let place = Document::parse(&self.text).map_or(0..0, |document| document.place(&key));
+        let misfit = Misfit { place, message };
+        Fault::new(&self.path.display().to_string(), &self.text, misfit).into()
+    }
+}
+
+/// A run that was read.
+struct Run {
+    id: Option<String>,
+    /// Dotted key of the part of the campaign it comes from.
+    key: String,
+    trace: Trace,
+}
+
+fn read(text: &str) -> Result<CampaignTable, Misfit> {
+    let document = Document::parse(text)?;
+    check_version(&document, "campaign", VERSION)?;
+    let table: CampaignTable = document.read()?;
+    if table.runs.is_empty() && table.table.is_none() {
+        return Err(Misfit {
+            place: document.place("version"),
+            message: "no runs; describe a time series in [[run]] or steady means in [table]"
+                .to_owned(),
+        });
+    }
+    Ok(table)
+}
+
+/// Refuses names and units of channels that cannot be stored.
+fn check_channels(source: Source<'_>) -> Result<(), Misplaced> {
+    for name in source.table.columns.keys() {
+        let at = |message| source.fault(&format!("columns.{name}"), message);
+        check_name("channel", name).map_err(at)?;
+        let unit = source.column(name).map_err(at)?.unit.unwrap_or_default();
+        if unit.contains('\0') {
+            return Err(at("a unit must not hold a NUL character".to_owned()));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! Steady means: every row a run.
+
+use super::sheet::{Header, Row};
+use super::source::{Measure, Source};
+use super::{Misplaced, condition};
+use crate::trace::{Mean, Trace};
+use std::path::Path;
+
+/// A quantity of every row: its mean, and the columns of its spread and count.
+struct Quantity {
+    mean: Measure,
+    sd: Option<usize>,
+    n: Option<usize>,
+}
+
+/// The runs that `source` describes, each with its id where one is given.
+pub(super) fn read(
+    source: Source<'_>,
+    folder: &Path,
+) -> Result<Vec<(Option<String>, Trace)>, Misplaced> {
+    if source.table.sample_rate_hz.is_some() {
+        let message = "the rows of a [table] are runs, not samples; time series go to a [[run]]";
+        return Err(source.fault("sample_rate_hz", message));
+    }
+    if source.table.columns.contains_key("time_s") {
+        let message = "the rows of a [table] are runs, not samples; time series go to a [[run]]";
+        return Err(source.fault("columns.time_s", message));
+    }
+    let mut rows = source.open(folder)?;
+    let header = rows.header().clone();
+    let quantities = source.channels()?.into_iter();
+    let quantities = quantities.map(|name| quantity(source, name, &header));
+    let quantities = quantities.collect::<Result<Vec<_>, _>>()?;
+    let mut runs = Vec::new();
+    while let Some(row) = rows.next_row()? {
+        let (id, attributes) = condition::of_row(source, &header, &row)?;
+        let mut means = Vec::new();
+        for quantity in &quantities {
+            let at = |message| source.fault(&format!("columns.{}", quantity.mean.name), message);
+            means.extend(mean(quantity, &header, &row).map_err(at)?);
+        }
+        let trace = Trace {
+            attributes,
+            means,
+            ..Trace::default()
+        };
+        runs.push((id, trace));
+    }
+    match runs.is_empty() {
+        true => Err(rows.nothing()),
+        false => Ok(runs),
+    }
+}
+
+fn quantity(source: Source<'_>, name: &str, header: &Header) -> Result<Quantity, Misplaced> {
+    let mean = source.measure(name, header)?;
+    let at = |message| source.fault(&format!("columns.{name}"), message);
+    let column = source.column(name).map_err(at)?;
+    let place = |name: &Option<String>| name.as_ref().map(|name| header.column(name)).transpose();
+    Ok(Quantity {
+        mean,
+        sd: place(&column.sd).map_err(at)?,
+        n: place(&column.n).map_err(at)?,
+    })
+}
+
+/// The mean in a row; none where it was not measured.
+fn mean(quantity: &Quantity, header: &Header, row: &Row) -> Result<Option<Mean>, String> {
+    let Quantity { mean, sd, n } = quantity;
+    let number = |column: &Option<usize>| match column {
+        Some(column) => header.number(row, *column),
+        None => Ok(f64::NAN),
+    };
+    let value = mean.value(header, row)?;
+    let sd = mean.spread(number(sd)?);
+    if sd < 0.0 {
+        return Err(format!(
+            "{}: a standard deviation is 0 or more, got {sd}",
+            header.place(row)
+        ));
+    }
+    let n = match number(n)? {
+        n if n.is_nan() => 0,
+        n if n.fract() == 0.0 && n >= 0.0 => n as u64,
+        n => return Err(format!("{}: n must be a count, got {n}", header.place(row))),
+    };
+    let Measure { name, unit, .. } = mean.clone();
+    Ok(value.is_finite().then_some(Mean {
+        name,
+        unit,
+        value,
+        sd,
+        n,
+    }))
+}
