@@ -190,3 +190,68 @@ pub fn strongest_order(increments: &VelocityIncrements) -> f64 {
         .max_by(|a, b| a.1.total_cmp(&b.1))
         .map_or(1.0, |(order, _)| order)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Increments of `passes` lug passes from the value at each, in lug angles.
+    fn increments(passes: f64, value: impl Fn(f64) -> f64) -> VelocityIncrements {
+        let steps = (passes * STEPS as f64) as usize;
+        let at = |step: usize| (step as f64 + 0.5) / STEPS as f64;
+        VelocityIncrements {
+            increments: (0..steps).map(|step| value(at(step))).collect(),
+            passes,
+        }
+    }
+
+    /// One impact of a step's width, on ground that takes the velocity back in between.
+    fn impacts(every: f64) -> impl Fn(f64) -> f64 {
+        move |u| {
+            let hit = (u / every).fract() < 1.0 / STEPS as f64 / every;
+            f64::from(u8::from(hit)) - 1.0 / (STEPS as f64 * every)
+        }
+    }
+
+    #[test]
+    fn an_impact_at_every_lug_pass_reads_one_all_three_ways() {
+        for passes in [4.0, 8.5, 15.0] {
+            let every = increments(passes, impacts(1.0));
+            let rate = contact_rate(&every);
+            // The window's ends cut an event or not.
+            assert!((rate - 1.0).abs() < 0.6 / passes, "{passes}: {rate}");
+            assert!((lug_line(&every) - 1.0).abs() < 0.05);
+            let strongest = strongest_order(&every);
+            assert!(
+                (strongest - 1.0).abs() < 0.6 / passes,
+                "{passes}: {strongest}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_impact_at_every_third_lug_reads_a_third() {
+        let third = increments(15.0, impacts(3.0));
+        assert!((contact_rate(&third) - 1.0 / 3.0).abs() < 0.04);
+        assert!((lug_line(&third) - 1.0 / 3.0).abs() < 0.04);
+    }
+
+    #[test]
+    fn the_smooth_wave_of_a_lug_in_soil_reads_one_though_ripples_ride_on_it() {
+        let soil = increments(6.3, |u| {
+            libm::sin(TAU * u) + 0.4 * libm::sin(2.0 * TAU * u + 1.0) + 0.3 * libm::sin(0.37 * u)
+        });
+        assert!((lug_line(&soil) - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn one_strong_event_among_weak_ones_counts_for_little_more_than_one() {
+        let mixed = increments(10.0, |u| {
+            let hit = u.fract() < 1.0 / STEPS as f64;
+            let strength = if u < 1.0 { 20.0 } else { 1.0 };
+            f64::from(u8::from(hit)) * strength - 29.0 / (10.0 * STEPS as f64)
+        });
+        let rate = contact_rate(&mixed);
+        assert!(rate < 0.3, "{rate}");
+    }
+}

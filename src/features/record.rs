@@ -347,3 +347,137 @@ fn at_times(channel: &Channel, times: impl Iterator<Item = f64>) -> Vec<f64> {
     };
     times.map(value).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::{Mean, RunAttributes};
+
+    fn channel(name: &str, sample_rate: f64, samples: Vec<f64>) -> Channel {
+        Channel {
+            name: name.to_owned(),
+            unit: unit_of(name).unwrap().to_owned(),
+            sample_rate,
+            start: 0.0,
+            samples,
+        }
+    }
+
+    /// 10 s at 1 kHz, turning at 0.2 rad/s.
+    fn trace() -> Trace {
+        let acceleration = (0..10_000).map(|i| f64::from(i % 7)).collect();
+        let angle = (0..10_000).map(|i| 2.0e-4 * f64::from(i)).collect();
+        Trace {
+            attributes: RunAttributes {
+                wheel_radius: 0.14,
+                wheel_width: 0.15,
+                lug_count: 28,
+                lug_height: 0.015,
+                slip_ratio: 0.2,
+                ..RunAttributes::default()
+            },
+            channels: vec![
+                channel("acceleration_y", 1000.0, acceleration),
+                channel("wheel_angle", 1000.0, angle),
+            ],
+            ..Trace::default()
+        }
+    }
+
+    #[test]
+    fn windows_follow_each_other_and_the_last_counts_from_half_its_length() {
+        let record = Record::of(&trace()).unwrap();
+        let windows = |length| record.windows(Window::Seconds(length));
+        assert_eq!(windows(4.0), [0..4000, 4000..8000, 8000..10_000]);
+        assert_eq!(windows(4.2), [0..4200, 4200..8400]);
+        assert_eq!(windows(60.0), vec![0..10_000]);
+        // 2 rad are 8.9 lug passes.
+        let passes = record.windows(Window::LugPasses(3.0));
+        assert_eq!(passes.len(), 3);
+        assert!((record.lug_passes(&passes[0]) - 3.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn without_an_encoder_speed_and_slip_tell_how_far_the_wheel_turned_but_not_where_lugs_are() {
+        let mut run = trace();
+        run.channels[1] = channel("forward_speed", 500.0, vec![0.0224; 5000]);
+        let record = Record::of(&run).unwrap();
+        assert!(!record.tells_lugs);
+        // 0.0224 / (0.14 * 0.8) = 0.2 rad/s; a measured slip goes before the command.
+        let turned = record.angle[9000] - record.angle[0];
+        assert!((turned - 1.8).abs() < 1e-3, "{turned}");
+        run.means.push(Mean {
+            name: "slip_ratio".to_owned(),
+            unit: "1".to_owned(),
+            value: 0.6,
+            sd: 0.0,
+            n: 1,
+        });
+        assert!((Record::of(&run).unwrap().angle[9000] - 3.6).abs() < 1e-3);
+    }
+
+    #[test]
+    fn an_angle_at_another_rate_is_interpolated_over_the_time_both_share() {
+        let mut run = trace();
+        let slow = (0..100).map(|i| 0.02 * f64::from(i)).collect();
+        run.channels[1] = channel("wheel_angle", 10.0, slow);
+        run.channels[1].start = 1.0;
+        let record = Record::of(&run).unwrap();
+        assert_eq!(record.start, 1.0);
+        assert!((record.angle[50] - 0.01).abs() < 1e-12);
+        assert_eq!(record.len(), 9000);
+    }
+
+    #[test]
+    fn what_is_missing_or_in_another_unit_is_said() {
+        let message = |edit: &dyn Fn(&mut Trace)| {
+            let mut run = trace();
+            edit(&mut run);
+            Record::of(&run).unwrap_err().to_string()
+        };
+        assert!(
+            message(&|run| drop(run.channels.remove(0))).starts_with("no channel acceleration_y")
+        );
+        assert!(
+            message(&|run| drop(run.channels.remove(1))).starts_with("neither channel wheel_angle")
+        );
+        assert!(message(&|run| run.attributes.lug_count = 0).contains("no lugs"));
+        assert!(message(&|run| run.attributes.wheel_radius = 0.0).contains("wheel_radius_m"));
+        assert!(
+            message(&|run| run.channels[0].unit = "g".to_owned()).contains("convert on import")
+        );
+        assert!(message(&|run| run.channels[0].sample_rate = f64::NAN).contains("NaN Hz"));
+        assert!(message(&|run| run.channels[1].start = 10.0).contains("share less than"));
+    }
+
+    #[test]
+    fn a_window_says_why_it_cannot_be_used() {
+        let reason = |edit: &dyn Fn(&mut Trace), bandwidth: f64| {
+            let mut run = trace();
+            edit(&mut run);
+            let record = Record::of(&run).unwrap();
+            record.usable(0..record.len(), bandwidth).unwrap_err()
+        };
+        let samples = |f: &'static dyn Fn(usize) -> f64| {
+            move |run: &mut Trace| run.channels[0].samples = (0..10_000).map(f).collect()
+        };
+        assert_eq!(
+            reason(&|run| run.channels[0].samples[5] = f64::NAN, 100.0),
+            Unusable::NotNumbers(1)
+        );
+        assert_eq!(reason(&samples(&|_| 3.0), 100.0), Unusable::Constant);
+        let clipped = samples(&|i| (f64::from(i as u32) * 0.01).sin().min(0.9));
+        assert!(matches!(reason(&clipped, 100.0), Unusable::Clipped(n) if n > 1000));
+        let still = |run: &mut Trace| run.channels[1].samples = vec![0.3; 10_000];
+        assert_eq!(reason(&still, 100.0), Unusable::AtRest);
+        let slow = |run: &mut Trace| run.channels[1].samples.iter_mut().for_each(|a| *a *= 0.1);
+        assert!(matches!(
+            reason(&slow, 100.0),
+            Unusable::FewLugPasses { .. }
+        ));
+        assert!(matches!(
+            reason(&|_| (), 200.0),
+            Unusable::SlowRate { needed: 1250.0, .. }
+        ));
+    }
+}

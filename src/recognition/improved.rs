@@ -156,3 +156,125 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::{Channel, RunAttributes, Trace};
+    use crate::wheel::Wheel;
+
+    const RATE: f64 = 2000.0;
+
+    /// 20 s of the paper's single wheel at 0.2 rad/s, its velocity jumping at these
+    /// (lug pass, multiples of the reference's jump), on ground that else is quiet but for `noise`.
+    fn record(jumps: &[(f64, f64)], noise: f64) -> Record {
+        let wheel = Wheel::single_wheel();
+        let alpha = wheel.lug_angle().unwrap();
+        let jump = 0.4 * wheel.tip_radius() * libm::sin(0.5 * alpha);
+        let samples = 40_000;
+        let mut trembling = 1_u64;
+        let mut acceleration: Vec<f64> = (0..samples)
+            .map(|_| {
+                trembling = trembling
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                noise * ((trembling >> 40) as f64 / f64::from(1 << 23) - 1.0)
+            })
+            .collect();
+        for (place, size) in jumps {
+            let sample = (place * alpha / 0.2 * RATE).round() as usize;
+            acceleration[sample.min(samples - 1)] += size * jump * RATE;
+        }
+        let channel = |name: &str, unit: &str, samples| Channel {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            sample_rate: RATE,
+            start: 0.0,
+            samples,
+        };
+        let angle = (0..samples).map(|i| 0.2 * i as f64 / RATE).collect();
+        Record::of(&Trace {
+            attributes: RunAttributes {
+                wheel_radius: wheel.radius,
+                wheel_width: wheel.width,
+                lug_count: wheel.lug_count(),
+                lug_height: wheel.lug_height(),
+                ..RunAttributes::default()
+            },
+            channels: vec![
+                channel("acceleration_y", "m/s^2", acceleration),
+                channel("wheel_angle", "rad", angle),
+            ],
+            ..Trace::default()
+        })
+        .unwrap()
+    }
+
+    fn answer(jumps: &[(f64, f64)], noise: f64) -> Answer {
+        let record = record(jumps, noise);
+        class(&record, 0..record.len())
+    }
+
+    /// A jump of `size` at every lug change, shifted by a part of the lug angle.
+    fn every_lug(size: f64, shift: f64) -> Vec<(f64, f64)> {
+        (0..17)
+            .map(|lug| (f64::from(lug) + 0.5 + shift, size))
+            .collect()
+    }
+
+    #[test]
+    fn lugs_that_strike_in_time_and_by_their_height_are_alct_soft_or_hard_rig() {
+        for size in [0.5, 1.0, 1.5] {
+            let answer = answer(&every_lug(size, 0.05), 1e-3);
+            assert_eq!(answer.class, Wtic::Alct, "{size}: {}", answer.reason);
+            assert!(answer.confidence > 0.99);
+        }
+    }
+
+    #[test]
+    fn quiet_lugs_are_leis_and_one_hard_pulse_rules_soil_out() {
+        let mut jumps = every_lug(0.05, 0.0);
+        assert_eq!(answer(&jumps, 1e-3).class, Wtic::Leis);
+        jumps.push((5.2, 8.0));
+        assert_eq!(answer(&jumps, 1e-3).class, Wtic::Slct);
+    }
+
+    #[test]
+    fn strikes_out_of_time_too_hard_or_missing_are_slct() {
+        assert_eq!(answer(&every_lug(1.0, 0.4), 1e-3).class, Wtic::Slct);
+        assert_eq!(answer(&every_lug(3.0, 0.0), 1e-3).class, Wtic::Slct);
+        let some: Vec<_> = every_lug(1.0, 0.0).into_iter().step_by(2).collect();
+        assert_eq!(answer(&some, 1e-3).class, Wtic::Slct);
+    }
+
+    #[test]
+    fn noise_that_hides_a_lug_s_strike_leaves_the_class_unknown() {
+        let answer = answer(&every_lug(0.05, 0.0), 3.0);
+        assert_eq!(answer.class, Wtic::Uwtic);
+        assert!(
+            answer.reason.starts_with("noise reaches"),
+            "{}",
+            answer.reason
+        );
+    }
+
+    #[test]
+    fn a_short_window_borrows_from_its_neighbourhood_and_a_short_record_stays_unknown() {
+        let record = record(&every_lug(1.0, 0.0), 1e-3);
+        let second = 2000;
+        assert_eq!(class(&record, 9 * second..10 * second).class, Wtic::Alct);
+        let mut short = record.clone();
+        short.acceleration.truncate(2 * second);
+        short.angle.truncate(2 * second);
+        let answer = class(&short, 0..2 * second);
+        assert_eq!(answer.class, Wtic::Uwtic);
+        assert!(answer.reason.contains("record longer"), "{}", answer.reason);
+    }
+
+    #[test]
+    fn without_the_angle_of_the_lugs_the_class_is_unknown() {
+        let mut record = record(&every_lug(1.0, 0.0), 1e-3);
+        record.tells_lugs = false;
+        assert_eq!(class(&record, 0..record.len()).class, Wtic::Uwtic);
+    }
+}
