@@ -236,3 +236,88 @@ fn told(rows: &[Row], group: &dyn Fn(&Row) -> String) -> Result<Vec<Wtic>, Basel
     }
     Ok(answers)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::band_powers::BANDS;
+
+    /// A window at a speed, as loud as that in every band; silence cannot be used.
+    fn row(speed: &str, class: Wtic, loud: f64) -> Row {
+        Row {
+            repeat: "0".to_owned(),
+            condition: vec!["hard".to_owned(), speed.to_owned()],
+            label_class: Some(class),
+            truth: (speed != "0.02").then_some(Wtic::Slct),
+            answers: Vec::new(),
+            powers: (loud != 0.0).then_some([loud; BANDS]),
+        }
+    }
+
+    #[test]
+    fn the_map_counts_every_window_once_by_scenario_and_once_by_each_key() {
+        let rows = ["0.01", "0.02", "0.01", "0.02", "0.02"].map(|v| row(v, Wtic::Alct, 1.0));
+        let answers = [Wtic::Alct, Wtic::Alct, Wtic::Leis, Wtic::Uwtic, Wtic::Alct];
+        let parts = map(&rows, &answers, Against::Label, &["speed"]);
+        let told: Vec<(&str, &str, Option<Share>)> = parts
+            .iter()
+            .map(|part| (part.by.as_str(), part.value.as_str(), part.counted.accuracy))
+            .collect();
+        let expected = [
+            ("scenario", "hard", Share::of(3, 5)),
+            ("speed", "0.01", Share::of(1, 2)),
+            ("speed", "0.02", Share::of(2, 3)),
+        ];
+        assert_eq!(told, expected);
+        let against_truth = counted(&rows, &answers, Against::Truth, &|_| true);
+        assert_eq!(against_truth.confusion.total(), 2, "three have no truth");
+    }
+
+    #[test]
+    fn a_window_whose_vibration_cannot_be_used_is_unknown_to_the_baseline() {
+        let mut rows = Vec::new();
+        for speed in ["0.01", "-0.01", "0.02"] {
+            rows.push(row(speed, Wtic::Alct, 2.0));
+            rows.push(row(speed, Wtic::Leis, -2.0));
+        }
+        rows.push(row("0.02", Wtic::Alct, 0.0));
+        let by_speed = |row: &Row| magnitude(&row.condition[1]);
+        let answers = told(&rows, &by_speed).unwrap();
+        assert_eq!(answers[..2], [Wtic::Alct, Wtic::Leis]);
+        assert_eq!(answers[6], Wtic::Uwtic);
+        // In reverse it is the same speed, so that two values that differ in sign are not two.
+        let error = told(&rows[..4], &by_speed).unwrap_err();
+        assert!(matches!(error, BaselineError::OneGroup));
+    }
+
+    #[test]
+    fn the_text_has_the_published_counts_beside_the_simulated_ones_in_columns() {
+        let mut confusion = Confusion::default();
+        confusion.counts[0] = [58, 0, 0, 2];
+        let counted = Counted::from(confusion);
+        let score = RecognitionScore {
+            windows: 60,
+            published: Some(counted.clone()),
+            scores: vec![MethodScore {
+                method: "paper".to_owned(),
+                against: Against::Label,
+                all: counted,
+                map: Vec::new(),
+            }],
+        };
+        let text = score.to_string();
+        let line = |start: &str| {
+            text.lines()
+                .find(|line| line.trim_start().starts_with(start))
+        };
+        let (names, counts) = (line("true class").unwrap(), line("ALCT").unwrap());
+        let ends = |line: &str, of: &str| -> Vec<usize> {
+            line.match_indices(of)
+                .map(|(at, _)| at + of.len())
+                .collect()
+        };
+        assert_eq!(ends(names, "ALCT"), ends(counts, "58"));
+        assert_eq!(counts.matches("0.967 [0.886, 0.991]").count(), 2);
+        assert_eq!(line("SLCT"), None, "a class that did not occur has no row");
+    }
+}

@@ -26,9 +26,10 @@ use super::{Run, Study};
 use crate::features::band_powers::{BANDS, BandPowers};
 use crate::features::record::Record;
 use crate::features::{Extractor, Settings};
+use crate::quantity::RangeError;
 use crate::recognition::{Answer, Recognized, Recognizer};
 use crate::terrain::class::Wtic;
-use crate::trace::{ClassWindow, Trace};
+use crate::trace::{ClassWindow, LugTally, Trace};
 
 /// Name of the table.
 pub(super) const NAME: &str = "windows";
@@ -118,6 +119,7 @@ impl Table for Windows<'_> {
         names.extend(self.study.keys().map(str::to_owned));
         names.extend::<Vec<String>>(owned(&["start_s", "end_s", "lug_passes"]));
         names.extend::<Vec<String>>(owned(&["label", "label_class", "truth"]));
+        names.extend::<Vec<String>>(owned(&["touched_share", "entered_share"]));
         names.extend((1..=4).map(|number| format!("p{number}")));
         for method in &self.recognition.methods {
             names.push(class_column(method.as_str()));
@@ -156,10 +158,8 @@ pub(super) fn power_column(band: usize) -> String {
     format!("power_{band}")
 }
 
-fn powers(
-    record: &Record,
-    settings: Settings,
-) -> Result<Vec<Option<BandPowers>>, crate::quantity::RangeError> {
+/// The vibration of every window in bands, where it can be used.
+fn powers(record: &Record, settings: Settings) -> Result<Vec<Option<BandPowers>>, RangeError> {
     let mut extractor = Extractor::new(settings)?;
     let windows = record.windows(settings.window).into_iter();
     let powers = windows.map(|window| extractor.band_powers(record, window).ok());
@@ -203,7 +203,7 @@ impl Window {
     }
 }
 
-/// Label, its class, and the truth of a window.
+/// Label, its class, the truth of a window, and the shares of the lugs behind it.
 fn truth_cells(trace: &Trace, window: &Window) -> Vec<String> {
     let known = trace.truth.iter().flat_map(|truth| &truth.class_windows);
     let most = known.max_by(|a, b| window.overlap(a).total_cmp(&window.overlap(b)));
@@ -211,10 +211,15 @@ fn truth_cells(trace: &Trace, window: &Window) -> Vec<String> {
     let truth = most.filter(|truth| window.overlap(truth) >= enough);
     let label = truth.map(|truth| truth.terrain);
     let label = label.or(trace.attributes.terrain);
+    let lugs = truth.and_then(|truth| truth.lugs);
+    // No lug passed: no share, which is an empty cell.
+    let share = |some: u32, lugs: LugTally| f64::from(some) / f64::from(lugs.passed);
     let text = |text: Option<&str>| text.unwrap_or_default().to_owned();
     vec![
         text(label.map(|label| label.as_str())),
         text(label.map(|label| label.class().as_str())),
         text(truth.map(|truth| truth.class.as_str())),
+        cell(lugs.map(|lugs| share(lugs.touched, lugs))),
+        cell(lugs.map(|lugs| share(lugs.entered, lugs))),
     ]
 }

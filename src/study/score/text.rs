@@ -104,57 +104,63 @@ fn what_is_true(against: Against) -> &'static str {
     }
 }
 
-/// Width of a count and of a share with its interval.
+/// Width of a count, and of a share with its interval.
 const COUNT: usize = 7;
-const SHARE: usize = 22;
+const SHARE: usize = 24;
+/// Width of a confusion matrix with its recalls.
+const MATRIX: usize = 4 * COUNT + 3 + SHARE;
 
 fn confusion(
     f: &mut fmt::Formatter<'_>,
     counted: &Counted,
     published: Option<&Counted>,
 ) -> fmt::Result {
-    let sides: Vec<&Counted> = std::iter::once(counted).chain(published).collect();
-    write!(f, "  {:10}", "true")?;
-    for side in ["simulated", "published"].iter().take(sides.len()) {
-        write!(f, "{:<w$}{side:<SHARE$}", "", w = 4 * COUNT + 3)?;
-    }
-    write!(f, "\n  {:10}", "")?;
-    for _ in &sides {
-        CLASSES
-            .iter()
-            .try_for_each(|class| write!(f, "{class:>COUNT$}"))?;
-        write!(f, "   {:<SHARE$}", "recall")?;
-    }
-    writeln!(f)?;
+    let sides: Vec<(&str, &Counted)> = std::iter::once(("simulated", counted))
+        .chain(published.map(|published| ("published", published)))
+        .collect();
+    let titles = sides.iter().map(|(whose, _)| format!("{whose:<MATRIX$}"));
+    line_of(f, "", titles)?;
+    let columns = CLASSES.map(|class| format!("{:>COUNT$}", class.as_str()));
+    let columns = format!("{}   {:<SHARE$}", columns.concat(), "recall");
+    line_of(f, "true class", sides.iter().map(|_| columns.clone()))?;
     for (row, class) in CLASSES.iter().enumerate() {
-        if sides.iter().all(|side| !side.recalls.contains_key(class)) {
-            continue;
+        if sides
+            .iter()
+            .any(|(_, side)| side.recalls.contains_key(class))
+        {
+            line_of(
+                f,
+                class.as_str(),
+                sides.iter().map(|(_, side)| matrix_row(side, row)),
+            )?;
         }
-        write!(f, "  {:10}", class.as_str())?;
-        for side in &sides {
-            let counts = side.confusion.counts[row];
-            counts
-                .iter()
-                .try_for_each(|count| write!(f, "{count:>COUNT$}"))?;
-            write!(f, "   {:<SHARE$}", share(side.recalls.get(class)))?;
-        }
-        writeln!(f)?;
     }
-    for (side, whose) in sides.iter().zip(["simulated", "published"]) {
-        let Counted {
-            accuracy,
-            confused,
-            confusion,
-            ..
-        } = side;
+    for (whose, side) in sides {
         writeln!(
             f,
-            "  {whose}: accuracy {} of {}; {confused} confused with another known class",
-            share(accuracy.as_ref()),
-            confusion.total()
+            "  {whose}: accuracy {} of {}; {} confused with another known class",
+            share(side.accuracy.as_ref()),
+            side.confusion.total(),
+            side.confused
         )?;
     }
     Ok(())
+}
+
+/// Counts and recall of a true class.
+fn matrix_row(counted: &Counted, row: usize) -> String {
+    let counts = counted.confusion.counts[row].map(|count| format!("{count:>COUNT$}"));
+    let recall = share(counted.recalls.get(&CLASSES[row]));
+    format!("{}   {recall:<SHARE$}", counts.concat())
+}
+
+fn line_of(
+    f: &mut fmt::Formatter<'_>,
+    name: &str,
+    cells: impl Iterator<Item = String>,
+) -> fmt::Result {
+    let cells: String = cells.collect();
+    writeln!(f, "{}", format!("  {name:10}{cells}").trim_end())
 }
 
 fn parts(f: &mut fmt::Formatter<'_>, map: &[Part]) -> fmt::Result {
