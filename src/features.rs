@@ -23,6 +23,7 @@
 //!   holds no whole number of lug passes.
 //! - **Frequency** (51): [`frequency`].
 
+pub mod band_powers;
 pub mod frequency;
 pub mod lug_passes;
 pub mod record;
@@ -194,6 +195,21 @@ impl Extractor {
         let computed = self.computed(record, window.clone())?;
         let lug_pass = passes / record.seconds(&window);
         Ok(measured.over(&reference.correct(computed, lug_pass)))
+    }
+
+    /// Logarithms of the acceleration's power in bands, see [`band_powers`]; no reference, no wheel
+    /// angle and no bandwidth enters.
+    ///
+    /// # Errors
+    /// [`Unusable`] for samples that are no numbers, and a constant or clipped channel.
+    pub fn band_powers(
+        &mut self,
+        record: &Record,
+        window: Range<usize>,
+    ) -> Result<band_powers::BandPowers, Unusable> {
+        record.sound(window.clone())?;
+        let powers = self.spectra.powers(&record.acceleration[window]);
+        Ok(band_powers::of_lines(&powers, record.sample_rate))
     }
 
     /// Statistics of the measured acceleration.

@@ -6,9 +6,10 @@
 //! - [`Method::Improved`]: lug by lug, from what the paper leaves out: the wheel angle tells when
 //!   each lug should strike and how hard.
 //!
-//! Both answer UWTIC, with the reason, where they cannot tell. `baseline` is what users know, a
+//! Both answer UWTIC, with the reason, where they cannot tell. [`baseline`] is what users know, a
 //! classifier trained on band powers; [`confusion`] counts answers against truth.
 
+pub mod baseline;
 pub mod confusion;
 pub mod improved;
 pub mod paper;
@@ -30,6 +31,16 @@ pub enum Method {
     Paper,
     /// Lug by lug, see [`improved`].
     Improved,
+}
+
+impl Method {
+    /// The method in files and on the command line.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Improved => "improved",
+        }
+    }
 }
 
 /// What a method says of a window.

@@ -29,13 +29,32 @@
 //!
 //! Either way a run is the same bits alone, in the study, and on any thread.
 //!
+//! With a table `[recognition]` the class of every window is told and scored, see [`score`]:
+//!
+//! ```toml
+//! [recognition]
+//! methods = ["paper", "improved"]             # both if left out
+//! reference = "../single_wheel_ref.toml"      # features over its runs, at each run's condition
+//! settings = { bandwidth = 100.0 }            # see `features::Settings`
+//! baseline = { key = "rig.single_wheel.forward_speed" }  # a trained classifier, new to a speed
+//! [recognition.published]                     # counts to compare with, by true class
+//! ALCT = [58, 0, 0, 2]                        # answers ALCT, SLCT, LEIS, UWTIC
+//! SLCT = [0, 118, 0, 2]
+//! LEIS = [0, 0, 116, 4]
+//! ```
+//!
+//! Without `reference` the features are taken over the computed reference, passed through the
+//! sensors of the run. The windows are those of the scenario, unless `settings` has a `window`.
+//!
 //! Results go to one folder ([`Study::execute`]):
 //!
 //! ```text
-//! runs.csv       one row a run: condition, label, class, steady values; see `study::table`
+//! runs.csv       one row a run: condition, label, class, steady values; see `study::runs`
+//! windows.csv    one row a window: truth, features, answers; see `study::windows`
+//! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
-//! study.toml     the study as it was read, and scenarios/ as they were
+//! study.toml     the study as it was read; scenarios/ and reference.toml as they were
 //! origin.txt     program version, seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on
@@ -44,17 +63,24 @@
 mod band;
 mod execution;
 mod folder;
+mod recognition;
+mod references;
+pub mod runs;
+pub mod score;
 mod shard;
 mod sweep;
-pub mod table;
+mod table;
+pub mod windows;
 
 pub use execution::{Options, Outcome, Progress};
 
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
+use crate::recognition::baseline::BaselineError;
 use crate::scenario::experiment::ExperimentError;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
+use recognition::{Recognition, RecognitionTable};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::collections::HashSet;
@@ -89,6 +115,7 @@ pub struct Study {
     scenarios: Vec<Named>,
     settings: Vec<String>,
     sweeps: Vec<Sweep>,
+    recognition: Option<Recognition>,
     text: String,
 }
 
@@ -126,6 +153,7 @@ struct StudyTable {
     set: toml::Table,
     #[serde(default)]
     sweep: Vec<SweepTable>,
+    recognition: Option<RecognitionTable>,
 }
 
 impl Study {
@@ -185,7 +213,11 @@ impl Study {
 
     /// The experiment of a run.
     pub fn scenario(&self, run: &Run) -> Scenario {
-        let (named, entries) = self.condition(run.condition);
+        self.scenario_of(run.condition)
+    }
+
+    fn scenario_of(&self, condition: u64) -> Scenario {
+        let (named, entries) = self.condition(condition);
         let edited = named.scenario.with_all(&self.assignments(&entries));
         edited.expect("every condition was checked when the study was read")
     }
@@ -208,6 +240,17 @@ impl Study {
     fn keys(&self) -> impl Iterator<Item = &str> {
         let keys = self.sweeps.iter().flat_map(|sweep| &sweep.keys);
         keys.map(String::as_str)
+    }
+
+    /// The values of a swept key, as TOML.
+    fn values_of(&self, key: &str) -> Option<impl Iterator<Item = &str>> {
+        let place = |sweep: &Sweep| sweep.keys.iter().position(|swept| swept == key);
+        let found = self
+            .sweeps
+            .iter()
+            .find_map(|sweep| Some((sweep, place(sweep)?)));
+        let (sweep, column) = found?;
+        Some(sweep.rows.iter().map(move |row| row[column].as_str()))
     }
 
     /// The values of the swept keys in a run, as TOML, in the order of [`Study::keys`].
@@ -255,12 +298,18 @@ impl Study {
         let scenarios = self.scenarios.iter();
         let parts = [VERSION_OF_PROGRAM, &seed, &self.text]
             .into_iter()
-            .chain(scenarios.flat_map(|named| [named.name.as_str(), named.scenario.text()]));
+            .chain(scenarios.flat_map(|named| [named.name.as_str(), named.scenario.text()]))
+            .chain(self.reference_text());
         for part in parts {
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         }
         hex(&hash.finalize())
+    }
+
+    /// The scenario of the reference runs, as it was read.
+    fn reference_text(&self) -> Option<&str> {
+        self.recognition.as_ref()?.reference_text()
     }
 
     /// Checks every condition.
@@ -320,9 +369,13 @@ fn in_one_line(error: &ScenarioError) -> String {
 fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
     let document = Document::parse(text)?;
     check_version(&document, "study", VERSION)?;
-    let table: StudyTable = document.read()?;
-    let study = table.into_study(&document, text, folder)?;
+    let mut table: StudyTable = document.read()?;
+    let recognition = table.recognition.take();
+    let mut study = table.into_study(&document, text, folder)?;
     study.check(&document)?;
+    if let Some(table) = recognition {
+        study.recognition = Some(table.read(&study, &document, folder)?);
+    }
     Ok(study)
 }
 
@@ -348,6 +401,7 @@ impl StudyTable {
                 .map(|(key, value)| format!("{key}={value}"))
                 .collect(),
             sweeps,
+            recognition: None,
             text: text.to_owned(),
         };
         study
@@ -390,17 +444,7 @@ fn load_scenarios(paths: &[PathBuf], folder: &Path) -> Result<Vec<Named>, Wrong>
     let mut names = HashSet::new();
     let load = |(index, path): (usize, &PathBuf)| {
         let wrong = |message: String| (format!("scenarios.{index}"), message);
-        let scenario = Scenario::load(folder.join(path)).map_err(|error| {
-            wrong(match &error {
-                ScenarioError::Unreadable { source, .. } => {
-                    format!("{error}: {source}; paths are relative to the study file")
-                }
-                ScenarioError::Invalid(fault) => {
-                    format!("{}:{}: {}", fault.file, fault.line, fault.message)
-                }
-                other => other.to_string(),
-            })
-        })?;
+        let scenario = load_scenario(&folder.join(path)).map_err(wrong)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         if !names.insert(name.to_string()) {
             return Err(wrong(format!(
@@ -411,6 +455,18 @@ fn load_scenarios(paths: &[PathBuf], folder: &Path) -> Result<Vec<Named>, Wrong>
         Ok(Named { name, scenario })
     };
     paths.iter().enumerate().map(load).collect()
+}
+
+fn load_scenario(path: &Path) -> Result<Scenario, String> {
+    Scenario::load(path).map_err(|error| match &error {
+        ScenarioError::Unreadable { source, .. } => {
+            format!("{error}: {source}; paths are relative to the study file")
+        }
+        ScenarioError::Invalid(fault) => {
+            format!("{}:{}: {}", fault.file, fault.line, fault.message)
+        }
+        other => other.to_string(),
+    })
 }
 
 /// Every value of a table under its dotted key, as TOML.
@@ -491,6 +547,9 @@ pub enum StudyError {
         /// Why.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The windows of the runs train no classifier.
+    #[error("the baseline of [recognition] cannot be trained on the windows of the runs")]
+    Baseline(#[from] BaselineError),
     /// The caller stopped it.
     #[error(
         "stopped; {whole} of {shards} shards of runs are whole, and --resume goes on from them"

@@ -114,6 +114,19 @@ pub struct ClassWindow {
     pub class: Wtic,
     /// What the ground was under the axle for most of it.
     pub terrain: TerrainLabel,
+    /// The lugs behind the class, where they were counted.
+    pub lugs: Option<LugTally>,
+}
+
+/// Lugs that passed the bottom in a window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LugTally {
+    /// How many passed.
+    pub passed: u32,
+    /// How many of them touched the ground.
+    pub touched: u32,
+    /// How many of them entered it.
+    pub entered: u32,
 }
 
 /// What a simulation knows and a rig does not.

@@ -4,7 +4,9 @@ use lugwheel::dataset::Provenance;
 use lugwheel::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
 use lugwheel::quantity::Seed;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::{CHANNELS, Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
+use lugwheel::trace::{
+    CHANNELS, Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth,
+};
 use proptest::collection::{btree_map, vec};
 use proptest::option;
 use proptest::prelude::*;
@@ -140,7 +142,7 @@ prop_compose! {
         profile in vec([number(), number()], 0..30),
     ) -> Truth {
         let contact = |(lug, start, end, entered)| Contact { lug, start, end, entered };
-        let window = |(start, end, class, terrain)| ClassWindow { start, end, class, terrain };
+        let window = |(start, end, class, terrain)| ClassWindow { start, end, class, terrain, lugs: None };
         Truth {
             contacts: contacts.into_iter().map(contact).collect(),
             class_windows: windows.into_iter().map(window).collect(),
@@ -245,6 +247,42 @@ fn forces_keep_six_digits_wheel_angle_and_unknown_channels_all_gaps_stay_gaps() 
 }
 
 #[test]
+fn lugs_behind_a_class_come_back_where_they_were_counted_in_all_windows() {
+    let folder = tempfile::tempdir().unwrap();
+    let window = |start: f64, lugs| ClassWindow {
+        start,
+        end: start + 15.0,
+        class: Wtic::Slct,
+        terrain: TerrainLabel::Gravel,
+        lugs,
+    };
+    let counted = |touched| {
+        Some(LugTally {
+            passed: 10,
+            touched,
+            entered: 2,
+        })
+    };
+    let read = |name: &str, windows: [Option<LugTally>; 2]| -> Vec<Option<LugTally>> {
+        let [first, second] = windows;
+        let truth = Truth {
+            class_windows: vec![window(0.0, first), window(15.0, second)],
+            ..Truth::default()
+        };
+        let mut trace = noisy(10);
+        trace.truth = Some(truth);
+        let path = folder.path().join(name);
+        write(&path, &[("a", &trace)]).unwrap();
+        let read = RunFile::open(&path).unwrap().read("a").unwrap();
+        let windows = read.truth.unwrap().class_windows;
+        windows.iter().map(|window| window.lugs).collect()
+    };
+    let (all, some) = ([counted(5), counted(7)], [counted(5), None]);
+    assert_eq!(read("all.h5", all), all);
+    assert_eq!(read("some.h5", some), [None, None]);
+}
+
+#[test]
 fn the_same_runs_give_the_same_bytes_a_second_later() {
     let folder = tempfile::tempdir().unwrap();
     let [first, second] = ["first.h5", "second.h5"].map(|name| folder.path().join(name));
@@ -277,6 +315,7 @@ fn the_same_runs_give_the_same_bytes_a_second_later() {
             end: 15.0,
             class: Wtic::Leis,
             terrain: TerrainLabel::Sand,
+            lugs: None,
         }],
         parameters: [("c".to_owned(), 300.0)].into(),
         profile: vec![[0.0, 0.0], [0.1, 0.002]],

@@ -83,6 +83,7 @@ fn truth() -> Truth {
         end: 15.0,
         class: Wtic::Leis,
         terrain: TerrainLabel::SandWithGravel,
+        lugs: None,
     };
     Truth {
         contacts: vec![contact(3, 0.5, 1.25, true), contact(4, 1.0, 2.5, false)],

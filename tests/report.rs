@@ -39,6 +39,7 @@ fn sand() -> Trace {
         end: start + 1.0,
         class,
         terrain,
+        lugs: None,
     };
     let windows = (0..15).map(|i| match i {
         0..=8 => window(f64::from(i), Wtic::Leis, TerrainLabel::Sand),

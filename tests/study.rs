@@ -97,20 +97,24 @@ static WHOLE: LazyLock<Vec<(PathBuf, Vec<u8>)>> = LazyLock::new(|| {
     contents(&out)
 });
 
-fn records(out: &Path) -> Vec<csv::StringRecord> {
-    let mut reader = csv::Reader::from_path(out.join("runs.csv")).unwrap();
+fn records(out: &Path, table: &str) -> Vec<csv::StringRecord> {
+    let mut reader = csv::Reader::from_path(out.join(table)).unwrap();
     reader.records().map(Result::unwrap).collect()
 }
 
-/// The cells of a named column.
+/// The cells of a named column of the runs.
 fn column(out: &Path, name: &str) -> Vec<String> {
-    let mut reader = csv::Reader::from_path(out.join("runs.csv")).unwrap();
+    column_of(out, "runs.csv", name)
+}
+
+fn column_of(out: &Path, table: &str, name: &str) -> Vec<String> {
+    let mut reader = csv::Reader::from_path(out.join(table)).unwrap();
     let headers = reader.headers().unwrap().clone();
     let index = headers
         .iter()
         .position(|header| header == name)
         .unwrap_or_else(|| panic!("no column {name} among {headers:?}"));
-    let records = records(out);
+    let records = records(out, table);
     let cells = records.iter().map(|record| record[index].to_owned());
     cells.collect()
 }
@@ -139,7 +143,7 @@ fn unlike_stated(file: &Path) -> Option<String> {
 #[test]
 fn every_bad_study_gives_the_message_it_states_at_the_line_it_states() {
     let files = toml_files("tests/studies/bad");
-    assert!(files.len() >= 25);
+    assert!(files.len() >= 39);
     let wrong: Vec<String> = files
         .iter()
         .filter_map(|file| unlike_stated(file))
@@ -299,7 +303,7 @@ fn one_thread_and_two_leave_the_same_bytes() {
     };
     done(&study, &alone);
     assert_eq!(contents(&one), *WHOLE);
-    assert_eq!(records(&one).len(), 12);
+    assert_eq!(records(&one, "runs.csv").len(), 12);
 }
 
 #[test]
@@ -308,7 +312,7 @@ fn shards_that_are_lost_torn_or_altered_are_redone_to_the_same_bytes() {
     let (study, out) = (short(&folder), folder.path().join("out"));
     done(&study, &into(&out));
     let before = contents(&out);
-    let shard = |number: u32| out.join(format!("shards/{number:05}.csv"));
+    let shard = |number: u32| out.join(format!("shards/{number:05}.runs.csv"));
     std::fs::remove_file(shard(2)).unwrap();
     let torn = std::fs::read(shard(4)).unwrap();
     std::fs::write(shard(4), &torn[..torn.len() / 2]).unwrap();
@@ -444,4 +448,136 @@ fn the_results_of_another_seed_are_not_resumed() {
     study.seed.0 += 1;
     let error = execute(&study, &resumed(&out)).unwrap_err();
     assert!(matches!(error, StudyError::OtherStudy { .. }), "{error}");
+}
+
+/// Two windows of one second on rough stone and on sand at two speeds, and the reference at both.
+fn recognised(folder: &TempDir) -> Study {
+    let reference = here("scenarios/single_wheel_ref.toml");
+    let rest = format!(
+        "repeats = 2\nrandom_numbers = \"independent\"\n\
+         [set]\nduration = 2.0\nwindow = 1.0\nlead_in = 0.5\nphysics_rate = 4000\n\
+         rig.single_wheel.start_up = 0.1\n\
+         [[sweep]]\nkey = \"rig.single_wheel.forward_speed\"\nvalues = [0.05, -0.08]\n\
+         [recognition]\nreference = {reference:?}\n\
+         baseline = {{ key = \"rig.single_wheel.forward_speed\" }}\n\
+         [recognition.published]\nALCT = [58, 0, 0, 2]\nSLCT = [0, 118, 0, 2]\nLEIS = [0, 0, 116, 4]\n"
+    );
+    study(folder, &["single_wheel_ht", "single_wheel_st"], &rest)
+}
+
+#[test]
+fn the_windows_of_a_recognised_study_have_truth_and_the_answers_of_both_methods() {
+    let folder = TempDir::new().unwrap();
+    let (study, out) = (recognised(&folder), folder.path().join("out"));
+    let score = done(&study, &into(&out)).recognition.unwrap();
+    assert_eq!(score.windows, 16);
+    let cells = |name: &str| column_of(&out, "windows.csv", name);
+    let by_ground = |cells: &[String], hard: &str, sand: &str| {
+        let (on_stone, in_sand) = cells.split_at(8);
+        on_stone.iter().all(|cell| cell == hard) && in_sand.iter().all(|cell| cell == sand)
+    };
+    assert!(by_ground(&cells("label_class"), "ALCT", "LEIS"));
+    assert!(
+        by_ground(&cells("truth"), "ALCT", "LEIS"),
+        "{:?}",
+        cells("truth")
+    );
+    for method in ["paper", "improved"] {
+        let classes = cells(&format!("{method}_class"));
+        let known = ["ALCT", "SLCT", "LEIS", "UWTIC"];
+        assert!(classes.iter().all(|class| known.contains(&class.as_str())));
+        assert!(
+            cells(&format!("{method}_reason"))
+                .iter()
+                .all(|reason| !reason.is_empty())
+        );
+    }
+    for number in ["p1", "p4", "lug_passes", "power_1", "power_12"] {
+        let finite = cells(number)
+            .iter()
+            .all(|cell| cell.parse::<f64>().unwrap().is_finite());
+        assert!(finite, "{number}");
+    }
+    // Stone rings a hundred times louder than sand, at both speeds.
+    let known = score
+        .scores
+        .iter()
+        .find(|score| score.method == "baseline_known");
+    assert_eq!(known.unwrap().all.confusion.correct(), 16);
+    let text = std::fs::read_to_string(out.join("recognition.txt")).unwrap();
+    assert!(
+        text.contains("published: accuracy 0.973 [0.948, 0.986] of 300"),
+        "{text}"
+    );
+    let records = records(&out, "recognition.csv");
+    let published = records.iter().filter(|record| &record[0] == "published");
+    assert_eq!(published.count(), 4, "three classes and all");
+    assert!(out.join("reference.toml").exists());
+}
+
+#[test]
+fn a_recognised_study_shared_torn_and_resumed_leaves_the_bytes_of_one_that_was_not() {
+    let folder = TempDir::new().unwrap();
+    let study = recognised(&folder);
+    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    done(&study, &into(&whole));
+    for share in [2, 1] {
+        let options = Options {
+            shard: Some((share, 2)),
+            jobs: NonZeroUsize::new(1),
+            ..into(&parts)
+        };
+        done(&study, &options);
+    }
+    assert_eq!(contents(&parts), contents(&whole));
+    // A shard is whole when the rows of both its tables are.
+    std::fs::remove_file(parts.join("shards/00003.windows.csv")).unwrap();
+    std::fs::remove_file(parts.join("shards/00005.runs.csv")).unwrap();
+    let stopped = study.execute(&resumed(&parts), &|_| ControlFlow::Break(()));
+    let Err(StudyError::Stopped { whole: kept, .. }) = stopped else {
+        panic!("{stopped:?}");
+    };
+    assert_eq!(kept, 6);
+    let outcome = done(&study, &resumed(&parts));
+    assert!(outcome.recognition.is_some());
+    assert_eq!(contents(&parts), contents(&whole));
+}
+
+#[test]
+fn without_reference_runs_features_are_taken_over_what_the_sensors_make_of_the_computed_one() {
+    let p2 = |sensors: &str| {
+        let folder = TempDir::new().unwrap();
+        let rest = format!(
+            "repeats = 1\nrandom_numbers = \"common\"\n\
+             [set]\nduration = 1.0\nphysics_rate = 4000\nrig.single_wheel.start_up = 0.1\n\
+             rig.single_wheel.forward_speed = 0.05\n{sensors}\n\
+             [recognition]\nmethods = [\"paper\"]\n"
+        );
+        let out = folder.path().join("out");
+        done(&study(&folder, &["single_wheel_ref"], &rest), &into(&out));
+        column_of(&out, "windows.csv", "p2")[0]
+            .parse::<f64>()
+            .unwrap()
+    };
+    let half_gain = p2("sensors.accelerometer.acceleration_y.gain = 0.5");
+    // Half the gain would be 0.3 decades; the computed reference loses it too, but for 0.01, as it
+    // is cut into other windows there.
+    assert!((p2("") - half_gain).abs() < 0.01, "{half_gain}");
+}
+
+#[test]
+fn a_wheel_without_lugs_has_windows_whose_class_is_unknown_with_the_reason() {
+    let folder = TempDir::new().unwrap();
+    let rest = "repeats = 1\nrandom_numbers = \"common\"\n\
+                [set]\nduration = 0.3\nphysics_rate = 4000\nwheel.lugs.count = 0\n[recognition]\n";
+    let study = study(&folder, &["single_wheel_ref"], rest);
+    let out = folder.path().join("out");
+    let outcome = done(&study, &into(&out));
+    assert_eq!(
+        (outcome.failed.len(), outcome.recognition.unwrap().windows),
+        (0, 1)
+    );
+    assert_eq!(column_of(&out, "windows.csv", "improved_class"), ["UWTIC"]);
+    let reason = &column_of(&out, "windows.csv", "paper_reason")[0];
+    assert!(reason.starts_with("the wheel has no lugs"), "{reason}");
 }

@@ -5,6 +5,7 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use anyhow::Context;
 use clap::Args;
+use lugwheel::study::score::RecognitionScore;
 use lugwheel::study::{self, Options, Study, StudyError};
 use serde::Serialize;
 use std::fmt;
@@ -40,7 +41,8 @@ Examples:
   lugwheel study scenarios/studies/table3.toml --out output/table3 --resume
   lugwheel study scenarios/studies/table5.toml --shard 2/4
 
-The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text.
+The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text; a
+study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores).
 Exit code 4: finished, with failed runs.";
 
 /// The study was finished, but some of its runs failed.
@@ -62,6 +64,8 @@ struct Summary {
     failed: Vec<u64>,
     missing_shards: usize,
     computing_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recognition: Option<RecognitionScore>,
 }
 
 impl StudyCommand {
@@ -114,6 +118,7 @@ impl StudyCommand {
             failed: outcome.failed.clone(),
             missing_shards: outcome.missing_shards,
             computing_s,
+            recognition: outcome.recognition,
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
@@ -156,11 +161,15 @@ impl fmt::Display for Summary {
             self.computing_s
         )?;
         match self.missing_shards {
-            0 => writeln!(f, "\ntable: {}/runs.csv", self.folder),
+            0 => writeln!(f, "\ntable: {}/runs.csv", self.folder)?,
             missing => writeln!(
                 f,
                 "\n{missing} shards are still to do by other shares; the last one writes the table"
-            ),
+            )?,
+        }
+        match &self.recognition {
+            Some(score) => write!(f, "windows: {}/windows.csv\n\n{score}", self.folder),
+            None => Ok(()),
         }
     }
 }

@@ -179,6 +179,19 @@ struct ClassWindowRow {
     terrain: Word,
 }
 
+/// A row of `truth/class_windows` where the lugs of every window were counted.
+#[derive(Debug, Clone, Copy, H5Type)]
+#[repr(C)]
+struct TalliedWindowRow {
+    start_s: f64,
+    end_s: f64,
+    class: Word,
+    terrain: Word,
+    lugs_passed: u32,
+    lugs_touched: u32,
+    lugs_entered: u32,
+}
+
 /// A row of `truth/profile`.
 #[derive(Debug, Clone, Copy, H5Type)]
 #[repr(C)]

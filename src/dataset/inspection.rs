@@ -814,6 +814,7 @@ mod tests {
             end: 15.0,
             class: Wtic::Slct,
             terrain: TerrainLabel::Gravel,
+            lugs: None,
         };
         let mut trace = sound();
         trace.attributes.class = Some(Wtic::Alct);

@@ -68,6 +68,19 @@ impl Spectra {
         }
     }
 
+    /// Power of the spectrum's lines under a Hann window, from the second one to the last but one;
+    /// they add up to the mean square of what lies in them. The mean is taken off before.
+    pub fn powers(&mut self, samples: &[f64]) -> Vec<f64> {
+        let length = samples.len() as f64;
+        let mut spectrum = self.plan(samples.len()).forward(samples);
+        spectrum[0] = Complex::default();
+        // One-sided, and over the mean square of the window, 3/8.
+        let scale = 2.0 / (0.375 * length * length);
+        hann(&spectrum)
+            .map(|line| line.norm_sqr() * scale)
+            .collect()
+    }
+
     fn plan(&mut self, length: usize) -> &Plan {
         if self.plan.as_ref().is_none_or(|plan| plan.length != length) {
             let planner = self.planner.get_or_insert_with(RealFftPlanner::new);
@@ -108,12 +121,15 @@ impl Plan {
     }
 }
 
-/// Sum of the amplitudes under a Hann window, which is `(-1, 2, -1)/4` across the lines.
-fn hann_amplitudes(spectrum: &[Complex<f64>]) -> f64 {
+/// The inner lines under a Hann window, which is `(-1, 2, -1)/4` across the lines.
+fn hann(spectrum: &[Complex<f64>]) -> impl Iterator<Item = Complex<f64>> {
     let lines = spectrum.windows(3);
-    lines
-        .map(|around| (around[1] * 0.5 - (around[0] + around[2]) * 0.25).norm())
-        .sum()
+    lines.map(|around| around[1] * 0.5 - (around[0] + around[2]) * 0.25)
+}
+
+/// Sum of the amplitudes under a Hann window.
+fn hann_amplitudes(spectrum: &[Complex<f64>]) -> f64 {
+    hann(spectrum).map(|line| line.norm()).sum()
 }
 
 impl Filtered {

@@ -1,7 +1,8 @@
 //! Answers counted against truth, with intervals.
 
 use crate::terrain::class::Wtic;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
 
 /// The classes, in the order of rows and columns.
 pub const CLASSES: [Wtic; 4] = [Wtic::Alct, Wtic::Slct, Wtic::Leis, Wtic::Uwtic];
@@ -11,6 +12,17 @@ pub const CLASSES: [Wtic; 4] = [Wtic::Alct, Wtic::Slct, Wtic::Leis, Wtic::Uwtic]
 pub struct Confusion {
     /// Counts, rows and columns in the order of [`CLASSES`].
     pub counts: [[u64; 4]; 4],
+}
+
+impl Serialize for Confusion {
+    /// `{ALCT: {ALCT: 1, ...}, ...}`, rows first.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let named = CLASSES.iter().zip(&self.counts);
+        serializer.collect_map(named.map(|(truth, row)| {
+            let row: BTreeMap<Wtic, u64> = CLASSES.into_iter().zip(*row).collect();
+            (truth, row)
+        }))
+    }
 }
 
 /// A share of a count and its interval.

@@ -1,12 +1,13 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
 use super::folder::{Before, Folder};
+use super::runs::Runs;
+use super::score::RecognitionScore;
 use super::shard::{self, Shard};
-use super::table::{header, row};
+use super::table::{NoRows, Rows, Table, line};
+use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
 use crate::quantity::RangeError;
-use crate::scenario::experiment::ExperimentError;
-use crate::trace::Trace;
 use rayon::prelude::*;
 use std::any::Any;
 use std::num::NonZeroUsize;
@@ -42,18 +43,21 @@ pub struct Progress {
 }
 
 /// What an execution left in its folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// Runs in whole shards.
     pub runs: u64,
     /// Numbers of those among them that failed.
     pub failed: Vec<u64>,
-    /// Shards that other shares have still to do; the table is there when there are none.
+    /// Shards that other shares have still to do; the tables are there when there are none.
     pub missing_shards: usize,
+    /// How well the classes of all windows were recognised, where the study asks and no shard is
+    /// missing.
+    pub recognition: Option<RecognitionScore>,
 }
 
 impl Study {
-    /// Runs the study and collects its table.
+    /// Runs the study and collects its tables.
     ///
     /// `progress` hears of every run and of many moments within, from several threads; a `Break`
     /// stops all at once. What a run, the order or the number of threads did before never shows in
@@ -64,7 +68,8 @@ impl Study {
     /// # Errors
     /// `NotEmpty` where the folder holds something and `resume` is not set; `OtherStudy` where that
     /// is not this study; `Stopped` when `progress` said so; `File` where the file system refuses,
-    /// `Range` for a share that is none, `Threads` where threads cannot be had.
+    /// `Range` for a share that is none, `Threads` where threads cannot be had, `Baseline` where the
+    /// windows train no classifier.
     pub fn execute(
         &self,
         options: &Options,
@@ -73,9 +78,13 @@ impl Study {
         let shards = shard::all(self);
         let share = options.share(&shards)?;
         let folder = Folder::open(self, &options.out, options.before())?;
-        let (kept, missing): (Vec<&Shard>, Vec<&Shard>) = share
-            .iter()
-            .partition(|&&shard| folder.rows(shard).is_some());
+        let tables = self.tables();
+        let is_whole = |shard: &Shard| {
+            let mut tables = tables.iter();
+            tables.all(|table| folder.rows(shard, table.name()).is_some())
+        };
+        let (kept, missing): (Vec<&Shard>, Vec<&Shard>) =
+            share.iter().partition(|&&shard| is_whole(shard));
         if !kept.is_empty() && !options.resume {
             let folder = options.out.clone();
             return Err(StudyError::NotEmpty { folder });
@@ -83,6 +92,7 @@ impl Study {
         let work = Work {
             study: self,
             folder: &folder,
+            tables: &tables,
             progress,
             total: runs(&share),
             done: AtomicU64::new(runs(&kept)),
@@ -96,34 +106,51 @@ impl Study {
         match finished {
             Err(Halt::Failed(error)) => Err(error),
             Err(Halt::Stopped) => Err(StudyError::Stopped {
-                whole: share.iter().filter(|s| folder.rows(s).is_some()).count(),
+                whole: share.iter().filter(|shard| is_whole(shard)).count(),
                 shards: share.len(),
             }),
-            Ok(()) => self.collect(&folder, &shards),
+            Ok(()) => self.collect(&folder, &tables, &shards),
         }
     }
 
+    fn tables(&self) -> Vec<Box<dyn Table + '_>> {
+        let mut tables: Vec<Box<dyn Table + '_>> = vec![Box::new(Runs { study: self })];
+        if let Some(windows) = Windows::of(self) {
+            tables.push(Box::new(windows));
+        }
+        tables
+    }
+
     /// Puts the shards together, where all are whole.
-    fn collect(&self, folder: &Folder, shards: &[Shard]) -> Result<Outcome, StudyError> {
-        let mut table = Table::new(self);
+    fn collect(
+        &self,
+        folder: &Folder,
+        tables: &[Box<dyn Table + '_>],
+        shards: &[Shard],
+    ) -> Result<Outcome, StudyError> {
+        let mut collected = Collected::new(self, tables);
         let mut missing_shards = 0;
         for shard in shards {
-            match folder.rows(shard) {
-                Some(rows) => table.add(shard, &rows, folder.times(shard)),
+            let rows = tables.iter().map(|table| folder.rows(shard, table.name()));
+            match rows.collect::<Option<Vec<String>>>() {
+                Some(rows) => collected.add(shard, &rows, folder.times(shard)),
                 None => missing_shards += 1,
             }
         }
+        let mut recognition = None;
         if missing_shards == 0 {
-            folder.write("runs.csv", table.rows.as_bytes())?;
-            folder.write("timing.csv", table.times.as_bytes())?;
-            if !table.failed.is_empty() {
-                folder.write("failed.txt", table.failures.as_bytes())?;
-            }
+            collected.write(folder)?;
+            recognition = self.score(collected.text_of(windows::NAME))?;
+        }
+        if let Some(score) = &recognition {
+            folder.write("recognition.csv", score.to_csv().as_bytes())?;
+            folder.write("recognition.txt", score.to_string().as_bytes())?;
         }
         Ok(Outcome {
-            runs: table.runs,
-            failed: table.failed,
+            runs: collected.runs,
+            failed: collected.failed,
             missing_shards,
+            recognition,
         })
     }
 }
@@ -170,6 +197,7 @@ enum Halt {
 struct Work<'s> {
     study: &'s Study,
     folder: &'s Folder,
+    tables: &'s [Box<dyn Table + 's>],
     progress: &'s (dyn Fn(Progress) -> ControlFlow<()> + Sync),
     total: u64,
     done: AtomicU64,
@@ -180,7 +208,8 @@ struct Work<'s> {
 impl Work<'_> {
     /// Runs the runs of a shard and writes it.
     fn finish(&self, shard: &Shard) -> Result<(), Halt> {
-        let mut rows = line(&header(self.study));
+        let headers = self.tables.iter().map(|table| line(&table.header()));
+        let mut texts: Vec<String> = headers.collect();
         let mut times = String::new();
         for run in self.study.runs_in(shard.runs.clone()) {
             if self.report().is_break() {
@@ -190,27 +219,52 @@ impl Work<'_> {
             let outcome = self.outcome(&run)?;
             let seconds = start.elapsed().as_secs_f64();
             times.push_str(&format!("{},{seconds:.3}\n", run.number));
-            rows.push_str(&line(&row(self.study, &run, &outcome)));
-            self.done.fetch_add(1, Ordering::Relaxed);
             let failed = u64::from(outcome.is_err());
+            let rows = outcome.unwrap_or_else(|reason| self.rows_of_failed(&run, &reason));
+            for (text, rows) in texts.iter_mut().zip(&rows) {
+                text.extend(rows.iter().map(|cells| line(cells)));
+            }
+            self.done.fetch_add(1, Ordering::Relaxed);
             self.failed.fetch_add(failed, Ordering::Relaxed);
         }
-        let written = self.folder.write_shard(shard, &rows, &times);
-        written.map_err(Halt::Failed)?;
+        self.write(shard, &texts, &times).map_err(Halt::Failed)?;
         // This shard is whole: a wish to stop concerns the next.
         let _ = self.report();
         Ok(())
     }
 
-    /// The trace of a run or why it left none; a run that panics fails like any other.
-    fn outcome(&self, run: &Run) -> Result<Result<Trace, String>, Halt> {
-        let attempt = || self.study.run(run, &mut |_| self.report());
-        match catch_unwind(AssertUnwindSafe(attempt)) {
-            Ok(Ok(trace)) => Ok(Ok(trace)),
-            Ok(Err(ExperimentError::Stopped)) => Err(Halt::Stopped),
-            Ok(Err(error)) => Ok(Err(error.to_string())),
+    fn write(&self, shard: &Shard, texts: &[String], times: &str) -> Result<(), StudyError> {
+        self.folder.write_times(shard, times)?;
+        for (table, text) in self.tables.iter().zip(texts) {
+            self.folder.write_rows(shard, table.name(), text)?;
+        }
+        Ok(())
+    }
+
+    /// The rows of a run for every table, or why it has none; a run that panics fails like any
+    /// other.
+    fn outcome(&self, run: &Run) -> Result<Result<Vec<Rows>, String>, Halt> {
+        match catch_unwind(AssertUnwindSafe(|| self.rows(run))) {
+            Ok(Ok(rows)) => Ok(Ok(rows)),
+            Ok(Err(NoRows::Stopped)) => Err(Halt::Stopped),
+            Ok(Err(NoRows::Failed(reason))) => Ok(Err(reason)),
             Err(panic) => Ok(Err(format!("it panicked: {}", said(&*panic)))),
         }
+    }
+
+    fn rows(&self, run: &Run) -> Result<Vec<Rows>, NoRows> {
+        let trace = self.study.run(run, &mut |_| self.report())?;
+        let tables = self.tables.iter();
+        tables
+            .map(|table| table.rows(run, &trace, &mut |_| self.report()))
+            .collect()
+    }
+
+    fn rows_of_failed(&self, run: &Run, reason: &str) -> Vec<Rows> {
+        let tables = self.tables.iter();
+        tables
+            .map(|table| table.rows_of_failed(run, reason))
+            .collect()
     }
 
     /// Tells how far the study is; `Break` when it is to stop.
@@ -235,30 +289,24 @@ fn said(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("without a word")
 }
 
-/// A line of CSV.
-fn line(cells: &[String]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let written = writer.write_record(cells);
-    written.expect("memory takes a record of any length");
-    let bytes = writer.into_inner().expect("memory needs no flushing");
-    String::from_utf8(bytes).expect("cells are texts")
-}
-
 /// The shards put together.
-struct Table<'s> {
+struct Collected<'s> {
     study: &'s Study,
-    rows: String,
+    /// Name and text of every table.
+    texts: Vec<(&'static str, String)>,
     times: String,
     failures: String,
     failed: Vec<u64>,
     runs: u64,
 }
 
-impl<'s> Table<'s> {
-    fn new(study: &'s Study) -> Self {
+impl<'s> Collected<'s> {
+    fn new(study: &'s Study, tables: &[Box<dyn Table + '_>]) -> Self {
+        let headers = tables.iter();
+        let headers = headers.map(|table| (table.name(), line(&table.header())));
         Self {
             study,
-            rows: line(&header(study)),
+            texts: headers.collect(),
             times: "run,wall_s\n".to_owned(),
             failures: String::new(),
             failed: Vec::new(),
@@ -266,18 +314,37 @@ impl<'s> Table<'s> {
         }
     }
 
-    /// Adds the rows of the next shard, which begin with the names of the columns.
-    fn add(&mut self, shard: &Shard, rows: &str, times: Option<String>) {
+    /// Adds the rows of the next shard for every table, which begin with the names of the columns.
+    fn add(&mut self, shard: &Shard, rows: &[String], times: Option<String>) {
         self.runs += shard.runs.end - shard.runs.start;
         self.times.push_str(&times.unwrap_or_default());
-        let rest = rows.split_once('\n').map_or("", |(_, rest)| rest);
-        self.rows.push_str(rest);
-        // The checksum vouches for the shard: its records are those of its runs, in order.
-        let mut reader = csv::Reader::from_reader(rows.as_bytes());
+        for ((_, text), rows) in self.texts.iter_mut().zip(rows) {
+            let rest = rows.split_once('\n').map_or("", |(_, rest)| rest);
+            text.push_str(rest);
+        }
+        // The checksum vouches for the shard: the records of its first table are those of its
+        // runs, in order.
+        let mut reader = csv::Reader::from_reader(rows[0].as_bytes());
         let runs = self.study.runs_in(shard.runs.clone());
         for (run, record) in runs.zip(reader.records().flatten()) {
             self.note_failure(&run, record.iter().next_back().unwrap_or_default());
         }
+    }
+
+    fn text_of(&self, table: &str) -> Option<&str> {
+        let found = self.texts.iter().find(|(name, _)| *name == table);
+        found.map(|(_, text)| text.as_str())
+    }
+
+    fn write(&self, folder: &Folder) -> Result<(), StudyError> {
+        for (name, text) in &self.texts {
+            folder.write(&format!("{name}.csv"), text.as_bytes())?;
+        }
+        folder.write("timing.csv", self.times.as_bytes())?;
+        if !self.failed.is_empty() {
+            folder.write("failed.txt", self.failures.as_bytes())?;
+        }
+        Ok(())
     }
 
     fn note_failure(&mut self, run: &Run, reason: &str) {

@@ -54,6 +54,9 @@ impl Folder {
             let name = format!("scenarios/{}.toml", named.name);
             self.write(&name, named.scenario.text().as_bytes())?;
         }
+        if let Some(reference) = study.reference_text() {
+            self.write("reference.toml", reference.as_bytes())?;
+        }
         Ok(())
     }
 
@@ -63,27 +66,31 @@ impl Folder {
         format!("{VERSION_OF_PROGRAM}\nseed {seed}\nfingerprint {fingerprint}\n")
     }
 
-    /// The rows of a shard, where it is there and whole.
-    pub(super) fn rows(&self, shard: &Shard) -> Option<String> {
-        let text = std::fs::read_to_string(self.path.join(rows_name(shard))).ok()?;
+    /// The rows of a shard for the table of this name, where they are there and whole.
+    pub(super) fn rows(&self, shard: &Shard, table: &str) -> Option<String> {
+        let text = std::fs::read_to_string(self.path.join(name(shard, table))).ok()?;
         shard.open(&self.fingerprint, &text).map(str::to_owned)
     }
 
     /// Computing times of a shard's runs as CSV lines, where they are there.
     pub(super) fn times(&self, shard: &Shard) -> Option<String> {
-        std::fs::read_to_string(self.path.join(times_name(shard))).ok()
+        std::fs::read_to_string(self.path.join(name(shard, TIMES))).ok()
     }
 
-    /// Writes a shard; its times first, so that a whole shard has them.
-    pub(super) fn write_shard(
+    /// Writes the computing times of a shard; before its rows, so that a whole shard has them.
+    pub(super) fn write_times(&self, shard: &Shard, times: &str) -> Result<(), StudyError> {
+        self.write(&name(shard, TIMES), times.as_bytes())
+    }
+
+    /// Writes the rows of a shard for the table of this name.
+    pub(super) fn write_rows(
         &self,
         shard: &Shard,
+        table: &str,
         rows: &str,
-        times: &str,
     ) -> Result<(), StudyError> {
-        self.write(&times_name(shard), times.as_bytes())?;
         let sealed = shard.seal(&self.fingerprint, rows);
-        self.write(&rows_name(shard), sealed.as_bytes())
+        self.write(&name(shard, table), sealed.as_bytes())
     }
 
     /// Writes a file beside its name and gives it that name when it is whole.
@@ -93,12 +100,11 @@ impl Folder {
     }
 }
 
-fn rows_name(shard: &Shard) -> String {
-    format!("shards/{:05}.csv", shard.number)
-}
+/// What the file of computing times is named for.
+const TIMES: &str = "times";
 
-fn times_name(shard: &Shard) -> String {
-    format!("shards/{:05}.times.csv", shard.number)
+fn name(shard: &Shard, table: &str) -> String {
+    format!("shards/{:05}.{table}.csv", shard.number)
 }
 
 fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyError {

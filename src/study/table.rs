@@ -1,223 +1,88 @@
-//! The table of a study: one row a run.
-//!
-//! | columns | hold |
-//! |---|---|
-//! | `run`, `condition`, `repeat`, `stream` | numbers from 0 |
-//! | `scenario`, every swept key | the condition |
-//! | `label`, `class` | the ground; the true class, where all windows have one and the same |
-//! | `windows_alct` ... `windows_uwtic` | windows of each true class |
-//! | `duration_s` | length of the record |
-//! | `normal_force_mean_n`, `normal_force_sd_n`, ... | over the steady part: the middle half |
-//! | `acceleration_rms_2_20_hz_m_s2`, ... | vertical acceleration of the steady part in a [`BANDS`] |
-//! | `acceleration_crest_2_20_hz`, ... | its largest magnitude over its rms |
-//! | `acceleration_lug_pass_m_s2` | amplitude of the vertical acceleration at the order of the lug pass |
-//! | `failure` | why there are no values; empty where there are |
+//! A table to which every run of a study adds rows.
 //!
 //! A cell is empty where a value does not exist. Numbers have as many digits as bring the same
 //! number back.
 
-pub use super::band::Band;
-
 use super::{Run, Study};
-use crate::terrain::class::Wtic;
-use crate::trace::{Channel, Trace};
+use crate::scenario::experiment::ExperimentError;
+use crate::trace::Trace;
+use std::ops::ControlFlow;
 
-/// Bands in which the vertical acceleration is measured. Below them lies the wheel's path over its
-/// lugs, above them the end of a record at 2 kHz.
-pub const BANDS: [Band; 3] = [
-    Band {
-        low: 2.0,
-        high: 20.0,
-    },
-    Band {
-        low: 20.0,
-        high: 200.0,
-    },
-    Band {
-        low: 200.0,
-        high: 800.0,
-    },
-];
+/// Rows of cells.
+pub(super) type Rows = Vec<Vec<String>>;
 
-/// Channels whose steady mean and standard deviation are in the table, and their unit in its names.
-const STEADY: [(&str, &str); 5] = [
-    ("normal_force", "_n"),
-    ("drawbar_pull", "_n"),
-    ("driving_torque", "_n_m"),
-    ("sinkage", "_m"),
-    ("slip_ratio", ""),
-];
+/// Hears the simulated time [s] of what is simulated for a table, and may stop it.
+pub(super) type Stop<'p> = dyn FnMut(f64) -> ControlFlow<()> + 'p;
 
-const CLASSES: [Wtic; 4] = [Wtic::Alct, Wtic::Slct, Wtic::Leis, Wtic::Uwtic];
+/// A table to which every run adds rows. The rows of a run depend on nothing but the study and the
+/// run.
+pub(super) trait Table: Sync {
+    /// Name of its file without the ending.
+    fn name(&self) -> &'static str;
 
-/// The names of the columns.
-pub(super) fn header(study: &Study) -> Vec<String> {
-    let first = ["run", "condition", "repeat", "stream", "scenario"];
-    let mut names: Vec<String> = first.map(str::to_owned).into();
-    names.extend(study.keys().map(str::to_owned));
-    names.extend(value_names());
-    names.push("failure".to_owned());
-    names
+    /// Names of the columns.
+    fn header(&self) -> Vec<String>;
+
+    /// The rows of a run.
+    ///
+    /// # Errors
+    /// `NoRows` stops the study or says why the run failed, though it left a trace.
+    fn rows(&self, run: &Run, trace: &Trace, stop: &mut Stop) -> Result<Rows, NoRows>;
+
+    /// The rows of a run that failed, for this table or another.
+    fn rows_of_failed(&self, run: &Run, reason: &str) -> Rows;
 }
 
-/// The row of a run that left a trace, or the reason why it left none.
-pub(super) fn row(study: &Study, run: &Run, outcome: &Result<Trace, String>) -> Vec<String> {
-    let numbers = [run.number, run.condition, u64::from(run.repeat), run.stream];
-    let mut cells: Vec<String> = numbers.map(|number| number.to_string()).into();
-    cells.push(study.scenario_name(run).to_owned());
-    cells.extend(study.values(run).map(bare));
-    match outcome {
-        Ok(trace) => {
-            cells.extend(values(trace));
-            cells.push(String::new());
-        }
-        Err(reason) => {
-            cells.extend(value_names().iter().map(|_| String::new()));
-            cells.push(reason.clone());
+/// Why a run has no rows.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NoRows {
+    /// The caller stopped the study.
+    #[error("stopped")]
+    Stopped,
+    /// The run failed, for this reason.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<ExperimentError> for NoRows {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Stopped => Self::Stopped,
+            other => Self::Failed(other.to_string()),
         }
     }
-    cells
 }
 
-fn value_names() -> Vec<String> {
-    let mut names = vec!["label".to_owned(), "class".to_owned()];
-    names.extend(CLASSES.map(|class| format!("windows_{}", class.as_str().to_lowercase())));
-    names.push("duration_s".to_owned());
-    for (channel, unit) in STEADY {
-        names.push(format!("{channel}_mean{unit}"));
-        names.push(format!("{channel}_sd{unit}"));
-    }
-    for Band { low, high } in BANDS {
-        names.push(format!("acceleration_rms_{low}_{high}_hz_m_s2"));
-        names.push(format!("acceleration_crest_{low}_{high}_hz"));
-    }
-    names.push("acceleration_lug_pass_m_s2".to_owned());
-    names
+/// A line of CSV.
+pub(super) fn line(cells: &[String]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let written = writer.write_record(cells);
+    written.expect("memory takes a record of any length");
+    let bytes = writer.into_inner().expect("memory needs no flushing");
+    String::from_utf8(bytes).expect("cells are texts")
 }
 
-fn values(trace: &Trace) -> Vec<String> {
-    let label = trace.attributes.terrain.map(|label| label.to_string());
-    let class = trace.attributes.class.map(|class| class.to_string());
-    let mut cells = vec![label.unwrap_or_default(), class.unwrap_or_default()];
-    let windows = trace.truth.iter().flat_map(|truth| &truth.class_windows);
-    cells.extend(CLASSES.map(|class| {
-        let of_class = windows.clone().filter(|window| window.class == class);
-        of_class.count().to_string()
-    }));
-    cells.push(cell(Some(trace.duration())));
-    for (name, _) in STEADY {
-        let spread = trace.channel(name).and_then(|c| mean_and_sd(c.steady()));
-        cells.push(cell(spread.map(|[mean, _]| mean)));
-        cells.push(cell(spread.map(|[_, sd]| sd)));
-    }
-    for band in BANDS {
-        let acceleration = trace.channel("acceleration_y");
-        let rms_and_crest = acceleration.and_then(|channel| rms_and_crest(channel, band));
-        cells.push(cell(rms_and_crest.map(|[rms, _]| rms)));
-        cells.push(cell(rms_and_crest.map(|[_, crest]| crest)));
-    }
-    cells.push(cell(lug_pass_amplitude(trace)));
-    cells
+/// The scenario of a run and the values of its swept keys.
+pub(super) fn condition_cells(study: &Study, run: &Run) -> Vec<String> {
+    let scenario = study.scenario_name(run).to_owned();
+    let values = study.values(run).map(bare);
+    std::iter::once(scenario).chain(values).collect()
 }
 
 /// A number that reads back as itself.
-fn cell(value: Option<f64>) -> String {
+pub(super) fn cell(value: Option<f64>) -> String {
     let finite = value.filter(|value| value.is_finite());
     finite.map_or_else(String::new, |value| format!("{value:?}"))
 }
 
 /// A TOML value without the quotes of a text.
-fn bare(value: &str) -> String {
+pub(super) fn bare(value: &str) -> String {
     value.trim_matches('"').to_owned()
-}
-
-/// Mean and standard deviation of those samples that are numbers.
-fn mean_and_sd(samples: &[f64]) -> Option<[f64; 2]> {
-    let finite = || samples.iter().copied().filter(|x| x.is_finite());
-    let n = finite().count() as f64;
-    let mean = finite().sum::<f64>() / n;
-    let variance = finite().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
-    (n > 0.0).then(|| [mean, variance.sqrt()])
-}
-
-/// Amplitude of the vertical acceleration at the order of the lug pass [m/s²], over the whole lug
-/// passes of the steady part: `2/Θ |∫ a exp(-i n_l θ) dθ|`. `None` where there are none.
-fn lug_pass_amplitude(trace: &Trace) -> Option<f64> {
-    let (acceleration, angle) = (
-        trace.channel("acceleration_y")?,
-        trace.channel("wheel_angle")?,
-    );
-    let (acceleration, angle) = (acceleration.steady(), angle.steady());
-    let count = f64::from(trace.attributes.lug_count);
-    let pass = std::f64::consts::TAU / count;
-    let passes = ((angle.last()? - angle.first()?).abs() / pass).floor();
-    if acceleration.len() != angle.len() || count == 0.0 || passes < 1.0 {
-        return None;
-    }
-    let within = |pair: &&[f64]| (pair[0] - angle[0]).abs() <= passes * pass;
-    let steps = angle.windows(2).zip(acceleration);
-    let [cosine, sine] =
-        steps
-            .filter(|(pair, _)| within(pair))
-            .fold([0.0, 0.0], |[c, s], (pair, a)| {
-                let (step, phase) = (pair[1] - pair[0], count * pair[0]);
-                [
-                    c + a * step * libm::cos(phase),
-                    s + a * step * libm::sin(phase),
-                ]
-            });
-    Some(2.0 / (passes * pass) * libm::hypot(cosine, sine))
-}
-
-/// Root mean square of the steady part of a channel in a band, and its crest factor [-].
-fn rms_and_crest(channel: &Channel, band: Band) -> Option<[f64; 2]> {
-    let filtered = Channel {
-        samples: band.of(&channel.samples, channel.sample_rate)?,
-        ..channel.clone()
-    };
-    let steady = filtered.steady();
-    let square: f64 = steady.iter().map(|x| x * x).sum();
-    let rms = (square / steady.len() as f64).sqrt();
-    let peak = steady.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
-    Some([rms, peak / rms])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{SQRT_2, TAU};
-
-    fn channel(samples: Vec<f64>) -> Channel {
-        Channel {
-            name: "acceleration_y".to_owned(),
-            unit: "m/s^2".to_owned(),
-            sample_rate: 2000.0,
-            start: 0.0,
-            samples,
-        }
-    }
-
-    #[test]
-    fn a_tone_has_rms_and_crest_of_a_sine_in_its_band_and_next_to_nothing_in_the_others() {
-        let tone = |i| 3.0 * libm::sin(TAU * 63.0 * f64::from(i) / 2000.0);
-        let channel = channel((0..16_000).map(tone).collect());
-        let [rms, crest] = rms_and_crest(&channel, BANDS[1]).unwrap();
-        // 1e-3: the corners' share of the amplitude at the middle of the band.
-        assert!((rms * SQRT_2 / 3.0 - 1.0).abs() < 1e-3, "{rms}");
-        assert!((crest / SQRT_2 - 1.0).abs() < 2e-3, "{crest}");
-        for band in [BANDS[0], BANDS[2]] {
-            let [rms, _] = rms_and_crest(&channel, band).unwrap();
-            // 63 Hz lies 1.66 octaves above 20 Hz and below 200 Hz: 40 dB at fourth order.
-            assert!(rms < 0.011 * 3.0 / SQRT_2, "{rms}");
-        }
-    }
-
-    #[test]
-    fn means_leave_gaps_out_and_nothing_has_no_mean() {
-        let [mean, sd] = mean_and_sd(&[1.0, f64::NAN, 3.0]).unwrap();
-        assert_eq!([mean, sd], [2.0, 1.0]);
-        assert_eq!(mean_and_sd(&[f64::NAN]), None);
-    }
 
     #[test]
     fn every_number_in_a_cell_reads_back_as_itself() {

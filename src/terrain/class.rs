@@ -38,6 +38,16 @@ impl TerrainLabel {
             Self::SandWithGravel => "SGT",
         }
     }
+
+    /// The class that this ground stands for (Section 3.2): hard ground for ALCT, stones on it or
+    /// in a pile for SLCT, soil for LEIS. What a wheel really met in a window may differ.
+    pub fn class(self) -> Wtic {
+        match self {
+            Self::Reference | Self::Hard => Wtic::Alct,
+            Self::Gravel | Self::HardWithGravel => Wtic::Slct,
+            Self::Sand | Self::SandWithGravel => Wtic::Leis,
+        }
+    }
 }
 
 impl fmt::Display for TerrainLabel {

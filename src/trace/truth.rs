@@ -5,7 +5,7 @@
 //! when it carried load at any time of it, and *entered* when its edge was in the soil while it
 //! did. A passage counts in the window in which the lug was at the bottom.
 
-use super::{ClassWindow, Contact, Truth};
+use super::{ClassWindow, Contact, LugTally, Truth};
 use crate::simulation::WheelState;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use crate::wheel::Wheel;
@@ -172,23 +172,13 @@ impl Contacts {
     }
 }
 
-/// Passages that count in one window.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Tally {
-    passed: u32,
-    touched: u32,
-    entered: u32,
-}
-
-impl Tally {
-    fn class(self) -> Wtic {
-        let most = |n: u32| f64::from(n) >= MOST * f64::from(self.passed);
-        match self {
-            Self { passed: 0, .. } | Self { touched: 0, .. } => Wtic::Uwtic,
-            _ if most(self.entered) => Wtic::Leis,
-            _ if most(self.touched) => Wtic::Alct,
-            _ => Wtic::Slct,
-        }
+fn class(tally: LugTally) -> Wtic {
+    let most = |n: u32| f64::from(n) >= MOST * f64::from(tally.passed);
+    match tally {
+        LugTally { passed: 0, .. } | LugTally { touched: 0, .. } => Wtic::Uwtic,
+        LugTally { entered, .. } if most(entered) => Wtic::Leis,
+        LugTally { touched, .. } if most(touched) => Wtic::Alct,
+        _ => Wtic::Slct,
     }
 }
 
@@ -232,7 +222,7 @@ impl Passages {
 
     /// Follows the wheel to `angle` [rad] during `window`.
     #[cold]
-    fn turn(&mut self, angle: f64, window: usize, tally: &mut [Tally]) {
+    fn turn(&mut self, angle: f64, window: usize, tally: &mut [LugTally]) {
         if self.low == f64::INFINITY {
             self.turned = (angle / self.alpha).floor() as i64;
         }
@@ -249,7 +239,7 @@ impl Passages {
     }
 
     /// Lug number `bottom` passes the bottom, one leaves the lower half and one enters it.
-    fn pass(&mut self, bottom: i64, direction: i64, window: usize, tally: &mut [Tally]) {
+    fn pass(&mut self, bottom: i64, direction: i64, window: usize, tally: &mut [LugTally]) {
         self.leave(bottom - direction * self.reach, tally);
         let entering = self.lug(bottom + direction * self.reach);
         self.touched &= !(1 << entering);
@@ -258,7 +248,7 @@ impl Passages {
         self.passed_in[bottom] = Some(window);
     }
 
-    fn leave(&mut self, lug: i64, tally: &mut [Tally]) {
+    fn leave(&mut self, lug: i64, tally: &mut [LugTally]) {
         let lug = self.lug(lug);
         if let Some(window) = self.passed_in[lug].take() {
             let tally = &mut tally[window];
@@ -269,7 +259,7 @@ impl Passages {
     }
 
     /// Counts the lugs that passed the bottom and are still in the lower half.
-    fn conclude(&mut self, tally: &mut [Tally]) {
+    fn conclude(&mut self, tally: &mut [LugTally]) {
         for lug in 0..self.lugs {
             self.leave(lug, tally);
         }
@@ -295,7 +285,7 @@ struct Windows {
     states: [u64; LABELS.len()],
     /// What most of each earlier window was on.
     terrain: Vec<TerrainLabel>,
-    tally: Vec<Tally>,
+    tally: Vec<LugTally>,
 }
 
 /// All labels, in the order of their numbers.
@@ -337,7 +327,7 @@ impl Windows {
             self.close();
         }
         self.current = self.tally.len();
-        self.tally.push(Tally::default());
+        self.tally.push(LugTally::default());
         self.next = self.start + self.tally.len() as f64 * self.length;
     }
 
@@ -353,11 +343,12 @@ impl Windows {
         }
         let windows = self.tally.iter().zip(&self.terrain).enumerate();
         windows
-            .map(|(i, (tally, &terrain))| ClassWindow {
+            .map(|(i, (&tally, &terrain))| ClassWindow {
                 start: self.start + i as f64 * self.length,
                 end: (self.start + (i + 1) as f64 * self.length).min(end),
-                class: tally.class(),
+                class: class(tally),
                 terrain,
+                lugs: Some(tally),
             })
             .filter(|window| window.end - window.start >= 0.5 * self.length)
             .collect()
@@ -461,7 +452,7 @@ mod tests {
         let wheel = Wheel::single_wheel();
         let alpha = wheel.lug_angle().unwrap();
         let mut passages = Passages::new(28, alpha);
-        let mut tally = [Tally::default()];
+        let mut tally = [LugTally::default()];
         passages.turn(0.9 * alpha, 0, &mut tally);
         for angle in [1.0, 0.99, 1.001, 0.8, 1.1] {
             passages.turn(angle * alpha, 0, &mut tally);

@@ -1,11 +1,13 @@
 //! Runs from a file, whoever wrote it.
 
-use super::{ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError};
+use super::{
+    ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, TalliedWindowRow,
+};
 use super::{Outcome, reason};
 use crate::dataset::Provenance;
 use crate::quantity::Seed;
 use crate::terrain::class::TerrainLabel;
-use crate::trace::{Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
+use crate::trace::{Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth};
 use ::hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use ::hdf5::{Attribute, Container, Dataset, File, Group, H5Type, Location, MinorErrorCode};
 use ::hdf5::{IndexType, IterationOrder};
@@ -308,14 +310,33 @@ fn contact(row: ContactRow) -> Contact {
     }
 }
 
+/// Columns of every table of class windows.
+const WINDOW_COLUMNS: [&str; 4] = ["start_s", "end_s", "class", "terrain"];
+/// Columns that it has where lugs were counted.
+const LUG_COLUMNS: [&str; 3] = ["lugs_passed", "lugs_touched", "lugs_entered"];
+
 fn class_windows(
     place: &Place<'_>,
     truth: &Group,
     label: Option<TerrainLabel>,
 ) -> Outcome<Vec<ClassWindow>> {
-    let columns = ["start_s", "end_s", "class", "terrain"];
-    let rows: Vec<ClassWindowRow> = rows(place, truth, "class_windows", &columns)?;
-    let window = |row: ClassWindowRow| {
+    let name = "class_windows";
+    if !truth.link_exists(name) {
+        return Ok(Vec::new());
+    }
+    let (plain, lugs): (Vec<ClassWindowRow>, Vec<Option<LugTally>>) =
+        if columns(place, truth, name)?
+            .iter()
+            .any(|column| column == LUG_COLUMNS[0])
+        {
+            let expected = [&WINDOW_COLUMNS[..], &LUG_COLUMNS].concat();
+            let rows: Vec<TalliedWindowRow> = rows(place, truth, name, &expected)?;
+            rows.into_iter().map(untallied).unzip()
+        } else {
+            let rows: Vec<ClassWindowRow> = rows(place, truth, name, &WINDOW_COLUMNS)?;
+            rows.into_iter().map(|row| (row, None)).unzip()
+        };
+    let window = |(row, lugs): (ClassWindowRow, Option<LugTally>)| {
         let terrain = place.name("class_windows, terrain", row.terrain.as_str())?;
         let class = place.name("class_windows, class", row.class.as_str())?;
         let blank = |column| place.content(format!("class_windows with a {column}"), "\"\"");
@@ -324,9 +345,25 @@ fn class_windows(
             end: row.end_s,
             class: class.ok_or_else(|| blank("class"))?,
             terrain: terrain.or(label).ok_or_else(|| blank("terrain"))?,
+            lugs,
         })
     };
-    rows.into_iter().map(window).collect()
+    plain.into_iter().zip(lugs).map(window).collect()
+}
+
+fn untallied(row: TalliedWindowRow) -> (ClassWindowRow, Option<LugTally>) {
+    let plain = ClassWindowRow {
+        start_s: row.start_s,
+        end_s: row.end_s,
+        class: row.class,
+        terrain: row.terrain,
+    };
+    let lugs = LugTally {
+        passed: row.lugs_passed,
+        touched: row.lugs_touched,
+        entered: row.lugs_entered,
+    };
+    (plain, Some(lugs))
 }
 
 /// The rows of a table that may be missing, but not in part.
@@ -334,25 +371,31 @@ fn rows<T: H5Type>(
     place: &Place<'_>,
     parent: &Group,
     name: &str,
-    columns: &[&str],
+    expected: &[&str],
 ) -> Outcome<Vec<T>> {
     if !parent.link_exists(name) {
         return Ok(Vec::new());
     }
-    let table = dataset(place, parent, name)?;
-    let kind = table.dtype().and_then(|kind| kind.to_descriptor());
-    let has = match kind.map_err(|error| place.damaged(&error))? {
-        TypeDescriptor::Compound(kind) => kind.fields.into_iter().map(|field| field.name).collect(),
-        _ => Vec::new(),
-    };
-    if columns
+    let has = columns(place, parent, name)?;
+    if expected
         .iter()
         .any(|column| !has.iter().any(|name| name == column))
     {
-        let expected = format!("{name} with columns {}", columns.join(", "));
+        let expected = format!("{name} with columns {}", expected.join(", "));
         return Err(place.content(expected, has.join(", ")));
     }
+    let table = dataset(place, parent, name)?;
     table.read_raw().map_err(|error| place.damaged(&error))
+}
+
+/// Names of a table's columns.
+fn columns(place: &Place<'_>, parent: &Group, name: &str) -> Outcome<Vec<String>> {
+    let kind = dataset(place, parent, name)?.dtype();
+    let kind = kind.and_then(|kind| kind.to_descriptor());
+    Ok(match kind.map_err(|error| place.damaged(&error))? {
+        TypeDescriptor::Compound(kind) => kind.fields.into_iter().map(|field| field.name).collect(),
+        _ => Vec::new(),
+    })
 }
 
 fn group(place: &Place<'_>, parent: &Group, name: &str) -> Outcome<Group> {

@@ -1,9 +1,12 @@
 //! Runs to a file, one after another.
 
 use super::reason;
-use super::{ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, Word};
+use super::{
+    ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, TalliedWindowRow,
+    Word,
+};
 use crate::dataset::Provenance;
-use crate::trace::{Channel, Mean, RunAttributes, Trace, Truth, unit_of};
+use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth, unit_of};
 use ::hdf5::file::LibraryVersion;
 use ::hdf5::filters::deflate_available;
 use ::hdf5::types::VarLenUnicode;
@@ -322,7 +325,24 @@ fn write_truth(location: &Group, truth: &Truth) -> Result<()> {
         end_s: contact.end,
         entered: contact.entered.into(),
     });
-    let windows = truth.class_windows.iter().map(|window| {
+    let profile = truth
+        .profile
+        .iter()
+        .map(|&[x, height]| ProfileRow { x, height });
+    write_table(location, "contacts", &contacts.collect::<Vec<_>>())?;
+    write_class_windows(location, &truth.class_windows)?;
+    write_table(location, "profile", &profile.collect::<Vec<_>>())?;
+    let parameters = group(location, "parameters")?;
+    for (name, value) in &truth.parameters {
+        set(&parameters, name, *value)?;
+    }
+    Ok(())
+}
+
+/// The class windows; with the counts of lugs where all have them.
+fn write_class_windows(location: &Group, windows: &[ClassWindow]) -> Result<()> {
+    let name = "class_windows";
+    let plain = windows.iter().map(|window| {
         Ok(ClassWindowRow {
             start_s: window.start,
             end_s: window.end,
@@ -330,18 +350,25 @@ fn write_truth(location: &Group, truth: &Truth) -> Result<()> {
             terrain: word(window.terrain.as_str())?,
         })
     });
-    let profile = truth
-        .profile
+    let plain = plain.collect::<Result<Vec<_>>>()?;
+    let tallies: Option<Vec<LugTally>> = windows.iter().map(|window| window.lugs).collect();
+    let Some(tallies) = tallies else {
+        write_table(location, name, &plain)?;
+        return Ok(());
+    };
+    let rows = plain
         .iter()
-        .map(|&[x, height]| ProfileRow { x, height });
-    write_table(location, "contacts", &contacts.collect::<Vec<_>>())?;
-    let windows = windows.collect::<Result<Vec<_>>>()?;
-    write_table(location, "class_windows", &windows)?;
-    write_table(location, "profile", &profile.collect::<Vec<_>>())?;
-    let parameters = group(location, "parameters")?;
-    for (name, value) in &truth.parameters {
-        set(&parameters, name, *value)?;
-    }
+        .zip(tallies)
+        .map(|(row, lugs)| TalliedWindowRow {
+            start_s: row.start_s,
+            end_s: row.end_s,
+            class: row.class,
+            terrain: row.terrain,
+            lugs_passed: lugs.passed,
+            lugs_touched: lugs.touched,
+            lugs_entered: lugs.entered,
+        });
+    write_table(location, name, &rows.collect::<Vec<_>>())?;
     Ok(())
 }
 

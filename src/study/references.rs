@@ -1,0 +1,92 @@
+//! What the features of each condition are taken over, found once.
+
+use super::recognition::{Recognition, ReferenceRuns};
+use super::table::{NoRows, Stop};
+use super::{Run, Study};
+use crate::features::reference::Reference;
+use crate::scenario::Scenario;
+use crate::scenario::experiment::ExperimentError;
+use crate::sensors::Sensors;
+use std::sync::{Mutex, PoisonError};
+
+/// The references of a study.
+pub(super) struct References<'s> {
+    study: &'s Study,
+    recognition: &'s Recognition,
+    /// By number of the reference run, or of the condition where there are none.
+    found: Vec<Mutex<Option<Found>>>,
+}
+
+/// A reference, or why there is none.
+type Found = Result<Reference, String>;
+
+impl<'s> References<'s> {
+    pub(super) fn new(study: &'s Study, recognition: &'s Recognition) -> Self {
+        let found = (0..study.condition_count()).map(|_| Mutex::default());
+        Self {
+            study,
+            recognition,
+            found: found.collect(),
+        }
+    }
+
+    /// The reference of a run. It depends on the study and the run's condition only.
+    ///
+    /// # Errors
+    /// `Stopped` when `stop` said so; `Failed` where the reference run fails or is no reference.
+    pub(super) fn of(&self, run: &Run, stop: &mut Stop) -> Result<Reference, NoRows> {
+        let number = match &self.recognition.reference {
+            Some(runs) => runs.of_condition(run.condition),
+            None => run.condition as usize,
+        };
+        // What a panic left behind is nothing: it is found anew.
+        let place = self.found[number].lock();
+        let mut place = place.unwrap_or_else(PoisonError::into_inner);
+        if place.is_none() {
+            *place = Some(match &self.recognition.reference {
+                Some(runs) => self.measured(runs, number, stop)?,
+                None => self.computed(&self.study.scenario(run)),
+            });
+        }
+        let found = place.clone().expect("it was found above");
+        found.map_err(|reason| NoRows::Failed(format!("its reference: {reason}")))
+    }
+
+    /// From a run on the reference ground. It draws from a stream beyond those of the study's runs,
+    /// so that no window is divided by its own noise.
+    fn measured(
+        &self,
+        runs: &ReferenceRuns,
+        number: usize,
+        stop: &mut Stop,
+    ) -> Result<Found, NoRows> {
+        let scenario = runs.scenario(self.study, number);
+        let stream = self.study.run_count() + number as u64;
+        let trace = match scenario.run(self.study.seed, stream, stop) {
+            Ok(trace) => trace,
+            Err(ExperimentError::Stopped) => return Err(NoRows::Stopped),
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let reference = Reference::measured([&trace], self.recognition.settings(&scenario));
+        Ok(reference.map_err(|error| error.to_string()))
+    }
+
+    /// Computed, and passed through the scenario's sensors where these change anything.
+    fn computed(&self, scenario: &Scenario) -> Found {
+        let Scenario { wheel, sensors, .. } = scenario;
+        let ideal = Sensors {
+            rate: sensors.rate,
+            output_rate: sensors.output_rate,
+            ..Sensors::default()
+        };
+        let drive = scenario.rig.drive();
+        let wheel_speed = drive.full_wheel_speed(wheel.radius);
+        let wheel_speed = wheel_speed.map_err(|error| error.to_string())?;
+        if *sensors == ideal || wheel_speed == 0.0 {
+            return Ok(Reference::computed());
+        }
+        let settings = self.recognition.settings(scenario);
+        let sensed = Reference::through_sensors(wheel, sensors, &[wheel_speed], settings);
+        sensed.map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,323 @@
+//! How well the classes of a study's windows were recognised: confusions, shares with intervals, and
+//! their map over scenarios and swept keys.
+//!
+//! Every method is scored twice: against the class that the ground stands for, as the paper does,
+//! and against the class that lugs and ground really had. A trained
+//! [`baseline`](crate::recognition::baseline) is scored as two more methods:
+//!
+//! - `baseline_new`: every window is told by a classifier trained on the other values of its key,
+//!   `recognition.baseline.key`. Values that differ in sign are one, as a wheel in reverse has the
+//!   speed it has forward.
+//! - `baseline_known`: every window is told by a classifier trained on the other repeats, so on
+//!   the same values. What it does better is what the new value costs.
+//!
+//! Both are trained on the classes that the grounds stand for.
+//!
+//! `recognition.csv` has one row for a true class in a part of the windows:
+//!
+//! | columns | hold |
+//! |---|---|
+//! | `method`, `against` | what was scored; `published` are the counts of the study file; `label` or `truth` |
+//! | `by`, `value` | the part: a scenario, the value of a swept key, or all |
+//! | `true_class` | one class, or `all` |
+//! | `n`, `correct`, `share`, `low`, `high` | windows, and Wilson's 95 % interval of the share |
+//! | `ALCT` ... `UWTIC` | answers |
+
+mod reading;
+mod text;
+
+use super::recognition::{Recognition, magnitude};
+use super::{Study, StudyError};
+use crate::recognition::baseline::{self, BaselineError, Sample};
+use crate::recognition::confusion::{CLASSES, Confusion, Share};
+use crate::terrain::class::Wtic;
+use reading::Row;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// How well the windows of a study were recognised.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecognitionScore {
+    /// Windows of all runs that did not fail.
+    pub windows: u64,
+    /// Published counts, where the study file has them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published: Option<Counted>,
+    /// Every method against either class.
+    pub scores: Vec<MethodScore>,
+}
+
+/// A method against one kind of class.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodScore {
+    /// `paper`, `improved`, `baseline_new` or `baseline_known`.
+    pub method: String,
+    /// What its answers were compared with.
+    pub against: Against,
+    /// All windows.
+    #[serde(flatten)]
+    pub all: Counted,
+    /// Parts of the windows.
+    pub map: Vec<Part>,
+}
+
+/// What counts as the true class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Against {
+    /// The class that the ground stands for.
+    Label,
+    /// The class that lugs and ground had in the window.
+    Truth,
+}
+
+/// The windows of one scenario, or at one value of a swept key.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Part {
+    /// `scenario` or the key.
+    pub by: String,
+    /// Which scenario, or the value as TOML.
+    pub value: String,
+    /// Its windows.
+    #[serde(flatten)]
+    pub counted: Counted,
+}
+
+/// Answers counted, and what follows from the counts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Counted {
+    /// The counts.
+    pub confusion: Confusion,
+    /// Share of right answers; none without windows.
+    pub accuracy: Option<Share>,
+    /// Share of right answers, by true class; classes that did not occur have none.
+    pub recalls: BTreeMap<Wtic, Share>,
+    /// Windows answered by another class than theirs, UWTIC aside.
+    pub confused: u64,
+}
+
+impl From<Confusion> for Counted {
+    fn from(confusion: Confusion) -> Self {
+        let recall = |class: Wtic| Some((class, confusion.recall(class)?));
+        Self {
+            confusion,
+            accuracy: confusion.accuracy(),
+            recalls: CLASSES.into_iter().filter_map(recall).collect(),
+            confused: confusion.confused(),
+        }
+    }
+}
+
+impl Study {
+    /// Scores the table of the windows, where the study has one.
+    ///
+    /// # Errors
+    /// `Baseline` where the windows train no classifier.
+    pub(super) fn score(
+        &self,
+        windows: Option<&str>,
+    ) -> Result<Option<RecognitionScore>, StudyError> {
+        let (Some(recognition), Some(text)) = (&self.recognition, windows) else {
+            return Ok(None);
+        };
+        let keys: Vec<&str> = self.keys().collect();
+        let rows = reading::rows(text, &keys, &recognition.methods);
+        let mut answers: Vec<(String, Vec<Wtic>)> = Vec::new();
+        for (number, method) in recognition.methods.iter().enumerate() {
+            let told = rows.iter().map(|row| row.answers[number]);
+            answers.push((method.as_str().to_owned(), told.collect()));
+        }
+        answers.extend(baselines(recognition, &rows, &keys)?);
+        let scores = answers.iter().flat_map(|(method, answers)| {
+            [Against::Label, Against::Truth].map(|against| MethodScore {
+                method: method.clone(),
+                against,
+                all: counted(&rows, answers, against, &|_| true),
+                map: map(&rows, answers, against, &keys),
+            })
+        });
+        Ok(Some(RecognitionScore {
+            windows: rows.len() as u64,
+            published: recognition.published.map(Counted::from),
+            scores: scores.collect(),
+        }))
+    }
+}
+
+impl Row {
+    fn class(&self, against: Against) -> Option<Wtic> {
+        match against {
+            Against::Label => self.label_class,
+            Against::Truth => self.truth,
+        }
+    }
+}
+
+/// Counts the answers to those rows that have a true class and are `within` a part.
+fn counted(
+    rows: &[Row],
+    answers: &[Wtic],
+    against: Against,
+    within: &dyn Fn(&Row) -> bool,
+) -> Counted {
+    let mut confusion = Confusion::default();
+    for (row, answer) in rows.iter().zip(answers).filter(|(row, _)| within(row)) {
+        if let Some(class) = row.class(against) {
+            confusion.add(class, *answer);
+        }
+    }
+    confusion.into()
+}
+
+/// The parts in the order in which they occur, scenarios first.
+fn map(rows: &[Row], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    for (place, by) in std::iter::once("scenario")
+        .chain(keys.iter().copied())
+        .enumerate()
+    {
+        let mut values: Vec<&str> = Vec::new();
+        for row in rows {
+            let value = row.condition[place].as_str();
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        parts.extend(values.iter().map(|value| Part {
+            by: by.to_owned(),
+            value: (*value).to_owned(),
+            counted: counted(rows, answers, against, &|row| {
+                row.condition[place] == *value
+            }),
+        }));
+    }
+    parts
+}
+
+/// The answers of the baseline to windows at values new to it, and at values it knows.
+fn baselines(
+    recognition: &Recognition,
+    rows: &[Row],
+    keys: &[&str],
+) -> Result<Vec<(String, Vec<Wtic>)>, BaselineError> {
+    let Some(key) = &recognition.baseline else {
+        return Ok(Vec::new());
+    };
+    let place = keys.iter().position(|swept| swept == key);
+    let place = 1 + place.expect("the study was read with this key swept");
+    let value = |row: &Row| magnitude(&row.condition[place]);
+    let repeat = |row: &Row| row.repeat.clone();
+    Ok(vec![
+        ("baseline_new".to_owned(), told(rows, &value)?),
+        ("baseline_known".to_owned(), told(rows, &repeat)?),
+    ])
+}
+
+/// The baseline's answer to every window, trained on the windows of other groups. A window whose
+/// vibration cannot be used is neither trained on nor told.
+fn told(rows: &[Row], group: &dyn Fn(&Row) -> String) -> Result<Vec<Wtic>, BaselineError> {
+    let sample = |row: &Row| {
+        let (powers, class) = (row.powers?, row.label_class?);
+        Some(Sample { powers, class })
+    };
+    let usable: Vec<(usize, Sample)> = rows
+        .iter()
+        .enumerate()
+        .filter_map(|(number, row)| Some((number, sample(row)?)))
+        .collect();
+    let groups: Vec<String> = usable
+        .iter()
+        .map(|(number, _)| group(&rows[*number]))
+        .collect();
+    let samples: Vec<Sample> = usable.iter().map(|(_, sample)| sample.clone()).collect();
+    let mut answers = vec![Wtic::Uwtic; rows.len()];
+    for ((number, _), class) in usable.iter().zip(baseline::left_out(&samples, &groups)?) {
+        answers[*number] = class;
+    }
+    Ok(answers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::band_powers::BANDS;
+
+    /// A window at a speed, as loud as that in every band; silence cannot be used.
+    fn row(speed: &str, class: Wtic, loud: f64) -> Row {
+        Row {
+            repeat: "0".to_owned(),
+            condition: vec!["hard".to_owned(), speed.to_owned()],
+            label_class: Some(class),
+            truth: (speed != "0.02").then_some(Wtic::Slct),
+            answers: Vec::new(),
+            powers: (loud != 0.0).then_some([loud; BANDS]),
+        }
+    }
+
+    #[test]
+    fn the_map_counts_every_window_once_by_scenario_and_once_by_each_key() {
+        let rows = ["0.01", "0.02", "0.01", "0.02", "0.02"].map(|v| row(v, Wtic::Alct, 1.0));
+        let answers = [Wtic::Alct, Wtic::Alct, Wtic::Leis, Wtic::Uwtic, Wtic::Alct];
+        let parts = map(&rows, &answers, Against::Label, &["speed"]);
+        let told: Vec<(&str, &str, Option<Share>)> = parts
+            .iter()
+            .map(|part| (part.by.as_str(), part.value.as_str(), part.counted.accuracy))
+            .collect();
+        let expected = [
+            ("scenario", "hard", Share::of(3, 5)),
+            ("speed", "0.01", Share::of(1, 2)),
+            ("speed", "0.02", Share::of(2, 3)),
+        ];
+        assert_eq!(told, expected);
+        let against_truth = counted(&rows, &answers, Against::Truth, &|_| true);
+        assert_eq!(against_truth.confusion.total(), 2, "three have no truth");
+    }
+
+    #[test]
+    fn a_window_whose_vibration_cannot_be_used_is_unknown_to_the_baseline() {
+        let mut rows = Vec::new();
+        for speed in ["0.01", "-0.01", "0.02"] {
+            rows.push(row(speed, Wtic::Alct, 2.0));
+            rows.push(row(speed, Wtic::Leis, -2.0));
+        }
+        rows.push(row("0.02", Wtic::Alct, 0.0));
+        let by_speed = |row: &Row| magnitude(&row.condition[1]);
+        let answers = told(&rows, &by_speed).unwrap();
+        assert_eq!(answers[..2], [Wtic::Alct, Wtic::Leis]);
+        assert_eq!(answers[6], Wtic::Uwtic);
+        // In reverse it is the same speed, so that two values that differ in sign are not two.
+        let error = told(&rows[..4], &by_speed).unwrap_err();
+        assert!(matches!(error, BaselineError::OneGroup));
+    }
+
+    #[test]
+    fn the_text_has_the_published_counts_beside_the_simulated_ones_in_columns() {
+        let mut confusion = Confusion::default();
+        confusion.counts[0] = [58, 0, 0, 2];
+        let counted = Counted::from(confusion);
+        let score = RecognitionScore {
+            windows: 60,
+            published: Some(counted.clone()),
+            scores: vec![MethodScore {
+                method: "paper".to_owned(),
+                against: Against::Label,
+                all: counted,
+                map: Vec::new(),
+            }],
+        };
+        let text = score.to_string();
+        let line = |start: &str| {
+            text.lines()
+                .find(|line| line.trim_start().starts_with(start))
+        };
+        let (names, counts) = (line("true class").unwrap(), line("ALCT").unwrap());
+        let ends = |line: &str, of: &str| -> Vec<usize> {
+            line.match_indices(of)
+                .map(|(at, _)| at + of.len())
+                .collect()
+        };
+        assert_eq!(ends(names, "ALCT"), ends(counts, "58"));
+        assert_eq!(counts.matches("0.967 [0.886, 0.991]").count(), 2);
+        assert_eq!(line("SLCT"), None, "a class that did not occur has no row");
+    }
+}
