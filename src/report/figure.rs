@@ -284,6 +284,16 @@ impl Canvas {
         );
     }
 
+    /// A filled rectangle that lets `opacity` [-] of its colour cover what lies below.
+    pub fn shade(&mut self, area: &Area, fill: &str, opacity: f64) {
+        let [x, y, w, h] = [area.left, area.top, area.width, area.height].map(pixels);
+        let _ = writeln!(
+            self.body,
+            r#"<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{fill}" fill-opacity="{}"/>"#,
+            pixels(opacity)
+        );
+    }
+
     /// A line of text with its base line at `at`.
     pub fn text(&mut self, at: [f64; 2], anchor: Anchor, font: Font, text: &str) {
         let [x, y] = at.map(pixels);
@@ -533,6 +543,19 @@ impl Panel {
     /// Grid, frame, ticks of the upright axis; `header` names the quantity and its unit.
     pub fn draw_frame(&self, canvas: &mut Canvas, header: &str) {
         let area = &self.area;
+        for (value, _) in self.x.ticks(90.0) {
+            let x = self.x.pixel(value);
+            canvas.polyline(
+                &[[x, area.top], [x, area.bottom()]],
+                Stroke::solid(GRID, 1.0),
+            );
+        }
+        self.draw_category_frame(canvas, header);
+    }
+
+    /// As [`draw_frame`](Self::draw_frame) where the lower axis holds categories, not numbers.
+    pub fn draw_category_frame(&self, canvas: &mut Canvas, header: &str) {
+        let area = &self.area;
         for (value, text) in self.y.ticks(30.0) {
             let y = self.y.pixel(value);
             canvas.polyline(
@@ -540,13 +563,6 @@ impl Panel {
                 Stroke::solid(GRID, 1.0),
             );
             canvas.text([area.left - 8.0, y + 5.0], Anchor::End, Font::SMALL, &text);
-        }
-        for (value, _) in self.x.ticks(90.0) {
-            let x = self.x.pixel(value);
-            canvas.polyline(
-                &[[x, area.top], [x, area.bottom()]],
-                Stroke::solid(GRID, 1.0),
-            );
         }
         let [left, right, top, bottom] = [area.left, area.right(), area.top, area.bottom()];
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];

@@ -38,6 +38,15 @@ impl TerrainLabel {
             Self::SandWithGravel => "SGT",
         }
     }
+
+    /// The class the paper takes this terrain to have (Section 3.2).
+    pub fn class(self) -> Wtic {
+        match self {
+            Self::Reference | Self::Hard => Wtic::Alct,
+            Self::Gravel | Self::HardWithGravel => Wtic::Slct,
+            Self::Sand | Self::SandWithGravel => Wtic::Leis,
+        }
+    }
 }
 
 impl fmt::Display for TerrainLabel {
