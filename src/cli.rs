@@ -11,6 +11,7 @@ mod interrupt;
 mod output;
 mod plot;
 mod progress;
+mod recognize;
 mod scenario_args;
 mod series;
 mod simulate;
@@ -39,6 +40,7 @@ Examples:
   lugwheel study scenarios/studies/quick.toml         sweeps and seeds, a row a run
   lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
+  lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 4 study finished with failed runs, 130 interrupted.";
@@ -51,6 +53,7 @@ enum Command {
     Study(study::StudyCommand),
     Inspect(inspect::Inspect),
     Plot(plot::Plot),
+    Recognize(recognize::Recognize),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -72,5 +75,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Study(command) => command.run(output),
         Command::Inspect(command) => command.run(output),
         Command::Plot(command) => command.run(output),
+        Command::Recognize(command) => command.run(output),
     }
 }

@@ -1,6 +1,7 @@
 //! What went wrong, in words and as an exit code.
 
 use super::interrupt::Interrupted;
+use super::recognize::Unfit;
 use super::scenario_args::NoScenario;
 use super::study::FailedRuns;
 use lugwheel::dataset::hdf5::RunFileError;
@@ -61,6 +62,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
         || cause.is::<NoScenario>()
+        || cause.is::<Unfit>()
         || matches!(
             cause.downcast_ref::<StudyError>(),
             Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))

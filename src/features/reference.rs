@@ -258,11 +258,13 @@ fn smooth(record: &Record, angle: &[f64]) -> Vec<f64> {
         flat_ground::acceleration(&record.wheel, angle[at(point)], speed, 0.0)
     };
     let points: Vec<f64> = (0..=last / stride + 1).map(value).collect();
-    let between = |sample: usize| {
-        let (before, share) = (sample / stride, (sample % stride) as f64 / stride as f64);
-        points[before] * (1.0 - share) + points[before + 1] * share
-    };
-    (0..=last).map(between).collect()
+    let mut samples = Vec::with_capacity(points.len() * stride);
+    for pair in points.windows(2) {
+        let shares = (0..stride).map(|step| step as f64 / stride as f64);
+        samples.extend(shares.map(|share| pair[0] * (1.0 - share) + pair[1] * share));
+    }
+    samples.truncate(last + 1);
+    samples
 }
 
 impl Train {

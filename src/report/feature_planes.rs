@@ -102,8 +102,10 @@ fn draw_plane(
     panel.draw_frame(canvas, NAMES[up]);
     panel.draw_footer(canvas, NAMES[across]);
     canvas.clip(&panel.area);
-    for region in regions {
-        draw_region(canvas, &projection(panel, region, [across, up]), region);
+    for (place, region) in regions.iter().enumerate() {
+        let area = projection(panel, region, [across, up]);
+        // Regions that coincide in this plane show as outlines in each other.
+        draw_region(canvas, &inset(&area, 2.5 * place as f64), region);
     }
     for point in points {
         let at = panel.at([point.p[across], point.p[up]]);
@@ -123,6 +125,16 @@ fn projection(panel: &Panel, region: &Region, [across, up]: [usize; 2]) -> Area 
         top,
         width: right - left,
         height: bottom - top,
+    }
+}
+
+fn inset(area: &Area, by: f64) -> Area {
+    let by = by.min(area.width / 2.0).min(area.height / 2.0);
+    Area {
+        left: area.left + by,
+        top: area.top + by,
+        width: area.width - 2.0 * by,
+        height: area.height - 2.0 * by,
     }
 }
 

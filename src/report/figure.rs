@@ -540,10 +540,15 @@ impl Panel {
         [self.x.pixel(x), self.y.pixel(y)]
     }
 
+    /// Least distance [px] of ticks across: narrow panels have theirs closer.
+    fn tick_spacing(&self) -> f64 {
+        (self.area.width / 6.0).clamp(54.0, 90.0)
+    }
+
     /// Grid, frame, ticks of the upright axis; `header` names the quantity and its unit.
     pub fn draw_frame(&self, canvas: &mut Canvas, header: &str) {
         let area = &self.area;
-        for (value, _) in self.x.ticks(90.0) {
+        for (value, _) in self.x.ticks(self.tick_spacing()) {
             let x = self.x.pixel(value);
             canvas.polyline(
                 &[[x, area.top], [x, area.bottom()]],
@@ -574,7 +579,7 @@ impl Panel {
     /// Tick labels and name of the lower axis.
     pub fn draw_footer(&self, canvas: &mut Canvas, name: &str) {
         let area = &self.area;
-        for (value, text) in self.x.ticks(90.0) {
+        for (value, text) in self.x.ticks(self.tick_spacing()) {
             let x = self.x.pixel(value);
             let below = [[x, area.bottom()], [x, area.bottom() + 5.0]];
             canvas.polyline(&below, Stroke::solid(MUTED, 1.0));
