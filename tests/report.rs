@@ -358,6 +358,19 @@ fn a_traverse_shows_answers_above_the_truth_and_needs_only_acceleration() {
 }
 
 #[test]
+fn a_peak_far_beyond_the_others_is_cut_and_told_so_that_they_show() {
+    let windows: Vec<Recognized> = (0..3)
+        .map(|i| recognized(5.0 * f64::from(i), Wtic::Slct))
+        .collect();
+    let whole = traverse_figure(&sand(), "1", &windows).unwrap();
+    assert!(!whole.contains("cut"), "equal peaks stay whole");
+    let struck = replaced(sand(), "acceleration_y", |c| c.samples[25_000] = 2500.0);
+    let svg = traverse_figure(&struck, "1", &windows).unwrap();
+    assert_well_formed(&svg);
+    assert!(svg.contains("[m/s²]; cut, peaks reach 2500"), "{svg}");
+}
+
+#[test]
 fn a_confusion_matrix_shows_counts_shares_and_what_did_not_occur() {
     let mut confusion = Confusion::default();
     for answer in [Wtic::Alct, Wtic::Alct, Wtic::Alct, Wtic::Uwtic] {

@@ -76,7 +76,7 @@ fn draw_heading(canvas: &mut Canvas, groups: &[Group], regions: &[Region]) {
             width: 24.0,
             height: 14.0,
         };
-        draw_region(canvas, &swatch, region);
+        draw_region(canvas, &swatch, region, 0.0);
         let name = format!("region of {} in the paper", region.class);
         canvas.text([left + 32.0, 78.0], Anchor::Start, font, &name);
         left += 32.0 + font.width(&name) + 20.0;
@@ -104,8 +104,8 @@ fn draw_plane(
     canvas.clip(&panel.area);
     for (place, region) in regions.iter().enumerate() {
         let area = projection(panel, region, [across, up]);
-        // Regions that coincide in this plane show as outlines in each other.
-        draw_region(canvas, &inset(&area, 2.5 * place as f64), region);
+        // Of regions that coincide in this plane, each shows its outline within the other's.
+        draw_region(canvas, &area, region, 1.0 + 2.5 * place as f64);
     }
     for point in points {
         let at = panel.at([point.p[across], point.p[up]]);
@@ -128,19 +128,11 @@ fn projection(panel: &Panel, region: &Region, [across, up]: [usize; 2]) -> Area 
     }
 }
 
-fn inset(area: &Area, by: f64) -> Area {
-    let by = by.min(area.width / 2.0).min(area.height / 2.0);
-    Area {
-        left: area.left + by,
-        top: area.top + by,
-        width: area.width - 2.0 * by,
-        height: area.height - 2.0 * by,
-    }
-}
-
-fn draw_region(canvas: &mut Canvas, area: &Area, region: &Region) {
+/// A region, its outline `inset` [px] within its limits.
+fn draw_region(canvas: &mut Canvas, area: &Area, region: &Region, inset: f64) {
     canvas.shade(area, class_colour(region.class), 0.55);
-    let [left, right, top, bottom] = [area.left, area.right(), area.top, area.bottom()];
+    let [left, right] = [area.left + inset, area.right() - inset];
+    let [top, bottom] = [area.top + inset, area.bottom() - inset];
     let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
     let outline = Stroke::dashed(Group::Class(region.class).colour(), 1.6);
     canvas.polygon(&corners, "none", outline);

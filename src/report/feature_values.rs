@@ -78,16 +78,14 @@ fn draw_feature(
     }
 }
 
-fn draw_group(canvas: &mut Canvas, panel: &Panel, middle: f64, group: Group, mut values: Vec<f64>) {
+fn draw_group(canvas: &mut Canvas, panel: &Panel, middle: f64, group: Group, values: Vec<f64>) {
+    let median = median(&values);
+    let ends = [-0.42, 0.42].map(|offset| panel.at([middle + offset, median]));
+    canvas.polyline(&ends, Stroke::solid(INK, 2.0));
     for (place, value) in values.iter().enumerate() {
         let x = middle + SPREAD * (radical_inverse(place as u32 + 1) - 0.5);
         group.mark(canvas, panel.at([x, *value]));
     }
-    values.sort_by(f64::total_cmp);
-    let median = (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0;
-    let ends = [-0.36, 0.36].map(|offset| panel.at([middle + offset, median]));
-    canvas.polyline(&ends, Stroke::solid("#ffffff", 5.0));
-    canvas.polyline(&ends, Stroke::solid(INK, 2.5));
     let below = panel.area.bottom();
     let x = panel.x.pixel(middle);
     let name = Font {
@@ -95,10 +93,24 @@ fn draw_group(canvas: &mut Canvas, panel: &Panel, middle: f64, group: Group, mut
         ..Font::SMALL
     };
     canvas.text([x, below + 19.0], Anchor::Middle, name, group.name());
-    let count = values.len();
-    let median = format!("{median:.2}").replace('-', "−");
-    let text = format!("{median}, n = {count}");
+    let text = format!("{}, n = {}", shown(median), values.len());
     canvas.text([x, below + 37.0], Anchor::Middle, Font::SMALL, &text);
+}
+
+/// The middle value, or the mean of the two in the middle; there is at least one.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]) / 2.0
+}
+
+/// Two decimals; 0 has no sign.
+fn shown(value: f64) -> String {
+    let text = format!("{value:.2}");
+    if text == "-0.00" {
+        return "0.00".to_owned();
+    }
+    text.replace('-', "−")
 }
 
 /// The digits of `number` in base 2 mirrored at the point [-]: any first few lie far apart.

@@ -4,9 +4,10 @@ use super::ReportError;
 use super::class_strip::{ClassSpan, keys};
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, MUTED, PALETTE, Panel, Stroke};
+use super::page::four_digits;
 use super::trace_figure::{draw_channel, drawable};
 use crate::recognition::Recognized;
-use crate::trace::Trace;
+use crate::trace::{Channel, Trace};
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1200.0;
@@ -41,7 +42,7 @@ pub fn traverse_figure(
         width: WIDTH - LEFT - RIGHT,
         height: HEIGHT,
     };
-    let range = bounds(&acceleration.samples).unwrap_or([-1.0, 1.0]);
+    let (range, cut) = shown_range(acceleration, windows);
     let panel = Panel {
         area,
         x: Axis::exact([acceleration.start, end], [area.left, area.right()]),
@@ -51,9 +52,9 @@ pub fn traverse_figure(
     let title = Font::TITLE.fit(&format!("Run {id}"), WIDTH - 2.0 * RIGHT);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, &title);
     let borders = (String::from("window"), Stroke::dashed(MUTED, 1.2));
-    let header = "Vertical acceleration of the axle [m/s²]";
-    panel.draw_frame(&mut canvas, header);
-    panel.draw_legend(&mut canvas, header, &[borders]);
+    let header = format!("Vertical acceleration of the axle [m/s²]{cut}");
+    panel.draw_frame(&mut canvas, &header);
+    panel.draw_legend(&mut canvas, &header, &[borders]);
     canvas.clip(&area);
     draw_channel(&mut canvas, &panel, acceleration, 1.0, PALETTE[0]);
     for time in windows.iter().flat_map(|window| [window.start, window.end]) {
@@ -66,6 +67,28 @@ pub fn traverse_figure(
     let below = draw_strips(&mut canvas, &panel, &recognized(windows), &truth(trace));
     canvas.set_height(below + 16.0);
     Ok(canvas.finish())
+}
+
+/// Times the median of the windows' peaks from which a peak is cut, so that the others show.
+const CUT: f64 = 4.0;
+
+/// From least to greatest sample, without peaks far beyond those of most windows; a remark on what
+/// is cut.
+fn shown_range(acceleration: &Channel, windows: &[Recognized]) -> ([f64; 2], String) {
+    let [low, high] = bounds(&acceleration.samples).unwrap_or([-1.0, 1.0]);
+    let peak = |window: &Recognized| {
+        let samples = bounds(acceleration.between(window.start, window.end));
+        samples.map(|[low, high]| high.max(-low))
+    };
+    let mut peaks: Vec<f64> = windows.iter().filter_map(peak).collect();
+    peaks.sort_by(f64::total_cmp);
+    let limit = CUT * peaks.get(peaks.len() / 2).copied().unwrap_or(0.0);
+    let highest = high.max(-low);
+    if limit == 0.0 || highest <= 2.0 * limit {
+        return ([low, high], String::new());
+    }
+    let remark = format!("; cut, peaks reach {}", four_digits(highest));
+    ([low.max(-limit), high.min(limit)], remark)
 }
 
 /// The class of every window with its confidence.
@@ -99,8 +122,6 @@ fn draw_strips(
     recognized: &[ClassSpan],
     truth: &[ClassSpan],
 ) -> f64 {
-    let all = recognized.iter().chain(truth);
-    let mut entries = keys(all.map(|span| span.class));
     let mut below = panel.area.bottom() + Panel::FOOTER;
     for (header, spans) in [
         ("Recognised, with confidence", recognized),
@@ -116,11 +137,6 @@ fn draw_strips(
         };
         let header_at = [strip.left, strip.top - 9.0];
         canvas.text(header_at, Anchor::Start, Font::HEADER, header);
-        let frame = Panel {
-            area: strip,
-            ..*panel
-        };
-        frame.draw_legend(canvas, header, &std::mem::take(&mut entries));
         canvas.clip(&strip);
         for span in spans {
             span.draw(canvas, &panel.x, &strip);
@@ -128,5 +144,14 @@ fn draw_strips(
         canvas.unclip();
         below = strip.bottom();
     }
-    below
+    let legend = Panel {
+        area: Area {
+            top: below + Panel::HEADER,
+            ..panel.area
+        },
+        ..*panel
+    };
+    let all = recognized.iter().chain(truth);
+    legend.draw_legend(canvas, "", &keys(all.map(|span| span.class)));
+    legend.area.top
 }

@@ -270,6 +270,13 @@ impl Summary {
     }
 }
 
+fn windows(count: u64) -> String {
+    match count {
+        1 => "1 window".to_owned(),
+        count => format!("{count} windows"),
+    }
+}
+
 fn write_class_names(f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let mut names = CLASSES.iter();
     names.try_for_each(|class| write!(f, "{:>8}", class.as_str()))
@@ -295,8 +302,9 @@ impl fmt::Display for Score {
         let [low, high] = accuracy.ci95;
         writeln!(
             f,
-            "accuracy {:.3} ({low:.3} to {high:.3}), {} windows",
-            accuracy.value, accuracy.n
+            "accuracy {:.3} ({low:.3} to {high:.3}), {}",
+            accuracy.value,
+            windows(accuracy.n)
         )?;
         let source = |source: &Source| match source {
             Source::GroundTruth => "what the simulation saw the lugs do",
@@ -304,7 +312,7 @@ impl fmt::Display for Score {
             Source::Terrain => "the class the paper gives the terrain",
         };
         for (from, count) in &self.sources {
-            writeln!(f, "{count} windows against {}", source(from))?;
+            writeln!(f, "{} against {}", windows(*count), source(from))?;
         }
         Ok(())
     }
