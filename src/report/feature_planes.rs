@@ -105,7 +105,11 @@ fn draw_plane(
     for (place, region) in regions.iter().enumerate() {
         let area = projection(panel, region, [across, up]);
         // Of regions that coincide in this plane, each shows its outline within the other's.
-        draw_region(canvas, &area, region, 1.0 + 2.5 * place as f64);
+        let seen = |region: &Region| [region.limits[across], region.limits[up]];
+        let same = regions[..place]
+            .iter()
+            .filter(|earlier| seen(earlier) == seen(region));
+        draw_region(canvas, &area, region, 1.0 + 4.0 * same.count() as f64);
     }
     for point in points {
         let at = panel.at([point.p[across], point.p[up]]);
