@@ -12,6 +12,7 @@ mod interrupt;
 mod output;
 mod plot;
 mod progress;
+mod recognize;
 mod scenario_args;
 mod series;
 mod simulate;
@@ -41,6 +42,7 @@ Examples:
   lugwheel import campaign.toml --out measured.h5     measured CSV files in a run file
   lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
+  lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 4 study finished with failed runs, 130 interrupted.";
@@ -54,6 +56,7 @@ enum Command {
     Import(import::Import),
     Inspect(inspect::Inspect),
     Plot(plot::Plot),
+    Recognize(recognize::Recognize),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -76,5 +79,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Import(command) => command.run(output),
         Command::Inspect(command) => command.run(output),
         Command::Plot(command) => command.run(output),
+        Command::Recognize(command) => command.run(output),
     }
 }

@@ -7,11 +7,13 @@
 //!   each lug should strike and how hard.
 //!
 //! Both answer UWTIC, with the reason, where they cannot tell. [`baseline`] is what users know, a
-//! classifier trained on band powers; [`confusion`] counts answers against truth.
+//! classifier trained on band powers; [`known`] is the class a window is known to have, and
+//! [`confusion`] counts answers against it.
 
 pub mod baseline;
 pub mod confusion;
 pub mod improved;
+pub mod known;
 pub mod paper;
 
 use crate::features::record::{Record, RecordError, Unusable};

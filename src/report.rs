@@ -3,20 +3,34 @@
 //! - [`trace_figure`]: what one run recorded, as one drawing.
 //! - [`side_by_side()`]: the same channels of several runs, on one scale.
 //! - [`wheel_picture()`]: the wheel on its ground, to scale.
+//! - [`feature_values()`], [`feature_planes()`]: windows by their vibration features.
+//! - [`traverse_figure()`]: a run and the class of each of its windows.
+//! - [`confusion_figure()`]: answers counted against truth.
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
+mod class_strip;
+mod confusion_figure;
 mod envelope;
+mod feature_planes;
+mod feature_points;
+mod feature_values;
 pub mod figure;
 pub mod page;
 mod side_by_side;
 pub mod spectrum;
 mod trace_figure;
+mod traverse_figure;
 pub mod wheel_picture;
 
+pub use confusion_figure::confusion_figure;
+pub use feature_planes::feature_planes;
+pub use feature_points::{FeaturePoint, Group};
+pub use feature_values::feature_values;
 pub use page::{Page, page};
 pub use side_by_side::side_by_side;
 pub use trace_figure::trace_figure;
+pub use traverse_figure::traverse_figure;
 pub use wheel_picture::wheel_picture;
 
 /// Why there is nothing to report.

@@ -389,7 +389,15 @@ fn a_reader_that_leaves_is_no_failure_and_a_full_stdout_is() {
 #[test]
 fn every_command_explains_itself() {
     let folder = folder();
-    for command in ["demo", "simulate", "dataset", "import", "inspect", "plot"] {
+    for command in [
+        "demo",
+        "simulate",
+        "dataset",
+        "import",
+        "inspect",
+        "plot",
+        "recognize",
+    ] {
         let short = done(run(folder.path(), &format!("{command} -h")));
         assert!(
             short.contains("Usage: lugwheel") && short.contains("--json"),

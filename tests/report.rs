@@ -1,6 +1,12 @@
 //! Figures of runs: well-formed whatever a run holds, and honest about what it does not.
 
-use lugwheel::report::{ReportError, trace_figure};
+use lugwheel::features::record::Unusable;
+use lugwheel::recognition::confusion::Confusion;
+use lugwheel::recognition::{Answer, Recognized};
+use lugwheel::report::{
+    FeaturePoint, Group, ReportError, confusion_figure, feature_planes, feature_values,
+    trace_figure, traverse_figure,
+};
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace, Truth};
 use std::f64::consts::TAU;
@@ -280,4 +286,124 @@ fn names_from_a_file_cannot_add_markup_or_break_the_drawing() {
     let svg = trace_figure(&trace, "\"><script>").unwrap();
     assert_well_formed(&svg);
     assert!(!svg.contains("<script") && !svg.contains("<b "));
+}
+
+/// Windows of three grounds, some of them with features that cannot be drawn.
+fn points() -> Vec<FeaturePoint> {
+    let grounds = [
+        (TerrainLabel::Hard, [0.0, 0.1, 0.1, 0.2]),
+        (TerrainLabel::Gravel, [-0.3, 0.9, 1.2, 1.8]),
+        (TerrainLabel::Sand, [-0.02, -1.3, -0.2, -1.9]),
+    ];
+    let windows = grounds.iter().flat_map(|(terrain, p)| {
+        (0..7).map(|i| FeaturePoint {
+            group: Group::Terrain(*terrain),
+            p: p.map(|p| p + 0.01 * f64::from(i)),
+        })
+    });
+    let broken = [f64::NAN, f64::NEG_INFINITY].map(|value| FeaturePoint {
+        group: Group::Terrain(TerrainLabel::Sand),
+        p: [0.0, value, 0.0, 0.0],
+    });
+    windows.chain(broken).collect()
+}
+
+/// How often `part` is in `text`.
+fn count(text: &str, part: &str) -> usize {
+    text.matches(part).count()
+}
+
+#[test]
+fn feature_values_show_every_window_in_every_panel_with_medians() {
+    let svg = feature_values(&points());
+    assert_well_formed(&svg);
+    // Seven round marks of hard ground in each of four panels.
+    assert_eq!(count(&svg, "<circle"), 28);
+    for header in ["p₁ = lg κ_f", "p₂ = lg κ_A", "p₃ = lg κ_mv", "p₄ = lg κ_ms"] {
+        assert_eq!(count(&svg, header), 1, "{header}");
+    }
+    // The median of seven is the fourth.
+    for median in ["0.03, n = 7", "1.23, n = 7", "−1.87, n = 7"] {
+        assert!(svg.contains(median), "{median}");
+    }
+    assert!(svg.contains("2 of 23 windows"), "what is left out is told");
+}
+
+#[test]
+fn feature_planes_show_every_window_six_times_over_the_paper_s_regions() {
+    let svg = feature_planes(&points(), 28);
+    assert_well_formed(&svg);
+    // And once in the legend; so are the three regions.
+    assert_eq!(count(&svg, "<circle"), 6 * 7 + 1);
+    assert_eq!(count(&svg, "fill-opacity"), 6 * 3 + 3);
+    assert!(svg.contains("2 of 23 windows") && svg.contains("GT, gravel"));
+    for empty in [feature_planes(&[], 28), feature_values(&[])] {
+        assert_well_formed(&empty);
+    }
+}
+
+fn recognized(start: f64, class: Wtic) -> Recognized {
+    Recognized {
+        start,
+        end: start + 5.0,
+        lug_passes: 3.0,
+        p: Err(Unusable::Constant),
+        answers: vec![Answer {
+            class,
+            confidence: 0.875,
+            reason: "<made up>".to_owned(),
+        }],
+    }
+}
+
+#[test]
+fn a_traverse_shows_answers_above_the_truth_and_needs_only_acceleration() {
+    let classes = [Wtic::Leis, Wtic::Uwtic, Wtic::Slct];
+    let windows: Vec<Recognized> = (0..3)
+        .map(|i| recognized(5.0 * f64::from(i), classes[i as usize]))
+        .collect();
+    let svg = traverse_figure(&sand(), "traverse <1>", &windows).unwrap();
+    assert_well_formed(&svg);
+    for part in ["LEIS 0.88", "UWTIC 0.88", "True class", "LEIS on ST"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    assert!(svg.len() < 120_000, "{} bytes", svg.len());
+    let mut measured = sand();
+    measured.truth = None;
+    let unlabelled = traverse_figure(&measured, "1", &[]).unwrap();
+    assert_well_formed(&unlabelled);
+    assert!(!unlabelled.contains("True class"));
+    measured.channels.clear();
+    let error = traverse_figure(&measured, "1", &windows).unwrap_err();
+    assert_eq!(error, ReportError::Empty("1".to_owned()));
+}
+
+#[test]
+fn a_peak_far_beyond_the_others_is_cut_and_told_so_that_they_show() {
+    let windows: Vec<Recognized> = (0..3)
+        .map(|i| recognized(5.0 * f64::from(i), Wtic::Slct))
+        .collect();
+    let whole = traverse_figure(&sand(), "1", &windows).unwrap();
+    assert!(!whole.contains("cut"), "equal peaks stay whole");
+    let struck = replaced(sand(), "acceleration_y", |c| c.samples[25_000] = 2500.0);
+    let svg = traverse_figure(&struck, "1", &windows).unwrap();
+    assert_well_formed(&svg);
+    assert!(svg.contains("[m/s²]; cut, peaks reach 2500"), "{svg}");
+}
+
+#[test]
+fn a_confusion_matrix_shows_counts_shares_and_what_did_not_occur() {
+    let mut confusion = Confusion::default();
+    for answer in [Wtic::Alct, Wtic::Alct, Wtic::Alct, Wtic::Uwtic] {
+        confusion.add(Wtic::Alct, answer);
+    }
+    let svg = confusion_figure(&confusion, "HT & ST");
+    assert_well_formed(&svg);
+    for part in [">3<", "75.0 %", "25.0 %", "HT &amp; ST", "of 4 windows"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    assert_eq!(count(&svg, "did not occur"), 3);
+    let nothing = confusion_figure(&Confusion::default(), "");
+    assert_well_formed(&nothing);
+    assert!(nothing.contains("no window has a known class"));
 }

@@ -1,6 +1,7 @@
 //! What went wrong, in words and as an exit code.
 
 use super::interrupt::Interrupted;
+use super::recognize::Unfit;
 use super::scenario_args::NoScenario;
 use super::study::FailedRuns;
 use lugwheel::dataset::csv::CampaignError;
@@ -63,6 +64,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
         || cause.is::<NoScenario>()
         || cause.is::<CampaignError>()
+        || cause.is::<Unfit>()
         || matches!(
             cause.downcast_ref::<StudyError>(),
             Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))

@@ -27,9 +27,22 @@ pub struct Progress {
 impl Progress {
     /// A bar over `simulated` [s] of what `name` says.
     pub fn new(output: &Output, name: &str, simulated: f64) -> Self {
-        let length = (simulated * FINENESS) as u64;
+        Self::with_style(output, name, simulated, style())
+    }
+
+    /// A bar over `runs`; each advances it by 1.
+    pub fn of_runs(output: &Output, name: &str, runs: usize) -> Self {
+        let template = "{msg} [{bar:30}] {percent:>3} %, {eta} left";
+        let style = ProgressStyle::with_template(template)
+            .expect("the template is part of the program")
+            .progress_chars("=> ");
+        Self::with_style(output, name, runs as f64, style)
+    }
+
+    fn with_style(output: &Output, name: &str, total: f64, style: ProgressStyle) -> Self {
+        let length = (total * FINENESS) as u64;
         let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden())
-            .with_style(style())
+            .with_style(style)
             .with_message(name.to_owned());
         Self {
             bar,

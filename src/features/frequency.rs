@@ -53,10 +53,11 @@ impl VelocityIncrements {
         let steps_per_rad = direction * STEPS as f64 / record.lug_angle;
         let count = (passes * STEPS as f64) as usize;
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        let (first, period) = (angle[0], 1.0 / record.sample_rate);
         let mut increments = vec![0.0; count];
         for (sample, at) in samples.iter().zip(angle) {
-            let step = ((at - angle[0]) * steps_per_rad).max(0.0) as usize;
-            increments[step.min(count - 1)] += (sample - mean) / record.sample_rate;
+            let step = ((at - first) * steps_per_rad).max(0.0) as usize;
+            increments[step.min(count - 1)] += (sample - mean) * period;
         }
         Ok(Self { increments, passes })
     }

@@ -21,6 +21,7 @@ use crate::trace::{RunAttributes, Trace};
 use crate::vibration::flat_ground;
 use crate::vibration::reference::{LugChange, lug_changes};
 use crate::wheel::Wheel;
+use std::borrow::Borrow;
 use std::f64::consts::{LN_2, PI};
 use std::ops::Range;
 
@@ -68,14 +69,14 @@ impl Reference {
     ///
     /// # Errors
     /// [`ReferenceError`] where there are no runs, or one of them cannot be used.
-    pub fn measured<'t>(
-        runs: impl IntoIterator<Item = &'t Trace>,
+    pub fn measured(
+        runs: impl IntoIterator<Item = impl Borrow<Trace>>,
         settings: Settings,
     ) -> Result<Self, ReferenceError> {
         let mut extractor = Extractor::new(settings)?;
         let mut corrections = Vec::new();
         for run in runs {
-            corrections.push(correction(&mut extractor, &Record::of(run)?)?);
+            corrections.push(correction(&mut extractor, &Record::of(run.borrow())?)?);
         }
         if corrections.is_empty() {
             return Err(ReferenceError::NoRuns);
@@ -99,7 +100,7 @@ impl Reference {
         let traces: Result<Vec<Trace>, RangeError> = traces
             .map(|(&speed, run)| sensed(wheel, sensors, speed, run))
             .collect();
-        Self::measured(&traces?, settings)
+        Self::measured(traces?, settings)
     }
 
     /// The statistics `computed` at a `lug_pass` frequency [Hz], as REF would read.
@@ -257,11 +258,13 @@ fn smooth(record: &Record, angle: &[f64]) -> Vec<f64> {
         flat_ground::acceleration(&record.wheel, angle[at(point)], speed, 0.0)
     };
     let points: Vec<f64> = (0..=last / stride + 1).map(value).collect();
-    let between = |sample: usize| {
-        let (before, share) = (sample / stride, (sample % stride) as f64 / stride as f64);
-        points[before] * (1.0 - share) + points[before + 1] * share
-    };
-    (0..=last).map(between).collect()
+    let mut samples = Vec::with_capacity(points.len() * stride);
+    for pair in points.windows(2) {
+        let shares = (0..stride).map(|step| step as f64 / stride as f64);
+        samples.extend(shares.map(|share| pair[0] * (1.0 - share) + pair[1] * share));
+    }
+    samples.truncate(last + 1);
+    samples
 }
 
 impl Train {

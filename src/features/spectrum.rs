@@ -16,6 +16,9 @@ struct Plan {
     length: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     backward: Arc<dyn ComplexToReal<f64>>,
+    /// The low-pass: its corner over the sample rate, and its gain at every line up to where it
+    /// lets nothing through.
+    low_pass: Option<(f64, Vec<f64>)>,
 }
 
 /// A window's acceleration less its mean, low-passed.
@@ -39,15 +42,12 @@ impl Spectra {
     pub fn low_passed(&mut self, samples: &[f64], corner: f64) -> Filtered {
         let plan = self.plan(samples.len());
         let mut spectrum = plan.forward(samples);
-        let length = samples.len() as f64;
-        for (line, value) in spectrum.iter_mut().enumerate() {
-            let frequency = line as f64 / length / corner;
-            if frequency > NO_GAIN {
-                *value = Complex::default();
-            } else {
-                *value *= gaussian_gain(frequency);
-            }
+        let gains = plan.gains(corner);
+        let (passed, stopped) = spectrum.split_at_mut(gains.len());
+        for (value, gain) in passed.iter_mut().zip(gains) {
+            *value *= gain;
         }
+        stopped.fill(Complex::default());
         spectrum[0] = Complex::default();
         let amplitude_sum = hann_amplitudes(&spectrum);
         Filtered {
@@ -81,20 +81,33 @@ impl Spectra {
             .collect()
     }
 
-    fn plan(&mut self, length: usize) -> &Plan {
+    fn plan(&mut self, length: usize) -> &mut Plan {
         if self.plan.as_ref().is_none_or(|plan| plan.length != length) {
             let planner = self.planner.get_or_insert_with(RealFftPlanner::new);
             self.plan = Some(Plan {
                 length,
                 forward: planner.plan_fft_forward(length),
                 backward: planner.plan_fft_inverse(length),
+                low_pass: None,
             });
         }
-        self.plan.as_ref().expect("it was made above")
+        self.plan.as_mut().expect("it was made above")
     }
 }
 
 impl Plan {
+    /// Gains of the low-pass with this `corner` over the sample rate, line by line.
+    fn gains(&mut self, corner: f64) -> &[f64] {
+        let known = matches!(&self.low_pass, Some((of, _)) if *of == corner);
+        if !known {
+            let length = self.length as f64;
+            let frequencies = (0..=self.length / 2).map(|line| line as f64 / length / corner);
+            let passed = frequencies.take_while(|frequency| *frequency <= NO_GAIN);
+            self.low_pass = Some((corner, passed.map(gaussian_gain).collect()));
+        }
+        self.low_pass.as_ref().map_or(&[], |(_, gains)| gains)
+    }
+
     fn forward(&self, samples: &[f64]) -> Vec<Complex<f64>> {
         let mut spectrum = self.forward.make_output_vec();
         let mut input = samples.to_vec();
@@ -129,7 +142,8 @@ fn hann(spectrum: &[Complex<f64>]) -> impl Iterator<Item = Complex<f64>> {
 
 /// Sum of the amplitudes under a Hann window.
 fn hann_amplitudes(spectrum: &[Complex<f64>]) -> f64 {
-    hann(spectrum).map(|line| line.norm()).sum()
+    // Not `norm`: the system's `hypot` differs between machines, and is slow.
+    hann(spectrum).map(|line| libm::sqrt(line.norm_sqr())).sum()
 }
 
 impl Filtered {

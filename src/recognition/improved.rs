@@ -88,11 +88,15 @@ fn hidden(passes: &[LugPass]) -> Option<f64> {
 fn evidence(record: &Record, window: Range<usize>) -> Result<Vec<LugPass>, String> {
     let mut reach = window.clone();
     loop {
-        let passes = lug_passes(record, reach.clone());
-        let enough = matches!(&passes, Ok(passes) if passes.len() >= ENOUGH);
         let wider = widened(record, &reach, window.len() / 4 + 1);
-        if enough || wider == reach || record.sound(wider.clone()).is_err() {
-            return passes.map_err(|reason| reason.to_string());
+        let is_widest = wider == reach || record.sound(wider.clone()).is_err();
+        // Where the wheel turned by less, there cannot be enough: nothing to measure yet.
+        if is_widest || record.lug_passes(&reach) >= ENOUGH as f64 {
+            let passes = lug_passes(record, reach);
+            let enough = matches!(&passes, Ok(passes) if passes.len() >= ENOUGH);
+            if enough || is_widest {
+                return passes.map_err(|reason| reason.to_string());
+            }
         }
         reach = wider;
     }

@@ -284,6 +284,16 @@ impl Canvas {
         );
     }
 
+    /// A filled rectangle that lets `opacity` [-] of its colour cover what lies below.
+    pub fn shade(&mut self, area: &Area, fill: &str, opacity: f64) {
+        let [x, y, w, h] = [area.left, area.top, area.width, area.height].map(pixels);
+        let _ = writeln!(
+            self.body,
+            r#"<rect x="{x}" y="{y}" width="{w}" height="{h}" fill="{fill}" fill-opacity="{}"/>"#,
+            pixels(opacity)
+        );
+    }
+
     /// A line of text with its base line at `at`.
     pub fn text(&mut self, at: [f64; 2], anchor: Anchor, font: Font, text: &str) {
         let [x, y] = at.map(pixels);
@@ -530,8 +540,26 @@ impl Panel {
         [self.x.pixel(x), self.y.pixel(y)]
     }
 
+    /// Least distance [px] of ticks across: narrow panels have theirs closer.
+    fn tick_spacing(&self) -> f64 {
+        (self.area.width / 6.0).clamp(54.0, 90.0)
+    }
+
     /// Grid, frame, ticks of the upright axis; `header` names the quantity and its unit.
     pub fn draw_frame(&self, canvas: &mut Canvas, header: &str) {
+        let area = &self.area;
+        for (value, _) in self.x.ticks(self.tick_spacing()) {
+            let x = self.x.pixel(value);
+            canvas.polyline(
+                &[[x, area.top], [x, area.bottom()]],
+                Stroke::solid(GRID, 1.0),
+            );
+        }
+        self.draw_category_frame(canvas, header);
+    }
+
+    /// As [`draw_frame`](Self::draw_frame) where the lower axis holds categories, not numbers.
+    pub fn draw_category_frame(&self, canvas: &mut Canvas, header: &str) {
         let area = &self.area;
         for (value, text) in self.y.ticks(30.0) {
             let y = self.y.pixel(value);
@@ -540,13 +568,6 @@ impl Panel {
                 Stroke::solid(GRID, 1.0),
             );
             canvas.text([area.left - 8.0, y + 5.0], Anchor::End, Font::SMALL, &text);
-        }
-        for (value, _) in self.x.ticks(90.0) {
-            let x = self.x.pixel(value);
-            canvas.polyline(
-                &[[x, area.top], [x, area.bottom()]],
-                Stroke::solid(GRID, 1.0),
-            );
         }
         let [left, right, top, bottom] = [area.left, area.right(), area.top, area.bottom()];
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
@@ -558,7 +579,7 @@ impl Panel {
     /// Tick labels and name of the lower axis.
     pub fn draw_footer(&self, canvas: &mut Canvas, name: &str) {
         let area = &self.area;
-        for (value, text) in self.x.ticks(90.0) {
+        for (value, text) in self.x.ticks(self.tick_spacing()) {
             let x = self.x.pixel(value);
             let below = [[x, area.bottom()], [x, area.bottom() + 5.0]];
             canvas.polyline(&below, Stroke::solid(MUTED, 1.0));

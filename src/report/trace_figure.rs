@@ -2,12 +2,13 @@
 //! spectrum, and what is missing.
 
 use super::ReportError;
+use super::class_strip::{self, ClassSpan};
 use super::envelope::{bounds, envelope};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel, Stroke};
 use super::page::four_digits;
 use super::spectrum::{OrderSpectrum, order_spectrum};
 use super::wheel_picture::{Ground, Pose, WheelShape, draw_wheel_on_ground, height_at};
-use crate::terrain::class::{TerrainLabel, Wtic};
+use crate::terrain::class::TerrainLabel;
 use crate::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace};
 
 /// Width of the drawing [px].
@@ -456,14 +457,7 @@ impl Sheet {
         let strip = self.area(Panel::HEADER + 8.0, 24.0);
         let header = "How the lugs met the ground";
         let merged = merged(windows);
-        let keys: Vec<(String, Stroke)> = [Wtic::Alct, Wtic::Slct, Wtic::Leis, Wtic::Uwtic]
-            .into_iter()
-            .filter(|class| merged.iter().any(|window| window.class == *class))
-            .map(|class| {
-                let name = format!("{class}: {}", class_name(class));
-                (name, Stroke::solid(class_colour(class), 12.0))
-            })
-            .collect();
+        let keys = class_strip::keys(merged.iter().map(|window| window.class));
         let panel = Panel {
             area: strip,
             x: *time,
@@ -536,24 +530,6 @@ fn terrain_name(terrain: TerrainLabel) -> &'static str {
     }
 }
 
-fn class_name(class: Wtic) -> &'static str {
-    match class {
-        Wtic::Alct => "all lugs contact",
-        Wtic::Slct => "some lugs contact",
-        Wtic::Leis => "lugs enter the soil",
-        Wtic::Uwtic => "unknown",
-    }
-}
-
-fn class_colour(class: Wtic) -> &'static str {
-    match class {
-        Wtic::Alct => "#9ecae8",
-        Wtic::Slct => "#b8b2a7",
-        Wtic::Leis => "#f0cf7a",
-        Wtic::Uwtic => "#e4e6ea",
-    }
-}
-
 /// The wheel and what was commanded, without what nobody knows.
 fn wheel_and_condition(run: &RunAttributes) -> String {
     let wheel = match run.lug_count {
@@ -608,30 +584,12 @@ fn merged(windows: &[ClassWindow]) -> Vec<ClassWindow> {
 }
 
 fn draw_window(canvas: &mut Canvas, time: &Axis, strip: &Area, window: &ClassWindow) {
-    let left = time.pixel(window.start).max(strip.left);
-    let right = time.pixel(window.end).min(strip.right());
-    let area = Area {
-        left,
-        width: right - left,
-        ..*strip
+    let span = ClassSpan {
+        time: [window.start, window.end],
+        class: window.class,
+        name: format!("{} on {}", window.class, window.terrain),
     };
-    let name = format!("{} on {}", window.class, window.terrain);
-    let times = format!("{name}, {:.2} s to {:.2} s", window.start, window.end);
-    canvas.rect(&area, class_colour(window.class), &times);
-    let edge = [[left, strip.top], [left, strip.bottom()]];
-    canvas.polyline(&edge, Stroke::solid("#ffffff", 1.5));
-    let font = Font {
-        colour: INK,
-        ..Font::SMALL
-    };
-    let names = [name, window.class.to_string()];
-    if let Some(name) = names
-        .iter()
-        .find(|name| font.width(name) + 6.0 < area.width)
-    {
-        let middle = [(left + right) / 2.0, strip.bottom() - 7.0];
-        canvas.text(middle, Anchor::Middle, font, name);
-    }
+    span.draw(canvas, time, strip);
 }
 
 fn draw_group(canvas: &mut Canvas, trace: &Trace, group: &Group, area: Area, time: Axis) -> Panel {

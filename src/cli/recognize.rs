@@ -1,0 +1,191 @@
+//! `recognize`: the class of every window of a run file.
+
+mod figures;
+mod reference;
+mod summary;
+
+use super::interrupt::{self, Interrupted};
+use super::output::{self, Output};
+use super::progress::Progress;
+use clap::{Args, ValueEnum};
+use figures::Figures;
+use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::features::{Settings, Window};
+use lugwheel::recognition::{Method, Recognizer};
+use std::path::{Path, PathBuf};
+use summary::Summary;
+
+/// Tell how the lugs met the ground, window by window
+///
+/// ALCT: all lugs contact the surface. SLCT: some do. LEIS: lugs enter the soil. UWTIC: cannot be
+/// told, with the reason. Needs the channel acceleration_y, and wheel_angle or forward_speed;
+/// simulated and measured runs, labelled or not. Where the class is known, answers are counted
+/// against it.
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Recognize {
+    /// Run file, simulated or measured
+    #[arg(value_name = "FILE.h5")]
+    file: PathBuf,
+    /// How the class is told
+    #[arg(long, value_enum, default_value_t = MethodName::Improved)]
+    method: MethodName,
+    /// Length of the windows [s] [default: 15]
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    window: Option<f64>,
+    /// Cut windows by the turn of the wheel, of this many lug passes each
+    #[arg(long, value_name = "N", value_parser = positive, conflicts_with = "window")]
+    window_passes: Option<f64>,
+    /// Runs on flat hard ground (REF), measured on the same rig, to take features over
+    #[arg(long, value_name = "REF.h5")]
+    reference: Option<PathBuf>,
+    /// Corner of the low-pass before features are taken [Hz] [default: 100]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    bandwidth: Option<f64>,
+    /// Only this run; may be given several times
+    #[arg(long, value_name = "ID")]
+    run: Vec<String>,
+    /// Folder for figures: features, planes, every run, confusion matrix
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel recognize output/single_wheel_ht/runs.h5
+  lugwheel recognize runs.h5 --method paper --reference ref.h5 --out output/classes
+  lugwheel recognize runs.h5 --window-passes 4 --run run_000003 --json
+
+Features are taken over those of the same wheel on flat hard ground: measured with --reference,
+else computed, through the sensors of the scenario where the file holds one.
+--out draws a figure of every run; choose with --run where there are many.";
+
+/// How the class is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodName {
+    /// By the paper's regions of the features; needs no wheel_angle, but answers UWTIC more often
+    Paper,
+    /// Lug by lug; needs wheel_angle, which tells when each lug should strike
+    Improved,
+}
+
+impl MethodName {
+    fn method(self) -> Method {
+        match self {
+            Self::Paper => Method::Paper,
+            Self::Improved => Method::Improved,
+        }
+    }
+}
+
+/// A file that cannot be used for recognition.
+#[derive(Debug, thiserror::Error)]
+pub enum Unfit {
+    /// There is nothing in it.
+    #[error("{} has no runs", path.display())]
+    NoRuns {
+        /// The file.
+        path: PathBuf,
+    },
+    /// None of its runs can be recognised.
+    #[error("no run of {} can be recognised; run {run}: {reason}", path.display())]
+    NoneRecognizable {
+        /// The file.
+        path: PathBuf,
+        /// The first of the runs.
+        run: String,
+        /// What it lacks.
+        reason: String,
+    },
+    /// Its runs make no reference.
+    #[error("{} cannot be the reference: {reason}", path.display())]
+    NoReference {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "give a number".to_owned())?;
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err("it has to be above 0".to_owned())
+}
+
+impl Recognize {
+    /// Recognises the runs and says what they are.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let settings = self.settings();
+        let file = RunFile::open(&self.file)?;
+        let runs = self.runs(&file)?;
+        let mut figures = self.out.as_deref().map(Figures::new).transpose()?;
+        let reference = match &self.reference {
+            Some(path) => reference::measured(path, settings)?,
+            None => reference::computed(&file, &runs, settings),
+        };
+        let mut summary = Summary::new(file.path(), self.method.method(), reference.origin);
+        let methods = [self.method.method()];
+        let mut recognizer = Recognizer::new(settings, reference.reference, &methods)?;
+        let progress = Progress::of_runs(output, "recognize", runs.len());
+        for id in &runs {
+            self.go_on()?;
+            summary.add(&file, id, &mut recognizer, figures.as_mut())?;
+            progress.advance(1.0);
+        }
+        drop(progress);
+        if let Some(unfit) = summary.nothing_recognized(file.path()) {
+            return Err(unfit.into());
+        }
+        if let Some(figures) = figures {
+            summary.figures = figures.finish(summary.confusion())?;
+        }
+        output.print(&summary)
+    }
+
+    fn settings(&self) -> Settings {
+        let ours = Settings::default();
+        let passes = self.window_passes.map(Window::LugPasses);
+        let seconds = self.window.map(Window::Seconds);
+        Settings {
+            window: passes.or(seconds).unwrap_or(ours.window),
+            bandwidth: self.bandwidth.unwrap_or(ours.bandwidth),
+            ..ours
+        }
+    }
+
+    /// The runs asked for, all of which there are.
+    fn runs(&self, file: &RunFile) -> anyhow::Result<Vec<String>> {
+        if file.runs().is_empty() {
+            let path = self.file.clone();
+            return Err(Unfit::NoRuns { path }.into());
+        }
+        if self.run.is_empty() {
+            return Ok(file.runs().to_vec());
+        }
+        for id in &self.run {
+            file.attributes(id)?;
+        }
+        Ok(self.run.clone())
+    }
+
+    /// # Errors
+    /// `Interrupted` when somebody asked the program to stop, with what that leaves behind.
+    fn go_on(&self) -> Result<(), Interrupted> {
+        if !interrupt::is_requested() {
+            return Ok(());
+        }
+        let left = |folder: &Path| format!("the figures in {} are whole", folder.display());
+        let nothing = || "nothing was written".to_owned();
+        Err(Interrupted(self.out.as_deref().map_or_else(nothing, left)))
+    }
+}
+
+/// Writes a figure and notes its name.
+fn write_figure(folder: &Path, name: &str, svg: &str) -> anyhow::Result<String> {
+    let path = folder.join(name);
+    output::write_file(&path, svg)?;
+    Ok(path.display().to_string())
+}

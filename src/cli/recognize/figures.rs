@@ -1,0 +1,100 @@
+//! The figures of recognition, in a folder.
+
+use super::write_figure;
+use crate::cli::output;
+use lugwheel::recognition::Recognized;
+use lugwheel::recognition::confusion::Confusion;
+use lugwheel::recognition::known::known_terrain;
+use lugwheel::report::{
+    FeaturePoint, Group, confusion_figure, feature_planes, feature_values, traverse_figure,
+};
+use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::Trace;
+use std::path::{Path, PathBuf};
+
+/// Draws run after run, and in the end what they come to.
+pub struct Figures {
+    folder: PathBuf,
+    points: Vec<Point>,
+    /// Of the first run.
+    lugs: Option<u32>,
+    written: Vec<String>,
+}
+
+/// The features of a window and what it may be grouped by.
+struct Point {
+    p: [f64; 4],
+    terrain: Option<TerrainLabel>,
+    class: Wtic,
+}
+
+impl Figures {
+    /// Figures in a folder, which is made if need be.
+    pub fn new(folder: &Path) -> anyhow::Result<Self> {
+        output::make_folder(folder)?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            points: Vec::new(),
+            lugs: None,
+            written: Vec::new(),
+        })
+    }
+
+    /// Draws a run and notes its windows.
+    pub fn add(&mut self, id: &str, trace: &Trace, windows: &[Recognized]) -> anyhow::Result<()> {
+        self.lugs.get_or_insert(trace.attributes.lug_count);
+        self.points.extend(windows.iter().filter_map(|window| {
+            Some(Point {
+                p: *window.p.as_ref().ok()?,
+                terrain: known_terrain(trace, [window.start, window.end]),
+                class: window.answers.first()?.class,
+            })
+        }));
+        // Not every acceleration that was read can be drawn; then there is no figure of the run.
+        if let Ok(svg) = traverse_figure(trace, id, windows) {
+            self.write(&format!("{}.svg", file_name(id)), &svg)?;
+        }
+        Ok(())
+    }
+
+    /// Draws what the runs come to; the names of all figures.
+    pub fn finish(mut self, confusion: &Confusion) -> anyhow::Result<Vec<String>> {
+        let points = self.grouped();
+        if let (Some(lugs), false) = (self.lugs, points.is_empty()) {
+            self.write("feature_values.svg", &feature_values(&points))?;
+            self.write("feature_planes.svg", &feature_planes(&points, lugs))?;
+        }
+        if confusion.total() > 0 {
+            let title = "Classes answered and true";
+            self.write("confusion.svg", &confusion_figure(confusion, title))?;
+        }
+        Ok(self.written)
+    }
+
+    /// By ground where all windows have one, else by the class recognised.
+    fn grouped(&self) -> Vec<FeaturePoint> {
+        let grounds = self.points.iter().all(|point| point.terrain.is_some());
+        let points = self.points.iter().map(|point| FeaturePoint {
+            group: match point.terrain {
+                Some(terrain) if grounds => Group::Terrain(terrain),
+                _ => Group::Class(point.class),
+            },
+            p: point.p,
+        });
+        points.collect()
+    }
+
+    fn write(&mut self, name: &str, svg: &str) -> anyhow::Result<()> {
+        self.written.push(write_figure(&self.folder, name, svg)?);
+        Ok(())
+    }
+}
+
+/// A run's id without what a file's name cannot have.
+fn file_name(id: &str) -> String {
+    let plain = |letter: char| letter.is_alphanumeric() || "-_.".contains(letter);
+    let name = id
+        .chars()
+        .map(|letter| if plain(letter) { letter } else { '_' });
+    name.collect()
+}

@@ -1,0 +1,319 @@
+//! What the windows are, for machines and for people.
+
+use super::Unfit;
+use super::figures::Figures;
+use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::recognition::confusion::{CLASSES, Confusion};
+use lugwheel::recognition::known::{Source, known_class};
+use lugwheel::recognition::{Method, Recognized, Recognizer};
+use lugwheel::terrain::class::Wtic;
+use lugwheel::trace::Trace;
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+/// What the windows of a file are.
+#[derive(Debug, Serialize)]
+pub struct Summary {
+    file: String,
+    method: Method,
+    reference: String,
+    windows: Vec<Window>,
+    /// Runs without windows, and why.
+    skipped: Vec<Skipped>,
+    #[serde(flatten)]
+    score: Score,
+    /// Files drawn.
+    pub figures: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Window {
+    run: String,
+    start_s: f64,
+    end_s: f64,
+    class: Wtic,
+    confidence: f64,
+    reason: String,
+    p: Option<[f64; 4]>,
+    /// The class it is known to have.
+    truth: Option<Wtic>,
+}
+
+#[derive(Debug, Serialize)]
+struct Skipped {
+    run: String,
+    reason: String,
+}
+
+/// Answers counted against known classes, and where those come from.
+#[derive(Debug, Default)]
+struct Score {
+    confusion: Confusion,
+    sources: BTreeMap<Source, u64>,
+}
+
+impl Summary {
+    /// Nothing yet.
+    pub fn new(file: &Path, method: Method, reference: String) -> Self {
+        Self {
+            file: file.display().to_string(),
+            method,
+            reference,
+            windows: Vec::new(),
+            skipped: Vec::new(),
+            score: Score::default(),
+            figures: Vec::new(),
+        }
+    }
+
+    /// Recognises a run of `file`. One that cannot be read or recognised is noted with its reason.
+    ///
+    /// # Errors
+    /// Where a figure cannot be written.
+    pub fn add(
+        &mut self,
+        file: &RunFile,
+        id: &str,
+        recognizer: &mut Recognizer,
+        figures: Option<&mut Figures>,
+    ) -> anyhow::Result<()> {
+        let trace = match file.read(id) {
+            Ok(trace) => trace,
+            Err(error) => {
+                self.skip(id, error);
+                return Ok(());
+            }
+        };
+        let windows = match recognizer.recognize(&trace) {
+            Ok(windows) => windows,
+            Err(error) => {
+                self.skip(id, error);
+                return Ok(());
+            }
+        };
+        for window in &windows {
+            self.count(id, &trace, window);
+        }
+        figures.map_or(Ok(()), |figures| figures.add(id, &trace, &windows))
+    }
+
+    /// Answers against known classes.
+    pub fn confusion(&self) -> &Confusion {
+        &self.score.confusion
+    }
+
+    /// The error that no run could be recognised, if so.
+    pub fn nothing_recognized(&self, path: &Path) -> Option<Unfit> {
+        let first = self.skipped.first()?;
+        self.windows.is_empty().then(|| Unfit::NoneRecognizable {
+            path: path.to_owned(),
+            run: first.run.clone(),
+            reason: first.reason.clone(),
+        })
+    }
+
+    fn skip(&mut self, id: &str, reason: impl ToString) {
+        self.skipped.push(Skipped {
+            run: id.to_owned(),
+            reason: reason.to_string(),
+        });
+    }
+
+    fn count(&mut self, id: &str, trace: &Trace, window: &Recognized) {
+        let known = known_class(trace, [window.start, window.end]);
+        for answer in &window.answers {
+            if let Some(known) = known {
+                self.score.confusion.add(known.class, answer.class);
+                *self.score.sources.entry(known.source).or_default() += 1;
+            }
+            self.windows.push(Window {
+                run: id.to_owned(),
+                start_s: window.start,
+                end_s: window.end,
+                class: answer.class,
+                confidence: answer.confidence,
+                reason: answer.reason.clone(),
+                p: window.p.as_ref().ok().copied(),
+                truth: known.map(|known| known.class),
+            });
+        }
+    }
+
+    /// Windows of each class in every run.
+    fn per_run(&self) -> Vec<(&str, [usize; 4])> {
+        let of_run = |windows: &[Window]| {
+            CLASSES.map(|class| windows.iter().filter(|w| w.class == class).count())
+        };
+        let runs = self.windows.chunk_by(|a, b| a.run == b.run);
+        runs.map(|windows| (windows[0].run.as_str(), of_run(windows)))
+            .collect()
+    }
+}
+
+impl Serialize for Score {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        ScoreFields::of(self).serialize(serializer)
+    }
+}
+
+/// The keys of a score; none where no class is known.
+#[derive(Serialize)]
+struct ScoreFields {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confusion: Option<BTreeMap<&'static str, BTreeMap<&'static str, u64>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy_ci95: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    known_from: BTreeMap<Source, u64>,
+}
+
+impl ScoreFields {
+    fn of(score: &Score) -> Self {
+        let accuracy = score.confusion.accuracy();
+        let row = |counts: &[u64; 4]| {
+            let names = CLASSES.iter().map(|class| class.as_str());
+            names.zip(counts.iter().copied()).collect()
+        };
+        let rows = CLASSES.iter().zip(&score.confusion.counts);
+        let rows = rows.map(|(class, counts)| (class.as_str(), row(counts)));
+        Self {
+            confusion: accuracy.map(|_| rows.collect()),
+            accuracy: accuracy.map(|share| share.value),
+            accuracy_ci95: accuracy.map(|share| share.ci95),
+            known_from: score.sources.clone(),
+        }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let method = match self.method {
+            Method::Paper => "paper",
+            Method::Improved => "improved",
+        };
+        writeln!(f, "{}, method {method}", self.file)?;
+        writeln!(f, "reference: {}\n", self.reference)?;
+        self.write_windows(f)?;
+        for Skipped { run, reason } in &self.skipped {
+            writeln!(f, "{run}: not recognised: {reason}")?;
+        }
+        self.write_runs(f)?;
+        self.score.fmt(f)?;
+        for figure in &self.figures {
+            writeln!(f, "drawn: {figure}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Summary {
+    /// Width of the column of ids.
+    fn id_width(&self) -> usize {
+        let widths = self.windows.iter().map(|window| window.run.chars().count());
+        widths.max().unwrap_or(0).max(3)
+    }
+
+    fn write_windows(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.id_width();
+        writeln!(
+            f,
+            "{:<width$}{:>9}{:>9}  {:<6}{:>10}  {:<6}{:>7}{:>7}{:>7}{:>7}  reason",
+            "run", "start/s", "end/s", "class", "confidence", "true", "p1", "p2", "p3", "p4"
+        )?;
+        for window in &self.windows {
+            let truth = window.truth.map_or("-", Wtic::as_str);
+            write!(
+                f,
+                "{:<width$}{:>9.2}{:>9.2}  {:<6}{:>10.2}  {truth:<6}",
+                window.run,
+                window.start_s,
+                window.end_s,
+                window.class.as_str(),
+                window.confidence,
+            )?;
+            match window.p {
+                // 0 has no sign.
+                Some(p) => p
+                    .map(|p| (p * 100.0).round() / 100.0 + 0.0)
+                    .iter()
+                    .try_for_each(|p| write!(f, "{p:>7.2}"))?,
+                None => write!(f, "{:>7}{:>7}{:>7}{:>7}", "-", "-", "-", "-")?,
+            }
+            writeln!(f, "  {}", window.reason)?;
+        }
+        Ok(())
+    }
+
+    fn write_runs(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.id_width().max("windows of".len());
+        write!(f, "\n{:<width$}", "windows of")?;
+        write_class_names(f)?;
+        writeln!(f)?;
+        let runs = self.per_run();
+        let mut all = [0; 4];
+        for (run, counts) in &runs {
+            write!(f, "{run:<width$}")?;
+            counts.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
+            writeln!(f)?;
+            all = std::array::from_fn(|i| all[i] + counts[i]);
+        }
+        if runs.len() > 1 {
+            write!(f, "{:<width$}", "all runs")?;
+            all.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}
+
+fn windows(count: u64) -> String {
+    match count {
+        1 => "1 window".to_owned(),
+        count => format!("{count} windows"),
+    }
+}
+
+fn write_class_names(f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let mut names = CLASSES.iter();
+    names.try_for_each(|class| write!(f, "{:>8}", class.as_str()))
+}
+
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(accuracy) = self.confusion.accuracy() else {
+            return writeln!(f, "\nno class is known to count answers against");
+        };
+        write!(f, "\n{:<10}", "true class")?;
+        write_class_names(f)?;
+        writeln!(f, "   answered rightly (95 % interval)")?;
+        for (class, counts) in CLASSES.iter().zip(&self.confusion.counts) {
+            let Some(recall) = self.confusion.recall(*class) else {
+                continue;
+            };
+            write!(f, "{:<10}", class.as_str())?;
+            counts.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
+            let [low, high] = recall.ci95;
+            writeln!(f, "   {:.3} ({low:.3} to {high:.3})", recall.value)?;
+        }
+        let [low, high] = accuracy.ci95;
+        writeln!(
+            f,
+            "accuracy {:.3} ({low:.3} to {high:.3}), {}",
+            accuracy.value,
+            windows(accuracy.n)
+        )?;
+        let source = |source: &Source| match source {
+            Source::GroundTruth => "what the simulation saw the lugs do",
+            Source::RunClass => "the class in the run file",
+            Source::Terrain => "the class the paper gives the terrain",
+        };
+        for (from, count) in &self.sources {
+            writeln!(f, "{} against {}", windows(*count), source(from))?;
+        }
+        Ok(())
+    }
+}
