@@ -81,7 +81,7 @@ impl Study {
         let tables = self.tables();
         let is_whole = |shard: &Shard| {
             let mut tables = tables.iter();
-            tables.all(|table| folder.rows(shard, table.name()).is_some())
+            tables.all(|table| rows(&folder, &**table, shard).is_some())
         };
         let (kept, missing): (Vec<&Shard>, Vec<&Shard>) =
             share.iter().partition(|&&shard| is_whole(shard));
@@ -131,7 +131,7 @@ impl Study {
         let mut collected = Collected::new(self, tables);
         let mut missing_shards = 0;
         for shard in shards {
-            let rows = tables.iter().map(|table| folder.rows(shard, table.name()));
+            let rows = tables.iter().map(|table| rows(folder, &**table, shard));
             match rows.collect::<Option<Vec<String>>>() {
                 Some(rows) => collected.add(shard, &rows, folder.times(shard)),
                 None => missing_shards += 1,
@@ -185,6 +185,12 @@ impl Options {
 fn runs(shards: &[&Shard]) -> u64 {
     let lengths = shards.iter().map(|shard| shard.runs.end - shard.runs.start);
     lengths.sum()
+}
+
+/// The rows of a whole shard for a table, below the columns that the table has now.
+fn rows(folder: &Folder, table: &dyn Table, shard: &Shard) -> Option<String> {
+    let rows = folder.rows(shard, table.name())?;
+    rows.starts_with(&line(&table.header())).then_some(rows)
 }
 
 /// Why a shard was not finished.
