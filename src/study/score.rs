@@ -23,6 +23,7 @@
 //! | `n`, `correct`, `share`, `low`, `high` | windows, and Wilson's 95 % interval of the share |
 //! | `ALCT` ... `UWTIC` | answers |
 
+pub mod features;
 mod reading;
 mod text;
 
@@ -31,6 +32,7 @@ use super::{Study, StudyError};
 use crate::recognition::baseline::{self, BaselineError, Sample};
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
 use crate::terrain::class::Wtic;
+use features::FeaturesOfScenario;
 use reading::Row;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -43,6 +45,8 @@ pub struct RecognitionScore {
     /// Published counts, where the study file has them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<Counted>,
+    /// The features, scenario by scenario.
+    pub features: Vec<FeaturesOfScenario>,
     /// Every method against either class.
     pub scores: Vec<MethodScore>,
 }
@@ -139,6 +143,7 @@ impl Study {
         Ok(Some(RecognitionScore {
             windows: rows.len() as u64,
             published: recognition.published.map(Counted::from),
+            features: features::by_scenario(self, &rows, &keys),
             scores: scores.collect(),
         }))
     }
@@ -246,7 +251,9 @@ mod tests {
     fn row(speed: &str, class: Wtic, loud: f64) -> Row {
         Row {
             repeat: "0".to_owned(),
+            condition_number: 0,
             condition: vec!["hard".to_owned(), speed.to_owned()],
+            p: None,
             label_class: Some(class),
             truth: (speed != "0.02").then_some(Wtic::Slct),
             answers: Vec::new(),
@@ -297,6 +304,7 @@ mod tests {
         let counted = Counted::from(confusion);
         let score = RecognitionScore {
             windows: 60,
+            features: Vec::new(),
             published: Some(counted.clone()),
             scores: vec![MethodScore {
                 method: "paper".to_owned(),

@@ -10,8 +10,11 @@ use csv::StringRecord;
 /// A window.
 pub(super) struct Row {
     pub(super) repeat: String,
+    pub(super) condition_number: usize,
     /// Scenario and values of the swept keys.
     pub(super) condition: Vec<String>,
+    /// Feature vector.
+    pub(super) p: Option<[f64; 4]>,
     pub(super) label_class: Option<Wtic>,
     pub(super) truth: Option<Wtic>,
     /// One of every method.
@@ -27,7 +30,8 @@ pub(super) fn rows(text: &str, keys: &[&str], methods: &[Method]) -> Vec<Row> {
         let found = header.iter().position(|name| name == column);
         found.expect("the table of the windows has this column")
     };
-    let repeat = place("repeat");
+    let [repeat, condition_number] = ["repeat", "condition"].map(place);
+    let p = ["p1", "p2", "p3", "p4"].map(place);
     let condition: Vec<usize> = std::iter::once("scenario")
         .chain(keys.iter().copied())
         .map(place)
@@ -40,6 +44,10 @@ pub(super) fn rows(text: &str, keys: &[&str], methods: &[Method]) -> Vec<Row> {
     let powers: [usize; BANDS] = std::array::from_fn(|band| place(&power_column(band + 1)));
     let row = |record: StringRecord| Row {
         repeat: record[repeat].to_owned(),
+        condition_number: record[condition_number]
+            .parse()
+            .expect("conditions are numbered"),
+        p: numbers(&record, p),
         condition: condition.iter().map(|&at| record[at].to_owned()).collect(),
         label_class: class(&record[label_class]),
         truth: class(&record[truth]),
@@ -56,10 +64,10 @@ fn class(text: &str) -> Option<Wtic> {
     CLASSES.into_iter().find(|class| class.as_str() == text)
 }
 
-fn numbers(record: &StringRecord, places: [usize; BANDS]) -> Option<BandPowers> {
-    let mut powers = [0.0; BANDS];
-    for (power, at) in powers.iter_mut().zip(places) {
-        *power = record[at].parse().ok()?;
+fn numbers<const N: usize>(record: &StringRecord, places: [usize; N]) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for (number, at) in numbers.iter_mut().zip(places) {
+        *number = record[at].parse().ok()?;
     }
-    Some(powers)
+    Some(numbers)
 }

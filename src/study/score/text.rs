@@ -93,7 +93,7 @@ impl fmt::Display for RecognitionScore {
             )?;
             parts(f, &score.map)?;
         }
-        Ok(())
+        super::features::write(f, &self.features)
     }
 }
 
