@@ -96,6 +96,9 @@ impl Reference {
         wheel_speeds: &[f64],
         settings: Settings,
     ) -> Result<Self, ReferenceError> {
+        if wheel_speeds.contains(&0.0) {
+            return Err(ReferenceError::NoWindow(Unusable::AtRest));
+        }
         let traces = wheel_speeds.iter().zip(0..);
         let traces: Result<Vec<Trace>, RangeError> = traces
             .map(|(&speed, run)| sensed(wheel, sensors, speed, run))
@@ -344,6 +347,13 @@ mod tests {
                 assert!((ratio - 1.0).abs() < 0.01, "{correction:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_wheel_at_rest_has_no_reference() {
+        let (wheel, sensors) = (Wheel::rover(), Sensors::default());
+        let none = Reference::through_sensors(&wheel, &sensors, &[0.1, 0.0], Settings::default());
+        assert!(matches!(none, Err(ReferenceError::NoWindow(Unusable::AtRest))));
     }
 
     #[test]
