@@ -12,7 +12,8 @@
 //! wheel and soil with the project's symbol table, [`terrain`] the ground along the track. What
 //! happens: [`simulation`] moves the wheel, state by state. What is measured: [`trace`] holds
 //! channels and truth, [`sensors`] turn states into channels, [`dataset`] keeps runs in files.
-//! What is asked: [`scenario`] is one experiment as a file, [`study`] many of them in one table,
+//! What is inferred, from simulated and measured runs alike: [`identification`] finds the
+//! terrain's parameters in loads, slip and sinkage. What is asked: [`scenario`] is one experiment as a file, [`study`] many of them in one table,
 //! [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
@@ -54,6 +55,9 @@ pub mod trace;
 pub mod sensors;
 
 pub mod dataset;
+
+// What is inferred.
+pub mod identification;
 
 // What is asked.
 pub mod scenario;

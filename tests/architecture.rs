@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 11] = [
+const ORDER: [&str; 12] = [
     "quantity",
     "wheel",
     "soil",
@@ -13,6 +13,7 @@ const ORDER: [&str; 11] = [
     "trace",
     "sensors",
     "dataset",
+    "identification",
     "scenario",
     "study",
     "report",

@@ -1,0 +1,380 @@
+//! Terrain parameters from steady loads, slip and sinkage: the closed forms of
+//! [`soil`](crate::soil::closed_form) run backward.
+//!
+//! The class of wheel-terrain interaction switches the model (Table 4): `c = K = 0`, `E = 1` where
+//! all lugs touch (ALCT), `c = 0` where some do (SLCT), all parameters free where lugs enter the
+//! soil (LEIS); sinkage is [0.01 mm](RIGID_SINKAGE) unless they do. Three least-squares stages
+//! find `{c_1, c_2}` from Eq. (73), `{k_s, n_0, n_1}` from (74) and `{c, φ, K}` from (75), as in
+//! the paper; from there all rows and three channels are fitted at once by Eq. (62)-(64).
+//!
+//! Conventions, all stated and none fitted: stresses are the paper's triangles; radius is the
+//! rim's unless the [`Setting`] takes the [lugs' tips](Cylinder::LugTips); `c_3` is the setting's
+//! (0 unless given); `j(θ_m)` is Wong and Reece's with that radius as shear surface.
+//!
+//! An [`Estimate`] says what the data fix and what they leave open: a parameter that they do not
+//! fix has no interval and is [not identifiable](Standing::NotIdentifiable), and a
+//! [`Combination`] names what is known of it together with others. On hard ground, for example,
+//! `k_s` and `n_0` are not, `k_s z^n0` is.
+
+mod combination;
+mod directions;
+mod estimate;
+mod force_error;
+mod joint;
+mod least_squares;
+mod model;
+mod parameter;
+mod precision;
+mod profile;
+mod row;
+mod stages;
+mod steady;
+mod weight;
+
+pub use combination::Combination;
+pub use estimate::{Estimate, Identified, Standing, Warning};
+pub use force_error::ForceErrors;
+pub use least_squares::Termination;
+pub use parameter::{Parameter, TerrainParameters};
+pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
+pub use stages::{Stage, Staged};
+pub use steady::{SteadyError, steady_loads};
+
+use crate::quantity::RangeError;
+use crate::terrain::class::Wtic;
+use directions::Directions;
+use joint::Joint;
+use least_squares::{Minimum, minimise_from};
+use model::{Model, peak_share};
+use parameter::Coordinates;
+use precision::Precision;
+use profile::Profile;
+use weight::Scale;
+
+/// Why rows cannot be identified.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// A number of the setting is out of its range.
+    #[error("setting: {0}")]
+    Setting(RangeError),
+    /// A number of a row is out of its range.
+    #[error("row {row}: {reason}")]
+    Row {
+        /// The row, from 1.
+        row: usize,
+        /// Column, range and value.
+        reason: RangeError,
+    },
+    /// A stage has fewer rows than parameters.
+    #[error("{stage} need {needed} rows or more for class {class}, got {given}{}", hint(.class))]
+    TooFewRows {
+        /// The stage.
+        stage: Stage,
+        /// The class.
+        class: Wtic,
+        /// Rows needed.
+        needed: usize,
+        /// Rows that count for the stage.
+        given: usize,
+    },
+    /// All rows have the same slip.
+    #[error(
+        "all rows have slip {slip}: c2, n1 and K show in how loads change with slip; give rows at \
+         two slips or more"
+    )]
+    OneSlip {
+        /// The slip ratio [-].
+        slip: f64,
+    },
+    /// The class is unknown, so that no model belongs to it.
+    #[error(
+        "class UWTIC has no model: Table 4 switches by ALCT, SLCT or LEIS only; give the class if \
+         it is known otherwise"
+    )]
+    UnknownClass,
+    /// The equations gave no finite number from any start.
+    #[error("the equations give no finite loads for these rows: check their units")]
+    NotFinite,
+}
+
+fn hint(class: &Wtic) -> String {
+    match class {
+        Wtic::Alct => format!(" above slip {STATIC_SLIP} where torque is concerned"),
+        _ => String::new(),
+    }
+}
+
+/// Terrain parameters that best explain the rows (Eq. 76, then all equations at once), with both
+/// kinds of interval.
+///
+/// # Errors
+/// As [`Identification::new`] and [`Identification::estimate`].
+pub fn identify(
+    rows: &[SteadyLoad],
+    class: Wtic,
+    setting: &Setting,
+) -> Result<Estimate, IdentifyError> {
+    let identification = Identification::new(rows, class, setting)?;
+    let mut estimate = identification.estimate()?;
+    identification.profile(&mut estimate);
+    Ok(estimate)
+}
+
+/// Rows checked for one class and setting.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    model: Model,
+    rows: Vec<SteadyLoad>,
+}
+
+/// Slips [-] closer than this are one.
+const SAME_SLIP: f64 = 1.0e-3;
+
+/// Where fits begin: the middle of sands, and of the paper's exponents `n_0` for hard ground.
+const START: TerrainParameters = TerrainParameters {
+    stress_angle: 0.4,
+    stress_angle_slip: 0.0,
+    sinkage_modulus: 1.0e6,
+    sinkage_exponent: 0.5,
+    sinkage_exponent_slip: 0.5,
+    cohesion: 300.0,
+    friction_angle_deg: 30.0,
+    shear_modulus: 0.01,
+};
+
+impl Identification {
+    /// # Errors
+    /// `UnknownClass` for [`Wtic::Uwtic`]; `Setting` and `Row` for numbers out of range, the row
+    /// counted from 1; `TooFewRows` for a stage with fewer rows than parameters; `OneSlip`.
+    pub fn new(rows: &[SteadyLoad], class: Wtic, setting: &Setting) -> Result<Self, IdentifyError> {
+        if class == Wtic::Uwtic {
+            return Err(IdentifyError::UnknownClass);
+        }
+        let model = Model {
+            class,
+            setting: *setting,
+        };
+        let rows = row::seen(rows, class, setting)?;
+        for stage in Stage::ALL {
+            let given = model.rows_of(stage, &rows).len();
+            let needed = model.moved_among(stage.parameters()).len();
+            if given < needed {
+                return Err(IdentifyError::TooFewRows {
+                    stage,
+                    class,
+                    needed,
+                    given,
+                });
+            }
+        }
+        let slip = rows[0].slip;
+        if rows.iter().all(|row| (row.slip - slip).abs() < SAME_SLIP) {
+            return Err(IdentifyError::OneSlip { slip });
+        }
+        Ok(Self { model, rows })
+    }
+
+    /// The paper's three stages, one after the other.
+    pub fn staged(&self) -> Staged {
+        let (at, terminations) = self.stages();
+        Staged {
+            parameters: TerrainParameters::at(&at),
+            terminations,
+        }
+    }
+
+    /// The stages, then all rows and channels at once, with intervals from the covariance.
+    ///
+    /// # Errors
+    /// `NotFinite` where the equations give no finite loads.
+    pub fn estimate(&self) -> Result<Estimate, IdentifyError> {
+        let (start, terminations) = self.stages();
+        let joint = Joint::new(self.model, &self.rows, &start);
+        let best = self.best(&joint, start).ok_or(IdentifyError::NotFinite)?;
+        let directions = Directions::new(&joint, &best.at, &self.model.free());
+        let precision = self.precision(&joint, &best, &directions);
+        let parameters =
+            Parameter::ALL.map(|parameter| identified(parameter, &best.at, &directions, precision));
+        let known: Vec<Parameter> = parameters
+            .iter()
+            .filter(|identified| identified.is_identifiable())
+            .map(|identified| identified.parameter)
+            .collect();
+        let terrain = TerrainParameters::at(&best.at);
+        let soil = self.model.soil(&best.at);
+        Ok(Estimate {
+            class: self.model.class,
+            terrain,
+            parameters,
+            correlation: correlation(&directions),
+            combinations: combination::fixed(
+                &self.model,
+                &best.at,
+                &self.rows,
+                &directions,
+                (&known, precision.reach()),
+            ),
+            staged: Staged {
+                parameters: TerrainParameters::at(&start),
+                terminations,
+            },
+            force_errors: ForceErrors::new(&self.model, &soil, &self.rows),
+            chi_square: best.chi_square,
+            degrees_of_freedom: precision.freedom,
+            termination: best.termination,
+            warnings: self.warnings(&best, precision),
+        })
+    }
+
+    /// Adds the intervals from the profile of the likelihood to an estimate from these rows.
+    pub fn profile(&self, estimate: &mut Estimate) {
+        let start = estimate.staged.parameters.coordinates();
+        let joint = Joint::new(self.model, &self.rows, &start);
+        let best = Minimum {
+            at: estimate.terrain.coordinates(),
+            chi_square: estimate.chi_square,
+            termination: estimate.termination,
+        };
+        let directions = Directions::new(&joint, &best.at, &self.model.free());
+        let precision = self.precision(&joint, &best, &directions);
+        let profile = Profile {
+            joint: &joint,
+            best,
+            moved: &self.model.moved(),
+            limit: precision.limit(),
+        };
+        for identified in &mut estimate.parameters {
+            if identified.standing != Standing::SetByClass {
+                identified.profile = Some(profile.interval(identified));
+            }
+        }
+    }
+
+    fn stages(&self) -> (Coordinates, [Termination; 3]) {
+        let mut start = START.coordinates();
+        self.model.switch(&mut start);
+        stages::run(&self.model, &self.rows, start)
+    }
+
+    /// The best of the fits from the stages' result and from the paper's sand.
+    fn best(&self, joint: &Joint, staged: Coordinates) -> Option<Minimum> {
+        minimise_from(joint, [staged], &self.model.moved())
+    }
+
+    fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {
+        let freedom = joint.observations().saturating_sub(directions.rank());
+        Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
+    }
+
+    fn warnings(&self, best: &Minimum, precision: Precision) -> Vec<Warning> {
+        let mut warnings = self.at_bounds(&best.at);
+        warnings.extend(self.peak_outside(&best.at));
+        warnings.extend(
+            precision
+                .misfit
+                .map(|reduced_chi_square| Warning::Misfit { reduced_chi_square }),
+        );
+        let stated = self.rows.iter().filter(|row| row.uncertainty.is_some());
+        if ![0, self.rows.len()].contains(&stated.count()) {
+            warnings.push(Warning::UncertaintiesIgnored);
+        }
+        if !precision.sigma.is_finite() {
+            warnings.push(Warning::NoFreedom);
+        }
+        warnings.extend(self.loads_differ());
+        if !best.termination.is_minimum() {
+            warnings.push(Warning::NotAMinimum(best.termination));
+        }
+        warnings
+    }
+
+    fn at_bounds(&self, at: &Coordinates) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for parameter in self.model.free() {
+            let [low, high] = parameter.bounds();
+            // Nearer than this the bound, not the data, holds it.
+            let near = 1e-4 * (high - low);
+            let ends = parameter.range().into_iter().zip([low, high]);
+            for (end, coordinate) in ends {
+                if (at[parameter as usize] - coordinate).abs() < near {
+                    warnings.push(Warning::AtBound { parameter, end });
+                }
+            }
+        }
+        warnings
+    }
+
+    fn peak_outside(&self, at: &Coordinates) -> Option<Warning> {
+        let inside = [self.model.setting.exit_angle, 1.0];
+        let shares = self
+            .rows
+            .iter()
+            .map(|row| (row.slip, peak_share(at, row.slip)));
+        let beyond = |share: f64| (inside[0] - share).max(share - inside[1]);
+        shares
+            .filter(|(_, share)| beyond(*share) > 1e-6)
+            .max_by(|one, other| beyond(one.1).total_cmp(&beyond(other.1)))
+            .map(|(slip, share)| Warning::PeakOutsideContact { slip, share })
+    }
+
+    fn loads_differ(&self) -> Option<Warning> {
+        let loads = || self.rows.iter().map(|row| row.load);
+        let (least, most) = (
+            loads().fold(f64::INFINITY, f64::min),
+            loads().fold(0.0, f64::max),
+        );
+        // Loads of one setting of a rig stay within a third of each other.
+        let differ = !self.model.splits_pressure() && most > 1.5 * least;
+        differ.then_some(Warning::LoadsDiffer { least, most })
+    }
+}
+
+/// What the data say of one parameter.
+fn identified(
+    parameter: Parameter,
+    at: &Coordinates,
+    directions: &Directions,
+    precision: Precision,
+) -> Identified {
+    let coordinate = at[parameter as usize];
+    let value = parameter.value(coordinate);
+    let told = |standing, standard_error, interval| Identified {
+        parameter,
+        value,
+        standing,
+        standard_error,
+        interval,
+        profile: None,
+    };
+    if !directions.free().contains(&parameter) {
+        return told(Standing::SetByClass, 0.0, [Some(value); 2]);
+    }
+    let unit = directions.unit(parameter);
+    let deviation = directions
+        .covariance(&unit, &unit)
+        .map_or(f64::INFINITY, libm::sqrt);
+    let half = precision.reach() * deviation;
+    let standard_error = precision.sigma * deviation;
+    if half <= parameter.uninformative() {
+        let ends = [coordinate - half, coordinate + half];
+        let interval = ends.map(|end| Some(parameter.value(end)));
+        told(Standing::Identified, standard_error, interval)
+    } else {
+        told(Standing::NotIdentifiable, standard_error, [None; 2])
+    }
+}
+
+/// Correlation of the free parameters.
+fn correlation(directions: &Directions) -> Vec<Vec<Option<f64>>> {
+    let units: Vec<Vec<f64>> = directions
+        .free()
+        .iter()
+        .map(|&parameter| directions.unit(parameter))
+        .collect();
+    let entry = |one: &Vec<f64>, other: &Vec<f64>| {
+        let variances = directions.covariance(one, one)? * directions.covariance(other, other)?;
+        Some(directions.covariance(one, other)? / libm::sqrt(variances))
+    };
+    let row = |one| units.iter().map(|other| entry(one, other)).collect();
+    units.iter().map(row).collect()
+}

@@ -1,0 +1,84 @@
+//! How well the data fix each direction of the parameters: the weighted Jacobian's singular values.
+
+use super::least_squares::Residuals;
+use super::parameter::{Coordinates, Parameter};
+use nalgebra_lm::DMatrix;
+
+/// Singular directions of the weighted Jacobian at a minimum.
+#[derive(Debug, Clone)]
+pub(super) struct Directions {
+    free: Vec<Parameter>,
+    /// Singular values; their inverses are standard deviations along the directions.
+    singular: Vec<f64>,
+    /// One direction a row, in the order of `free`.
+    directions: DMatrix<f64>,
+    floor: f64,
+}
+
+impl Directions {
+    pub fn new(residuals: &impl Residuals, at: &Coordinates, free: &[Parameter]) -> Self {
+        let gradient = residuals.gradient(at);
+        // No fewer rows than columns, so that directions without data appear too.
+        let rows = gradient.len().max(free.len());
+        let jacobian = DMatrix::from_fn(rows, free.len(), |row, column| {
+            gradient
+                .get(row)
+                .map_or(0.0, |by| by[free[column] as usize])
+        });
+        let svd = jacobian.svd(false, true);
+        let singular: Vec<f64> = svd.singular_values.iter().copied().collect();
+        // Two columns that are multiples of each other differ by rounding, about 1e-16 of the
+        // largest singular value; a direction that real data fix stays above 1e-6 of it.
+        let floor = 1e-10 * singular.iter().copied().fold(0.0, f64::max);
+        let size = free.len();
+        let directions = svd.v_t.unwrap_or_else(|| DMatrix::identity(size, size));
+        Self {
+            free: free.to_vec(),
+            singular,
+            directions,
+            floor,
+        }
+    }
+
+    /// The free parameters.
+    pub fn free(&self) -> &[Parameter] {
+        &self.free
+    }
+
+    /// Number of directions that the data fix.
+    pub fn rank(&self) -> usize {
+        let fixed = self.singular.iter().filter(|&&s| s > self.floor);
+        fixed.count()
+    }
+
+    /// Covariance of two linear functions of the free parameters, errors having a standard
+    /// deviation of 1; `None` where one of them has a part that the data do not fix.
+    pub fn covariance(&self, one: &[f64], other: &[f64]) -> Option<f64> {
+        let mut sum = 0.0;
+        for (index, &singular) in self.singular.iter().enumerate() {
+            let along = |function: &[f64]| -> f64 {
+                let direction = self.directions.row(index);
+                direction.iter().zip(function).map(|(v, g)| v * g).sum()
+            };
+            let (one_part, other_part) = (along(one), along(other));
+            if singular > self.floor {
+                sum += one_part * other_part / (singular * singular);
+            } else if one_part.abs() > part(one) || other_part.abs() > part(other) {
+                return None;
+            }
+        }
+        Some(sum)
+    }
+
+    /// The function that is one free parameter itself.
+    pub fn unit(&self, parameter: Parameter) -> Vec<f64> {
+        let unit = |&free: &Parameter| f64::from(u8::from(free == parameter));
+        self.free.iter().map(unit).collect()
+    }
+}
+
+/// Part of a function's length below which it counts as none: rounding of the directions.
+fn part(function: &[f64]) -> f64 {
+    let square: f64 = function.iter().map(|g| g * g).sum();
+    1e-6 * libm::sqrt(square)
+}

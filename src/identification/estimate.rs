@@ -1,0 +1,158 @@
+//! What an identification says: values, how sure they are, and what the data leave open.
+
+use super::combination::Combination;
+use super::force_error::ForceErrors;
+use super::least_squares::Termination;
+use super::parameter::{Parameter, TerrainParameters};
+use super::stages::Staged;
+use crate::terrain::class::Wtic;
+use std::fmt;
+
+/// How a parameter came by its value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// The data fix it.
+    Identified,
+    /// The data do not: its value only serves to predict loads together with the others.
+    NotIdentifiable,
+    /// The class sets it (Table 4).
+    SetByClass,
+}
+
+/// One parameter of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identified {
+    /// Which.
+    pub parameter: Parameter,
+    /// Its value, in its [`unit`](Parameter::unit).
+    pub value: f64,
+    /// How it came by it.
+    pub standing: Standing,
+    /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` [rad]);
+    /// infinite where the data do not fix the parameter at all, 0 where the class does.
+    pub standard_error: f64,
+    /// 95 % interval from the covariance, in its unit; `None` where it is unbounded.
+    pub interval: [Option<f64>; 2],
+    /// 95 % interval from the profile of the likelihood, in its unit, an end `None` where the
+    /// profile stays below its limit as far as the parameter's range goes; `None` where it was
+    /// not asked for or the parameter is not free.
+    pub profile: Option<[Option<f64>; 2]>,
+}
+
+impl Identified {
+    /// Whether the data fix it.
+    pub fn is_identifiable(&self) -> bool {
+        self.standing == Standing::Identified
+    }
+}
+
+/// Something about an estimate that its reader should know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// A parameter ended at the end of its range.
+    AtBound {
+        /// Which.
+        parameter: Parameter,
+        /// The end, in its unit.
+        end: f64,
+    },
+    /// `θ_m` lies outside the contact at a slip measured.
+    PeakOutsideContact {
+        /// The slip ratio [-].
+        slip: f64,
+        /// `θ_m/θ_1` [-].
+        share: f64,
+    },
+    /// The rows scatter about the model by more than their uncertainties explain; the intervals
+    /// are widened by the root of this ratio.
+    Misfit {
+        /// Sum of squares per degree of freedom [-].
+        reduced_chi_square: f64,
+    },
+    /// Some rows state no uncertainty, so those of the others were not used.
+    UncertaintiesIgnored,
+    /// There are no more forces than parameters: nothing tells how sure these are.
+    NoFreedom,
+    /// Loads differ although the class sets one sinkage for all, so that `k_s zᴺ` is a mean.
+    LoadsDiffer {
+        /// Least load [N].
+        least: f64,
+        /// Greatest load [N].
+        most: f64,
+    },
+    /// The fit did not end at a minimum.
+    NotAMinimum(Termination),
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AtBound { parameter, end } => {
+                let [low, high] = parameter.range();
+                let (name, unit) = (parameter.name(), parameter.unit());
+                write!(f, "{name} [{unit}] ended at {end}, of [{low}, {high}]")
+            }
+            Self::PeakOutsideContact { slip, share } => write!(
+                f,
+                "the maximum stress lies outside the contact at slip {slip}: \
+                 c1 + c2 s = {share:.3}"
+            ),
+            Self::Misfit { reduced_chi_square } => write!(
+                f,
+                "the rows scatter about the model by more than their uncertainties explain \
+                 (reduced chi square {reduced_chi_square:.3}); intervals are widened accordingly"
+            ),
+            Self::UncertaintiesIgnored => f.write_str(
+                "some rows state no uncertainty: none is used, the scatter about the model stands \
+                 for them",
+            ),
+            Self::NoFreedom => f.write_str(
+                "no more measured forces than parameters: add rows, or uncertainties to all rows, \
+                 for intervals",
+            ),
+            Self::LoadsDiffer { least, most } => write!(
+                f,
+                "loads from {least:.4} to {most:.4} N share one sinkage on ground that lugs do \
+                 not enter: k_s z^N is their mean; identify each load alone"
+            ),
+            Self::NotAMinimum(termination) => {
+                write!(f, "the fit did not end at a minimum: {termination:?}")
+            }
+        }
+    }
+}
+
+/// Terrain parameters that best explain the rows, and how well the rows fix them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The class whose model was fitted.
+    pub class: Wtic,
+    /// The parameters' values, all together.
+    pub terrain: TerrainParameters,
+    /// The parameters one by one, in the order of [`Parameter::ALL`].
+    pub parameters: [Identified; 8],
+    /// Correlation of the estimates of the free parameters, in their order; `None` with a
+    /// parameter that the data do not fix at all.
+    pub correlation: Vec<Vec<Option<f64>>>,
+    /// What the rows fix of the parameters that they do not fix one by one.
+    pub combinations: Vec<Combination>,
+    /// The paper's result from three stages, from which this one began.
+    pub staged: Staged,
+    /// Errors of the loads predicted.
+    pub force_errors: ForceErrors,
+    /// Sum of squared weighted residuals [-].
+    pub chi_square: f64,
+    /// Measured forces less directions that they fix.
+    pub degrees_of_freedom: usize,
+    /// Why the fit stopped.
+    pub termination: Termination,
+    /// What else to know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Estimate {
+    /// What is known of one parameter.
+    pub fn of(&self, parameter: Parameter) -> &Identified {
+        &self.parameters[parameter as usize]
+    }
+}
