@@ -193,27 +193,14 @@ impl Identification {
         let best = self.best(&joint, start).ok_or(IdentifyError::NotFinite)?;
         let directions = Directions::new(&joint, &best.at, &self.model.free());
         let precision = self.precision(&joint, &best, &directions);
-        let parameters =
-            Parameter::ALL.map(|parameter| identified(parameter, &best.at, &directions, precision));
-        let known: Vec<Parameter> = parameters
-            .iter()
-            .filter(|identified| identified.is_identifiable())
-            .map(|identified| identified.parameter)
-            .collect();
-        let terrain = TerrainParameters::at(&best.at);
         let soil = self.model.soil(&best.at);
-        Ok(Estimate {
+        let mut estimate = Estimate {
             class: self.model.class,
-            terrain,
-            parameters,
+            terrain: TerrainParameters::at(&best.at),
+            parameters: Parameter::ALL
+                .map(|parameter| identified(parameter, &best.at, &directions, precision)),
             correlation: correlation(&directions),
-            combinations: combination::fixed(
-                &self.model,
-                &best.at,
-                &self.rows,
-                &directions,
-                (&known, precision.reach()),
-            ),
+            combinations: Vec::new(),
             staged: Staged {
                 parameters: TerrainParameters::at(&start),
                 terminations,
@@ -222,11 +209,14 @@ impl Identification {
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
-            warnings: self.warnings(&best, precision),
-        })
+            warnings: self.warnings(&best, &directions, precision),
+        };
+        self.combine(&mut estimate, &best.at, &directions, precision);
+        Ok(estimate)
     }
 
-    /// Adds the intervals from the profile of the likelihood to an estimate from these rows.
+    /// Adds the intervals from the profile of the likelihood to an estimate from these rows; they
+    /// then decide what the data fix.
     pub fn profile(&self, estimate: &mut Estimate) {
         let start = estimate.staged.parameters.coordinates();
         let joint = Joint::new(self.model, &self.rows, &start);
@@ -245,20 +235,62 @@ impl Identification {
         };
         for identified in &mut estimate.parameters {
             if identified.standing != Standing::SetByClass {
-                identified.profile = Some(profile.interval(identified));
+                profile.complete(identified);
             }
         }
+        self.combine(estimate, &best.at, &directions, precision);
+    }
+
+    /// Names what is known of the parameters that are not identified.
+    fn combine(
+        &self,
+        estimate: &mut Estimate,
+        at: &Coordinates,
+        directions: &Directions,
+        precision: Precision,
+    ) {
+        let identified = |of: &&Identified| of.is_identifiable();
+        let known: Vec<Parameter> = estimate
+            .parameters
+            .iter()
+            .filter(identified)
+            .map(|identified| identified.parameter)
+            .collect();
+        let told = (&known[..], precision.reach());
+        estimate.combinations = combination::fixed(&self.model, at, &self.rows, directions, told);
+    }
+
+    /// What is known before any row: the start, switched to the class.
+    fn start(&self) -> Coordinates {
+        let mut start = START.coordinates();
+        self.model.switch(&mut start);
+        start
     }
 
     fn stages(&self) -> (Coordinates, [Termination; 3]) {
-        let mut start = START.coordinates();
-        self.model.switch(&mut start);
-        stages::run(&self.model, &self.rows, start)
+        let mut at = self.start();
+        let terminations = Stage::ALL.map(|stage| self.advance(stage, &mut at));
+        (at, terminations)
     }
 
-    /// The best of the fits from the stages' result and from the paper's sand.
+    fn advance(&self, stage: Stage, at: &mut Coordinates) -> Termination {
+        match stages::run(stage, &self.model, &self.rows, *at) {
+            Some(minimum) => {
+                *at = minimum.at;
+                minimum.termination
+            }
+            None => Termination::NotFinite,
+        }
+    }
+
+    /// The better of the fits from the stages' result, and from the later stages with the start's
+    /// angles: noise may lead the first stage far astray.
     fn best(&self, joint: &Joint, staged: Coordinates) -> Option<Minimum> {
-        minimise_from(joint, [staged], &self.model.moved())
+        let mut usual = self.start();
+        for stage in [Stage::NormalStress, Stage::ShearStress] {
+            self.advance(stage, &mut usual);
+        }
+        minimise_from(joint, [staged, usual], &self.model.moved())
     }
 
     fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {
@@ -266,9 +298,14 @@ impl Identification {
         Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
     }
 
-    fn warnings(&self, best: &Minimum, precision: Precision) -> Vec<Warning> {
+    fn warnings(
+        &self,
+        best: &Minimum,
+        directions: &Directions,
+        precision: Precision,
+    ) -> Vec<Warning> {
         let mut warnings = self.at_bounds(&best.at);
-        warnings.extend(self.peak_outside(&best.at));
+        warnings.extend(self.peak_outside(&best.at, directions, precision));
         warnings.extend(
             precision
                 .misfit
@@ -289,32 +326,47 @@ impl Identification {
     }
 
     fn at_bounds(&self, at: &Coordinates) -> Vec<Warning> {
-        let mut warnings = Vec::new();
-        for parameter in self.model.free() {
-            let [low, high] = parameter.bounds();
-            // Nearer than this the bound, not the data, holds it.
-            let near = 1e-4 * (high - low);
-            let ends = parameter.range().into_iter().zip([low, high]);
-            for (end, coordinate) in ends {
-                if (at[parameter as usize] - coordinate).abs() < near {
-                    warnings.push(Warning::AtBound { parameter, end });
-                }
+        let coordinate = |parameter: Parameter| at[parameter as usize];
+        let mut held = self.model.moved();
+        held.retain(|parameter| parameter.is_at_bound(coordinate(*parameter)));
+        let told = held.into_iter().map(|parameter| {
+            let ([low, high], [least, most]) = (parameter.bounds(), parameter.range());
+            let lower = coordinate(parameter) - low < high - coordinate(parameter);
+            Warning::AtBound {
+                parameter,
+                end: if lower { least } else { most },
             }
-        }
-        warnings
+        });
+        told.collect()
     }
 
-    fn peak_outside(&self, at: &Coordinates) -> Option<Warning> {
-        let inside = [self.model.setting.exit_angle, 1.0];
-        let shares = self
-            .rows
-            .iter()
-            .map(|row| (row.slip, peak_share(at, row.slip)));
-        let beyond = |share: f64| (inside[0] - share).max(share - inside[1]);
-        shares
-            .filter(|(_, share)| beyond(*share) > 1e-6)
-            .max_by(|one, other| beyond(one.1).total_cmp(&beyond(other.1)))
-            .map(|(slip, share)| Warning::PeakOutsideContact { slip, share })
+    /// The row with the peak farthest outside the contact, by more than the estimate's own error.
+    fn peak_outside(
+        &self,
+        at: &Coordinates,
+        directions: &Directions,
+        precision: Precision,
+    ) -> Option<Warning> {
+        let [rear, front] = [self.model.setting.exit_angle, 1.0];
+        let beyond = |slip: f64| {
+            let share = peak_share(at, slip);
+            let function = directions.function(|parameter| match parameter {
+                Parameter::StressAngle => 1.0,
+                Parameter::StressAngleSlip => slip,
+                _ => 0.0,
+            });
+            let variance = directions.covariance(&function, &function)?;
+            let half = precision.reach() * libm::sqrt(variance);
+            Some((rear - share).max(share - front) - half)
+        };
+        let slips = self.rows.iter().map(|row| row.slip);
+        slips
+            .filter_map(|slip| Some((slip, beyond(slip).filter(|beyond| *beyond > 0.0)?)))
+            .max_by(|one, other| one.1.total_cmp(&other.1))
+            .map(|(slip, _)| Warning::PeakOutsideContact {
+                slip,
+                share: peak_share(at, slip),
+            })
     }
 
     fn loads_differ(&self) -> Option<Warning> {
@@ -323,8 +375,8 @@ impl Identification {
             loads().fold(f64::INFINITY, f64::min),
             loads().fold(0.0, f64::max),
         );
-        // Loads of one setting of a rig stay within a third of each other.
-        let differ = !self.model.splits_pressure() && most > 1.5 * least;
+        // n_1 alone makes loads of gravel differ by half from slip 0 to 0.6 (Table 6).
+        let differ = !self.model.splits_pressure() && most > 2.0 * least;
         differ.then_some(Warning::LoadsDiffer { least, most })
     }
 }
@@ -349,7 +401,7 @@ fn identified(
     if !directions.free().contains(&parameter) {
         return told(Standing::SetByClass, 0.0, [Some(value); 2]);
     }
-    let unit = directions.unit(parameter);
+    let unit = directions.function(unit(parameter));
     let deviation = directions
         .covariance(&unit, &unit)
         .map_or(f64::INFINITY, libm::sqrt);
@@ -364,12 +416,17 @@ fn identified(
     }
 }
 
+/// The linear function that is one parameter itself.
+fn unit(parameter: Parameter) -> impl Fn(Parameter) -> f64 {
+    move |other| f64::from(u8::from(other == parameter))
+}
+
 /// Correlation of the free parameters.
 fn correlation(directions: &Directions) -> Vec<Vec<Option<f64>>> {
     let units: Vec<Vec<f64>> = directions
         .free()
         .iter()
-        .map(|&parameter| directions.unit(parameter))
+        .map(|&parameter| directions.function(unit(parameter)))
         .collect();
     let entry = |one: &Vec<f64>, other: &Vec<f64>| {
         let variances = directions.covariance(one, one)? * directions.covariance(other, other)?;
@@ -377,4 +434,77 @@ fn correlation(directions: &Directions) -> Vec<Vec<Option<f64>>> {
     };
     let row = |one| units.iter().map(|other| entry(one, other)).collect();
     units.iter().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Seed;
+    use crate::soil::closed_form::{self, Rim};
+    use crate::soil::wheel_load::sinkage_at;
+    use crate::soil::{Soil, table_6};
+    use crate::wheel::Wheel;
+    use rand::RngExt;
+
+    const SLIPS: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6];
+
+    fn setting() -> Setting {
+        Setting::new(Rim::from(&Wheel::rover()))
+    }
+
+    fn rows(soil: &Soil, slips: &[f64], loads: &[f64]) -> Vec<SteadyLoad> {
+        let smooth = Wheel {
+            lugs: None,
+            ..Wheel::rover()
+        };
+        let row = |slip: f64, load: f64| {
+            let sinkage = sinkage_at(&smooth, soil, load, slip).unwrap();
+            let loads = closed_form::loads(setting().rim, soil, sinkage, slip);
+            SteadyLoad {
+                slip,
+                sinkage,
+                drawbar_pull: loads.drawbar_pull,
+                load: loads.normal_force,
+                driving_torque: loads.driving_torque,
+                uncertainty: None,
+            }
+        };
+        let pairs = loads
+            .iter()
+            .flat_map(|&load| slips.iter().map(move |&slip| (slip, load)));
+        pairs.map(|(slip, load)| row(slip, load)).collect()
+    }
+
+    fn sand(slips: &[f64], loads: &[f64]) -> Vec<SteadyLoad> {
+        rows(&table_6::sand(), slips, loads)
+    }
+
+    #[test]
+    fn fits_from_at_least_95_of_100_random_starts_agree() {
+        let rows = sand(&SLIPS, &[60.0, 109.0, 200.0]);
+        let identification = Identification::new(&rows, Wtic::Leis, &setting()).unwrap();
+        let truth = identification.estimate().unwrap().terrain.coordinates();
+        let joint = Joint::new(identification.model, &identification.rows, &truth);
+        let mut rng = Seed(1).rng("starts", 0);
+        let mut agree = 0;
+        for _ in 0..100 {
+            let mut draw = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+            let start = TerrainParameters {
+                stress_angle: draw(0.0, 1.0),
+                stress_angle_slip: draw(-1.0, 1.0),
+                sinkage_modulus: libm::pow(10.0, draw(4.0, 8.0)),
+                sinkage_exponent: draw(0.3, 1.7),
+                sinkage_exponent_slip: draw(0.0, 2.0),
+                cohesion: libm::pow(10.0, draw(0.0, 4.0)),
+                friction_angle_deg: draw(10.0, 50.0),
+                shear_modulus: libm::pow(10.0, draw(-4.0, -1.0)),
+            };
+            let found = minimise_from(&joint, [start.coordinates()], &Parameter::ALL).unwrap();
+            let distance = truth.iter().zip(found.at).map(|(t, f)| (t - f).abs());
+            if distance.fold(0.0, f64::max) < 1e-4 {
+                agree += 1;
+            }
+        }
+        assert!(agree >= 95, "{agree} of 100");
+    }
 }

@@ -322,16 +322,7 @@ fn monte_carlo(terrain: &Terrain, rows: &[SteadyLoad], count: u64, profiled: u64
     for e in &estimates {
         for w in &e.warnings {
             *kinds
-                .entry(
-                    format!("{w:?}")
-                        .chars()
-                        .take(45)
-                        .collect::<String>()
-                        .split(" slip")
-                        .next()
-                        .unwrap()
-                        .to_owned(),
-                )
+                .entry(format!("{w:?}").split(" {").next().unwrap().to_owned())
                 .or_insert(0) += 1;
         }
     }
@@ -347,6 +338,9 @@ fn combinations(terrain: &Terrain, estimates: &[Estimate]) -> Option<Recovery> {
         ..
     } = terrain.truth;
     let truth = sinkage_modulus.ln() + sinkage_exponent * RIGID_SINKAGE.ln();
+    if terrain.class == Wtic::Leis {
+        return None;
+    }
     let name = "k_s z^n0";
     let found: Option<Vec<Found>> = estimates
         .iter()
@@ -355,7 +349,7 @@ fn combinations(terrain: &Terrain, estimates: &[Estimate]) -> Option<Recovery> {
             Some(Found::combination(known))
         })
         .collect();
-    (terrain.class != Wtic::Leis).then(|| Recovery::of(name, truth, &found.unwrap_or_default()))
+    found.map(|found| Recovery::of(name, truth, &found))
 }
 
 #[test]

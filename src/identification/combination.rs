@@ -56,11 +56,10 @@ pub(super) fn fixed(
 
 impl Candidate {
     fn with_interval(self, directions: &Directions, reach: f64) -> Option<Combination> {
-        let slope = |parameter: &Parameter| {
-            let known = self.slopes.iter().find(|(of, _)| of == parameter);
+        let function = directions.function(|parameter| {
+            let known = self.slopes.iter().find(|(of, _)| *of == parameter);
             known.map_or(0.0, |(_, slope)| *slope)
-        };
-        let function: Vec<f64> = directions.free().iter().map(slope).collect();
+        });
         let half = reach * libm::sqrt(directions.covariance(&function, &function)?);
         let widest = if self.logarithmic { LN_10 } else { 0.5 };
         let told = |x: f64| if self.logarithmic { libm::exp(x) } else { x };

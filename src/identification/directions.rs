@@ -70,10 +70,12 @@ impl Directions {
         Some(sum)
     }
 
-    /// The function that is one free parameter itself.
-    pub fn unit(&self, parameter: Parameter) -> Vec<f64> {
-        let unit = |&free: &Parameter| f64::from(u8::from(free == parameter));
-        self.free.iter().map(unit).collect()
+    /// A linear function of the free parameters from its slope in each.
+    pub fn function(&self, slope: impl Fn(Parameter) -> f64) -> Vec<f64> {
+        self.free
+            .iter()
+            .map(|&parameter| slope(parameter))
+            .collect()
     }
 }
 

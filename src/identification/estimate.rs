@@ -44,6 +44,15 @@ impl Identified {
     pub fn is_identifiable(&self) -> bool {
         self.standing == Standing::Identified
     }
+
+    /// The 95 % interval to tell, in its unit: the profile's where there is one, which holds where
+    /// the model bends too; without ends where the data do not fix the parameter.
+    pub fn ci95(&self) -> [Option<f64>; 2] {
+        match self.standing {
+            Standing::NotIdentifiable => [None; 2],
+            _ => self.profile.unwrap_or(self.interval),
+        }
+    }
 }
 
 /// Something about an estimate that its reader should know.

@@ -63,11 +63,12 @@ impl Parameter {
     /// Values, in [`unit`](Self::unit), among which the fit searches.
     ///
     /// Wider than any soil, so that an estimate near a natural limit (`n_1 = 0`) is not pushed
-    /// off it.
+    /// off it; of `c_1` and `c_2` so wide that hard ground, which says next to nothing of them,
+    /// does not push `φ` off by holding them at an end.
     pub fn range(self) -> [f64; 2] {
         match self {
-            Self::StressAngle => [-1.0, 1.5],
-            Self::StressAngleSlip => [-3.0, 3.0],
+            Self::StressAngle => [-10.0, 10.0],
+            Self::StressAngleSlip => [-30.0, 30.0],
             Self::SinkageModulus => [1.0e2, 1.0e13],
             Self::SinkageExponent => [0.01, 4.0],
             Self::SinkageExponentSlip => [-3.0, 6.0],
@@ -111,6 +112,12 @@ impl Parameter {
     /// Coordinates of the [`range`](Self::range).
     pub(super) fn bounds(self) -> [f64; 2] {
         self.range().map(|value| self.coordinate(value))
+    }
+
+    /// Whether a coordinate is so near an end of the range that the end, not the data, holds it.
+    pub(super) fn is_at_bound(self, coordinate: f64) -> bool {
+        let [low, high] = self.bounds();
+        (coordinate - low).min(high - coordinate) < 1e-3 * (high - low)
     }
 
     /// Whether a terrain of this class has its own value, or the switched model sets it

@@ -1,7 +1,7 @@
 //! Intervals from the profile of the likelihood: how far a parameter can go while the others make
 //! up for it.
 
-use super::estimate::Identified;
+use super::estimate::{Identified, Standing};
 use super::joint::Joint;
 use super::least_squares::{Minimum, minimise};
 use super::parameter::Parameter;
@@ -20,9 +20,23 @@ pub(super) struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// Values between which the sum of squares rises by less than the limit, `None` where it does
-    /// so up to the end of the parameter's range, and for one that the data do not fix at all.
-    pub fn interval(&self, identified: &Identified) -> [Option<f64>; 2] {
+    /// Completes what is known of a parameter by its profile, which also decides whether the data
+    /// fix it.
+    pub fn complete(&self, identified: &mut Identified) {
+        let parameter = identified.parameter;
+        let ends = self.interval(identified);
+        identified.profile = Some(ends.map(|end| end.map(|end| parameter.value(end))));
+        identified.standing = match ends {
+            [Some(low), Some(high)] if high - low <= 2.0 * parameter.uninformative() => {
+                Standing::Identified
+            }
+            _ => Standing::NotIdentifiable,
+        };
+    }
+
+    /// Coordinates between which the sum of squares rises by less than the limit, `None` where it
+    /// does so up to the end of the range, and of a parameter that the data do not fix at all.
+    fn interval(&self, identified: &Identified) -> [Option<f64>; 2] {
         if !self.limit.is_finite() || !identified.standard_error.is_finite() {
             return [None; 2];
         }
@@ -31,11 +45,10 @@ impl Profile<'_> {
         let guess = 2.0 * identified.standard_error;
         let step = guess.clamp(SHORTEST_STEP, parameter.uninformative());
         let [low, high] = parameter.bounds();
-        let ends = [
+        [
             self.end(parameter, -step, low),
             self.end(parameter, step, high),
-        ];
-        ends.map(|end| end.map(|coordinate| parameter.value(coordinate)))
+        ]
     }
 
     fn end(&self, parameter: Parameter, step: f64, bound: f64) -> Option<f64> {

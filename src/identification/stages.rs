@@ -58,29 +58,22 @@ pub struct Staged {
     pub terminations: [Termination; 3],
 }
 
-/// The three stages from `start`; the coordinates they end at, and why each stopped.
+/// One stage, from the coordinates at which those before ended; `None` where its equation gives
+/// no finite number.
 pub(super) fn run(
+    stage: Stage,
     model: &Model,
     rows: &[SteadyLoad],
-    start: Coordinates,
-) -> (Coordinates, [Termination; 3]) {
-    let scale = Scale::of(rows);
-    let mut at = start;
-    let terminations = Stage::ALL.map(|stage| {
-        let equation = Equation {
-            model,
-            rows: &model.rows_of(stage, rows),
-            stage,
-            scale,
-        };
-        let moved = model.moved_among(stage.parameters());
-        let minimum = minimise_from(&equation, equation.starts(at), &moved);
-        if let Some(Minimum { at: found, .. }) = minimum {
-            at = found;
-        }
-        minimum.map_or(Termination::NotFinite, |minimum| minimum.termination)
-    });
-    (at, terminations)
+    at: Coordinates,
+) -> Option<Minimum> {
+    let equation = Equation {
+        model,
+        rows: &model.rows_of(stage, rows),
+        stage,
+        scale: Scale::of(rows),
+    };
+    let moved = model.moved_among(stage.parameters());
+    minimise_from(&equation, equation.starts(at), &moved)
 }
 
 /// One of Eq. (73)-(75) over the rows.

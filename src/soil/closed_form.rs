@@ -139,8 +139,18 @@ impl RimContact {
     }
 
     /// Part of the shear strength mobilised at the peak, `E` [-] (Eq. 66); see [`mobilised`].
+    ///
+    /// `K = 0` leaves of `j` its direction only, which is that within the contact even where the
+    /// peak lies beyond its front.
     pub fn mobilised(&self, soil: &Soil) -> f64 {
-        soil.shear().mobilised(self.shear_displacement())
+        let ContactAngles { entry, peak, .. } = self.angles;
+        let shear = soil.shear();
+        let angle = if shear.modulus > 0.0 {
+            peak
+        } else {
+            peak.min(entry)
+        };
+        shear.mobilised(self.displacement().at(angle))
     }
 
     /// Loads on the rim (Eq. 62-64); see [`loads`].
