@@ -475,6 +475,22 @@ mod tests {
         pairs.map(|(slip, load)| row(slip, load)).collect()
     }
 
+    /// Rows on ground that lugs do not enter, whose sinkage nobody measures.
+    fn rigid(soil: &Soil, rim: Rim, slips: &[f64]) -> Vec<SteadyLoad> {
+        let row = |&slip: &f64| {
+            let loads = closed_form::loads(rim, soil, RIGID_SINKAGE, slip);
+            SteadyLoad {
+                slip,
+                sinkage: f64::NAN,
+                drawbar_pull: loads.drawbar_pull,
+                load: loads.normal_force,
+                driving_torque: loads.driving_torque,
+                uncertainty: None,
+            }
+        };
+        slips.iter().map(row).collect()
+    }
+
     fn sand(slips: &[f64], loads: &[f64]) -> Vec<SteadyLoad> {
         rows(&table_6::sand(), slips, loads)
     }
@@ -506,5 +522,253 @@ mod tests {
             }
         }
         assert!(agree >= 95, "{agree} of 100");
+    }
+
+    /// Uncertainties of 2 % of every force, which the rows do not have.
+    fn stated(rows: Vec<SteadyLoad>) -> Vec<SteadyLoad> {
+        let uncertain = |row: SteadyLoad| SteadyLoad {
+            uncertainty: Some(Uncertainty {
+                slip: 0.0,
+                sinkage: 0.0,
+                drawbar_pull: 0.02 * row.drawbar_pull.abs().max(1.0),
+                load: 0.02 * row.load,
+                driving_torque: 0.02 * row.driving_torque.abs().max(0.1),
+            }),
+            ..row
+        };
+        rows.into_iter().map(uncertain).collect()
+    }
+
+    fn message(rows: &[SteadyLoad], class: Wtic) -> String {
+        let refused = Identification::new(rows, class, &setting()).unwrap_err();
+        refused.to_string()
+    }
+
+    #[test]
+    fn a_bad_number_is_refused_with_its_row_column_and_value() {
+        let good = sand(&SLIPS, &[109.0]);
+        let with = |change: fn(&mut SteadyLoad)| {
+            let mut rows = good.clone();
+            change(&mut rows[2]);
+            message(&rows, Wtic::Leis)
+        };
+        assert_eq!(
+            with(|row| row.load = -109.0),
+            "row 3: load [N] must be above 0 and finite, got -109"
+        );
+        assert_eq!(
+            with(|row| row.sinkage = 0.2),
+            "row 3: sinkage [m] must be above 0 and not above the radius 0.155, got 0.2"
+        );
+        assert_eq!(
+            with(|row| row.slip = f64::NAN),
+            "row 3: slip ratio [-] must be in [-1, 1], got NaN"
+        );
+        assert!(with(|row| row.drawbar_pull = f64::NAN).ends_with("got NaN"));
+        assert!(with(|row| row.driving_torque = f64::INFINITY).contains("driving torque [N·m]"));
+        let mut rows = stated(good);
+        rows[0].uncertainty.as_mut().unwrap().load = 0.0;
+        assert!(message(&rows, Wtic::Leis).starts_with("row 1: uncertainty of the load [N]"));
+    }
+
+    #[test]
+    fn an_unknown_class_has_no_model() {
+        let message = message(&sand(&SLIPS, &[109.0]), Wtic::Uwtic);
+        assert!(message.starts_with("class UWTIC has no model"), "{message}");
+    }
+
+    #[test]
+    fn rows_are_counted_for_each_stage() {
+        let rows = sand(&[0.0, 0.3], &[109.0]);
+        assert_eq!(
+            message(&rows, Wtic::Leis),
+            "k_s, n0 and n1 (Eq. 74) need 3 rows or more for class LEIS, got 2"
+        );
+        let held = sand(&[0.0, 0.005], &[109.0]);
+        assert_eq!(
+            message(&held, Wtic::Alct),
+            "c, phi and K (Eq. 75) need 1 rows or more for class ALCT, got 0 above slip 0.01 \
+             where torque is concerned"
+        );
+        assert!(Identification::new(&rows, Wtic::Slct, &setting()).is_ok());
+        assert_eq!(
+            Wtic::Leis,
+            identify(&sand(&SLIPS[..6], &[109.0]), Wtic::Leis, &setting())
+                .unwrap()
+                .class
+        );
+    }
+
+    #[test]
+    fn one_slip_tells_nothing_of_slip() {
+        let message = message(&sand(&[0.2], &[60.0, 109.0, 200.0]), Wtic::Leis);
+        assert!(
+            message.starts_with("all rows have slip 0.2: c2, n1 and K"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn three_rows_fix_a_sand_only_as_far_as_uncertainties_are_stated() {
+        let rows = sand(&[0.1, 0.3, 0.6], &[109.0]);
+        // Nine forces, eight parameters: one degree of freedom.
+        let scattered = identify(&rows, Wtic::Leis, &setting()).unwrap();
+        assert_eq!(scattered.degrees_of_freedom, 1);
+        // Six forces and, k_s and n0 counted once, six parameters.
+        let two = rigid(&table_6::gravel(), setting().rim, &[0.1, 0.3]);
+        let free = identify(&two, Wtic::Slct, &setting()).unwrap();
+        assert_eq!(free.warnings, [Warning::NoFreedom]);
+        assert!(free.parameters[..5].iter().all(|p| p.ci95() == [None; 2]));
+        let known = identify(&stated(two), Wtic::Slct, &setting()).unwrap();
+        assert!(known.of(Parameter::SinkageExponentSlip).is_identifiable());
+    }
+
+    #[test]
+    fn one_load_leaves_modulus_exponents_and_cohesion_open_but_not_the_pressure() {
+        let rows = stated(sand(&SLIPS, &[109.0]));
+        let estimate = identify(&rows, Wtic::Leis, &setting()).unwrap();
+        let open: Vec<&str> = estimate
+            .parameters
+            .iter()
+            .filter(|identified| !identified.is_identifiable())
+            .map(|identified| identified.parameter.name())
+            .collect();
+        assert_eq!(open, ["k_s", "n0", "n1", "c"]);
+        let names: Vec<&str> = estimate.combinations.iter().map(|c| c.name).collect();
+        assert!(names.contains(&"k_s z^(n0 + n1 s)"), "{names:?}");
+        assert!(names.contains(&"c + sigma tan(phi)"), "{names:?}");
+    }
+
+    #[test]
+    fn static_friction_at_slip_0_does_not_move_hard_ground() {
+        let soil = table_6::hard();
+        let mut rows = rigid(&soil, setting().rim, &[0.0, 0.05, 0.1, 0.3, 0.6]);
+        rows[0].drawbar_pull *= 0.4;
+        rows[0].driving_torque *= 0.4;
+        let estimate = identify(&rows, Wtic::Alct, &setting()).unwrap();
+        let phi = estimate.of(Parameter::FrictionAngle);
+        assert!(
+            (phi.value - soil.friction_angle_deg).abs() < 1e-6,
+            "{}",
+            phi.value
+        );
+        let pressure = soil.frictional_modulus * RIGID_SINKAGE.powf(soil.sinkage_exponent);
+        let product = &estimate.combinations[0];
+        assert_eq!(
+            (product.name, product.place.as_str()),
+            ("k_s z^n0", "z = 1.000e-5 m")
+        );
+        assert!((product.value / pressure - 1.0).abs() < 1e-9);
+        // Table 7 without slip 0, as Fig. 25b.
+        assert!(estimate.force_errors.drawbar_pull.unwrap() < 1e-6);
+    }
+
+    #[test]
+    fn loads_at_the_lugs_edges_belong_to_their_circle() {
+        let tips = Setting {
+            lug_height: 0.010,
+            cylinder: Cylinder::LugTips,
+            ..setting()
+        };
+        let soil = table_6::hard();
+        let mut rows = rigid(&soil, tips.surface(), &[0.02, 0.1, 0.3, 0.6]);
+        for row in &mut rows {
+            // The same motion by the rim's radius: the travel per turn is (r + l)/r longer.
+            let ratio = (1.0 - row.slip) * tips.surface().radius / setting().rim.radius;
+            row.slip = if ratio < 1.0 {
+                1.0 - ratio
+            } else {
+                1.0 / ratio - 1.0
+            };
+        }
+        let at_tips = identify(&rows, Wtic::Alct, &tips).unwrap();
+        let phi = at_tips.terrain.friction_angle_deg;
+        assert!((phi - soil.friction_angle_deg).abs() < 1e-6, "{phi}");
+        let at_rim = identify(
+            &rows,
+            Wtic::Alct,
+            &Setting {
+                cylinder: Cylinder::Rim,
+                ..tips
+            },
+        );
+        // The rim's torque per pull is l/r = 6.5 % short: pull and torque cannot both be met.
+        assert!(at_rim.unwrap().chi_square > 1e6 * at_tips.chi_square);
+    }
+
+    #[test]
+    fn a_profile_is_the_covariance_where_the_model_is_straight_and_leans_where_it_bends() {
+        let rows = stated(sand(&SLIPS, &[60.0, 109.0, 200.0]));
+        let estimate = identify(&rows, Wtic::Leis, &setting()).unwrap();
+        let relative = |parameter: Parameter| {
+            let identified = estimate.of(parameter);
+            let half = |interval: [Option<f64>; 2]| {
+                interval.map(|end| {
+                    let end = parameter.coordinate(end.unwrap());
+                    (end - parameter.coordinate(identified.value)).abs()
+                })
+            };
+            let (profile, covariance) =
+                (half(identified.profile.unwrap()), half(identified.interval));
+            [profile[0] / covariance[0], profile[1] / covariance[1]]
+        };
+        for parameter in [Parameter::FrictionAngle, Parameter::SinkageExponent] {
+            let [low, high] = relative(parameter);
+            assert!(
+                (low - 1.0).abs() < 0.05 && (high - 1.0).abs() < 0.05,
+                "{low}, {high}"
+            );
+        }
+        // Forces are straight in c, so in ln c the lower end lies farther out.
+        let [low, high] = relative(Parameter::Cohesion);
+        assert!(low > 1.1 && high < 0.95, "{low}, {high}");
+    }
+
+    #[test]
+    fn uncertainties_of_some_rows_are_ignored_and_that_is_told() {
+        let mut rows = stated(sand(&SLIPS, &[109.0]));
+        rows[3].uncertainty = None;
+        let identification = Identification::new(&rows, Wtic::Leis, &setting()).unwrap();
+        let warnings = identification.estimate().unwrap().warnings;
+        assert!(
+            warnings.contains(&Warning::UncertaintiesIgnored),
+            "{warnings:?}"
+        );
+    }
+
+    #[test]
+    fn scatter_beyond_the_uncertainties_widens_the_intervals() {
+        let mut rows = stated(sand(&SLIPS, &[60.0, 109.0, 200.0]));
+        let estimate = |rows: &[SteadyLoad]| {
+            let identification = Identification::new(rows, Wtic::Leis, &setting()).unwrap();
+            identification.estimate().unwrap()
+        };
+        let error = |e: &Estimate| e.of(Parameter::FrictionAngle).standard_error;
+        let stated = error(&estimate(&rows));
+        for (index, row) in rows.iter_mut().enumerate() {
+            // Ten per cent, five uncertainties, up and down.
+            row.driving_torque *= if index % 2 == 0 { 1.1 } else { 0.9 };
+        }
+        let scattered = estimate(&rows);
+        assert!(error(&scattered) > 2.0 * stated);
+        assert!(matches!(
+            scattered.warnings[..],
+            [Warning::Misfit { .. }, ..]
+        ));
+    }
+
+    #[test]
+    fn force_errors_are_mean_errors_over_mean_values() {
+        let mut rows = sand(&SLIPS, &[109.0]);
+        for row in &mut rows {
+            row.load *= 1.25;
+        }
+        let model = Model {
+            class: Wtic::Leis,
+            setting: setting(),
+        };
+        let errors = ForceErrors::new(&model, &table_6::sand(), &rows);
+        assert!((errors.load.unwrap() - 20.0).abs() < 1e-6);
+        assert!(errors.drawbar_pull.unwrap() < 1e-9);
     }
 }

@@ -18,7 +18,6 @@ use lugwheel::terrain::class::Wtic;
 use lugwheel::wheel::Wheel;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use std::time::Instant;
 
 const SLIPS: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6];
 const LOADS: [f64; 3] = [60.0, 109.0, 200.0];
@@ -160,8 +159,8 @@ fn with_uncertainty(rows: &[SteadyLoad], [slip, sinkage]: [f64; 2]) -> Vec<Stead
 }
 
 /// Rows with normal errors of their uncertainties.
-fn noisy(rows: &[SteadyLoad], seed: Seed, run: u64) -> Vec<SteadyLoad> {
-    let mut rng = seed.rng("identification noise", run);
+fn noisy(rows: &[SteadyLoad], run: u64) -> Vec<SteadyLoad> {
+    let mut rng = Seed(1).rng("identification noise", run);
     let mut error = |sd: f64| -> f64 {
         let normal: f64 = StandardNormal.sample(&mut rng);
         sd * normal
@@ -185,200 +184,351 @@ fn noisy(rows: &[SteadyLoad], seed: Seed, run: u64) -> Vec<SteadyLoad> {
 
 /// What many noisy data sets gave of one quantity, in the coordinate of the fit.
 struct Recovery {
-    name: String,
+    name: &'static str,
+    /// Mean and median error over the standard deviation of the estimates.
     bias: f64,
+    median_bias: f64,
     sd: f64,
-    /// Share of the 95 % intervals that hold the truth.
+    /// Share of the covariance's, and of the profile's, 95 % intervals that hold the truth.
     coverage: f64,
-    profile_coverage: Option<f64>,
-    /// Share of the data sets that call it identifiable.
-    identifiable: f64,
-    /// Median half-width of the intervals.
+    profile_coverage: f64,
+    /// Median half-width of the covariance's intervals.
     half_width: f64,
-}
-
-impl Recovery {
-    fn of(name: &str, truth: f64, found: &[Found]) -> Self {
-        let count = found.len() as f64;
-        let mean = found.iter().map(|f| f.at).sum::<f64>() / count;
-        let square: f64 = found.iter().map(|f| (f.at - mean) * (f.at - mean)).sum();
-        let share = |holds: &dyn Fn(&Found) -> bool| {
-            found.iter().filter(|f| holds(f)).count() as f64 / count
-        };
-        let mut widths: Vec<f64> = found.iter().map(|f| f.half_width).collect();
-        widths.sort_by(f64::total_cmp);
-        let profiled = found.iter().all(|f| f.profile.is_some());
-        Self {
-            name: name.to_owned(),
-            bias: mean - truth,
-            sd: (square / (count - 1.0)).sqrt(),
-            coverage: share(&|f| (f.at - truth).abs() <= f.half_width),
-            profile_coverage: profiled.then(|| {
-                share(&|f| {
-                    let [low, high] = f.profile.unwrap();
-                    low.is_none_or(|low| low <= truth) && high.is_none_or(|high| truth <= high)
-                })
-            }),
-            identifiable: share(&|f| f.identifiable),
-            half_width: widths[widths.len() / 2],
-        }
-    }
-
-    fn print(&self) {
-        let profile = self.profile_coverage.map_or("     -".to_owned(), |share| {
-            format!("{:5.1}%", 100.0 * share)
-        });
-        println!(
-            "  {:18} sd {:9.5}  bias/sd {:7.3}  coverage {:5.1}%  by profile {profile}  \
-             half-width {:9.4}  identifiable {:5.1}%",
-            self.name,
-            self.sd,
-            self.bias / self.sd,
-            100.0 * self.coverage,
-            self.half_width,
-            100.0 * self.identifiable
-        );
-    }
+    /// Share of the data sets that identify it.
+    identified: f64,
 }
 
 /// What one data set gave of one quantity.
 struct Found {
     at: f64,
     half_width: f64,
-    identifiable: bool,
-    profile: Option<[Option<f64>; 2]>,
+    profile: [Option<f64>; 2],
+    identified: bool,
 }
 
 impl Found {
     fn parameter(estimate: &Estimate, parameter: Parameter) -> Self {
         let identified = estimate.of(parameter);
-        let coordinate = |value: f64| parameter.coordinate(value);
+        let profile = identified.profile.unwrap();
         Self {
-            at: coordinate(identified.value),
+            at: parameter.coordinate(identified.value),
             half_width: 1.959_964 * identified.standard_error,
-            identifiable: identified.is_identifiable(),
-            profile: identified
-                .profile
-                .map(|ends| ends.map(|end| end.map(coordinate))),
+            profile: profile.map(|end| end.map(|end| parameter.coordinate(end))),
+            identified: identified.is_identifiable(),
         }
     }
 
-    fn combination(found: &Combination) -> Self {
-        let [low, high] = found.interval.map(f64::ln);
+    /// The interval of a combination is the covariance's alone.
+    fn combination(combination: &Combination) -> Self {
+        let [low, high] = combination.interval.map(f64::ln);
         Self {
-            at: found.value.ln(),
+            at: combination.value.ln(),
             half_width: 0.5 * (high - low),
-            identifiable: true,
-            profile: None,
+            profile: [Some(low), Some(high)],
+            identified: true,
         }
+    }
+
+    fn profile_holds(&self, truth: f64) -> bool {
+        let [low, high] = self.profile;
+        low.is_none_or(|low| low <= truth) && high.is_none_or(|high| truth <= high)
     }
 }
 
-/// Prints and returns what `count` noisy data sets made of `rows` give.
-fn monte_carlo(terrain: &Terrain, rows: &[SteadyLoad], count: u64, profiled: u64) -> Vec<Recovery> {
-    let start = Instant::now();
-    let estimates: Vec<Estimate> = (0..count)
-        .into_par_iter()
-        .map(|run| {
-            let rows = noisy(rows, Seed(1), run);
-            let identification = Identification::new(&rows, terrain.class, &setting()).unwrap();
-            let mut estimate = identification.estimate().unwrap();
-            if run < profiled {
-                identification.profile(&mut estimate);
-            }
-            estimate
-        })
-        .collect();
-    let elapsed = start.elapsed().as_secs_f64();
-    println!(
-        "\n{}: {count} data sets of {} rows, {:.2} ms each on {} threads",
-        terrain.name,
-        rows.len(),
-        1e3 * elapsed * rayon::current_num_threads() as f64 / count as f64,
-        rayon::current_num_threads()
-    );
-    let mut table: Vec<Recovery> = Parameter::ALL
-        .into_iter()
-        .filter(|parameter| parameter.is_free(terrain.class))
-        .map(|parameter| {
-            let truth = parameter.coordinate(terrain.truth.get(parameter));
-            let found: Vec<Found> = estimates
-                .iter()
-                .map(|estimate| Found::parameter(estimate, parameter))
-                .collect();
-            let mut recovery = Recovery::of(parameter.name(), truth, &found);
-            if profiled > 0 {
-                let profiles = Recovery::of("", truth, &found[..profiled as usize]);
-                recovery.profile_coverage = profiles.profile_coverage;
-            }
-            recovery
-        })
-        .collect();
-    table.extend(combinations(terrain, &estimates));
-    table.iter().for_each(Recovery::print);
-    let misfits = estimates.iter().filter(|e| !e.warnings.is_empty()).count();
-    println!("  {misfits} with a warning");
-    let mut kinds = std::collections::BTreeMap::new();
-    for e in &estimates {
-        for w in &e.warnings {
-            *kinds
-                .entry(format!("{w:?}").split(" {").next().unwrap().to_owned())
-                .or_insert(0) += 1;
+impl Recovery {
+    fn of(name: &'static str, truth: f64, found: &[Found]) -> Self {
+        let count = found.len() as f64;
+        let mean = found.iter().map(|f| f.at).sum::<f64>() / count;
+        let square: f64 = found.iter().map(|f| (f.at - mean) * (f.at - mean)).sum();
+        let sd = (square / (count - 1.0)).sqrt();
+        let share = |holds: &dyn Fn(&Found) -> bool| {
+            found.iter().filter(|f| holds(f)).count() as f64 / count
+        };
+        Self {
+            name,
+            bias: (mean - truth) / sd,
+            median_bias: (median(found, |f| f.at) - truth) / sd,
+            sd,
+            coverage: share(&|f| (f.at - truth).abs() <= f.half_width),
+            profile_coverage: share(&|f| f.profile_holds(truth)),
+            half_width: median(found, |f| f.half_width),
+            identified: share(&|f| f.identified),
         }
     }
-    println!("{kinds:?}");
+
+    fn print(&self) {
+        println!(
+            "{:9} {:8.4} {:10.4} {:8.3} {:8.3} {:9.1} {:9.1} {:11.1}",
+            self.name,
+            self.sd,
+            self.half_width,
+            self.bias,
+            self.median_bias,
+            100.0 * self.coverage,
+            100.0 * self.profile_coverage,
+            100.0 * self.identified,
+        );
+    }
+}
+
+fn median(found: &[Found], of: impl Fn(&Found) -> f64) -> f64 {
+    let mut values: Vec<f64> = found.iter().map(of).collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Prints and returns what 1000 noisy data sets made of `rows` give.
+///
+/// `fitted` is what the identification is told of the rows.
+fn monte_carlo(
+    terrain: &Terrain,
+    title: &str,
+    rows: &[SteadyLoad],
+    fitted: fn(SteadyLoad) -> SteadyLoad,
+) -> Vec<Recovery> {
+    let estimates: Vec<Estimate> = (0..1000)
+        .into_par_iter()
+        .map(|run| {
+            let rows: Vec<SteadyLoad> = noisy(rows, run).into_iter().map(fitted).collect();
+            terrain.identify(&rows)
+        })
+        .collect();
+    println!(
+        "\n{}, {} rows, {title}: 1000 data sets",
+        terrain.name,
+        rows.len()
+    );
+    println!("            sd    half-width  bias/sd   median  coverage  profile's  identified [%]");
+    let parameters = Parameter::ALL
+        .into_iter()
+        .filter(|parameter| parameter.is_free(terrain.class));
+    let mut table: Vec<Recovery> = parameters
+        .map(|parameter| {
+            let truth = parameter.coordinate(terrain.truth.get(parameter));
+            let found = estimates.iter().map(|e| Found::parameter(e, parameter));
+            Recovery::of(parameter.name(), truth, &found.collect::<Vec<_>>())
+        })
+        .collect();
+    table.extend(product(terrain, &estimates));
+    table.iter().for_each(Recovery::print);
+    let misfits = estimates.iter().filter(|e| {
+        e.warnings
+            .iter()
+            .any(|w| matches!(w, Warning::Misfit { .. }))
+    });
+    println!("{} called a misfit", misfits.count());
     table
 }
 
-/// `k_s z^n0` where every data set has it.
-fn combinations(terrain: &Terrain, estimates: &[Estimate]) -> Option<Recovery> {
-    let TerrainParameters {
-        sinkage_modulus,
-        sinkage_exponent,
-        ..
-    } = terrain.truth;
-    let truth = sinkage_modulus.ln() + sinkage_exponent * RIGID_SINKAGE.ln();
+/// `k_s z^n0` where the class sets the sinkage.
+fn product(terrain: &Terrain, estimates: &[Estimate]) -> Option<Recovery> {
     if terrain.class == Wtic::Leis {
         return None;
     }
+    let truth = terrain.truth;
+    let pressure = truth.sinkage_modulus * RIGID_SINKAGE.powf(truth.sinkage_exponent);
     let name = "k_s z^n0";
-    let found: Option<Vec<Found>> = estimates
-        .iter()
-        .map(|estimate| {
-            let known = estimate.combinations.iter().find(|c| c.name == name)?;
-            Some(Found::combination(known))
-        })
-        .collect();
-    found.map(|found| Recovery::of(name, truth, &found))
+    let found = estimates.iter().map(|estimate| {
+        let known = estimate.combinations.iter().find(|c| c.name == name);
+        Found::combination(known.unwrap())
+    });
+    Some(Recovery::of(
+        name,
+        pressure.ln(),
+        &found.collect::<Vec<_>>(),
+    ))
+}
+
+/// Of 1000 intervals, 93 to 97 % hold the truth: 2.9 standard deviations either way.
+fn assert_covers(share: f64, name: &str) {
+    assert!((0.93..=0.97).contains(&share), "{name}: {share}");
+}
+
+fn exact(rows: &[SteadyLoad]) -> Vec<SteadyLoad> {
+    with_uncertainty(rows, [0.0, 0.0])
 }
 
 #[test]
 fn loads_without_noise_give_every_identifiable_parameter_back_within_a_thousandth() {
     for terrain in [HARD, GRAVEL, SAND] {
         let estimate = terrain.identify(&terrain.rows(&LOADS));
+        let mut open = Vec::new();
         for identified in &estimate.parameters {
-            if identified.is_identifiable() {
-                let truth = terrain.truth.get(identified.parameter);
-                let error = (identified.value - truth).abs() / truth.abs().max(1.0);
-                let name = identified.parameter.name();
-                assert!(
-                    error < 1e-3,
-                    "{} {name}: {}",
-                    terrain.name,
-                    identified.value
-                );
+            let name = identified.parameter.name();
+            if !identified.is_identifiable() {
+                open.push(name);
+                continue;
             }
+            let truth = terrain.truth.get(identified.parameter);
+            let error = (identified.value - truth).abs();
+            let small = if truth == 0.0 {
+                1e-3
+            } else {
+                1e-3 * truth.abs()
+            };
+            assert!(
+                error < small,
+                "{} {name}: {}",
+                terrain.name,
+                identified.value
+            );
         }
+        let expected: &[&str] = match terrain.class {
+            Wtic::Alct => &["k_s", "n0", "c", "K"],
+            Wtic::Slct => &["k_s", "n0", "c"],
+            _ => &[],
+        };
+        assert_eq!(open, expected, "{}", terrain.name);
     }
 }
 
 #[test]
-#[ignore = "a minute: thousands of identifications"]
-fn noisy_forces_give_the_parameters_with_honest_intervals() {
-    for terrain in [SAND, GRAVEL, HARD] {
-        let rows = with_uncertainty(&terrain.rows(&LOADS), [0.0, 0.0]);
-        monte_carlo(&terrain, &rows, 1000, 200);
+fn the_papers_stages_alone_give_loads_without_noise_back() {
+    for terrain in [HARD, GRAVEL, SAND] {
+        let rows = terrain.rows(&LOADS[1..2]);
+        let identification = Identification::new(&rows, terrain.class, &setting()).unwrap();
+        let staged = identification.staged();
+        assert!(staged.terminations.iter().all(|t| t.is_minimum()));
+        let phi = staged.parameters.friction_angle_deg;
+        let error = phi / terrain.truth.friction_angle_deg - 1.0;
+        assert!(error.abs() < 1e-4, "{}: {phi}", terrain.name);
     }
-    let one_load = with_uncertainty(&SAND.rows(&LOADS[1..2]), [0.0, 0.0]);
-    monte_carlo(&SAND, &one_load, 1000, 100);
+}
+
+#[test]
+fn an_estimate_predicts_measured_loads_of_smooth_and_lugged_wheels_as_table_7_does() {
+    for (name, rows, radius) in measured() {
+        let rim = Rim {
+            radius,
+            width: 0.165,
+        };
+        let estimate = identify(&rows, Wtic::Leis, &Setting::new(rim)).unwrap();
+        println!("{name}: {:?}", estimate.force_errors);
+        for identified in &estimate.parameters {
+            let (parameter, ci95) = (identified.parameter, identified.ci95());
+            println!(
+                "  {} = {:.4} {ci95:.4?}",
+                parameter.name(),
+                identified.value
+            );
+        }
+        let errors = estimate.force_errors;
+        // Table 7, sand: 8.11, 7.64 and 7.75 %.
+        assert!(errors.drawbar_pull.unwrap() < 8.11);
+        assert!(errors.load.unwrap() < 7.64);
+        assert!(errors.driving_torque.unwrap() < 7.75);
+    }
+}
+
+/// Steady points of a published study by wheel (`tests/data/ding2011.csv`), and its rim's radius.
+fn measured() -> Vec<(String, Vec<SteadyLoad>, f64)> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ding2011.csv");
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(file)
+        .unwrap();
+    let mut wheels: Vec<(String, Vec<SteadyLoad>, f64)> = Vec::new();
+    for record in reader.records() {
+        let record = record.unwrap();
+        let number = |column: usize| record[column].parse::<f64>().unwrap();
+        if wheels.last().is_none_or(|(name, ..)| name != &record[0]) {
+            wheels.push((record[0].to_owned(), Vec::new(), number(1)));
+        }
+        let row = SteadyLoad {
+            slip: number(6),
+            sinkage: number(8),
+            drawbar_pull: number(7),
+            load: number(5),
+            driving_torque: number(9),
+            uncertainty: None,
+        };
+        wheels.last_mut().unwrap().1.push(row);
+    }
+    wheels
+}
+
+#[test]
+#[ignore = "half a minute: a thousand identifications with profiles for each table"]
+fn noisy_forces_give_the_parameters_and_honest_intervals() {
+    for recovery in monte_carlo(
+        &SAND,
+        "exact slip and sinkage",
+        &exact(&SAND.rows(&LOADS)),
+        |r| r,
+    ) {
+        assert_covers(recovery.coverage, recovery.name);
+        assert_covers(recovery.profile_coverage, recovery.name);
+        assert!(recovery.identified > 0.98, "{}", recovery.name);
+        // Forces are straight in c, so the estimate of c is unbiased and that of ln c is low by
+        // half its variance.
+        let straight = recovery.name != "c";
+        assert!(!straight || recovery.bias.abs() < 0.1, "{}", recovery.name);
+        assert!(recovery.median_bias.abs() < 0.1, "{}", recovery.name);
+    }
+    for recovery in monte_carlo(&GRAVEL, "sinkage set", &exact(&GRAVEL.rows(&LOADS)), |r| r) {
+        let split = ["k_s", "n0"].contains(&recovery.name);
+        assert_eq!(recovery.identified < 0.5, split, "{}", recovery.name);
+        if !split {
+            assert_covers(recovery.profile_coverage, recovery.name);
+        }
+    }
+    for recovery in monte_carlo(&HARD, "sinkage set", &exact(&HARD.rows(&LOADS)), |r| r) {
+        let fixed = ["n1", "phi", "k_s z^n0"].contains(&recovery.name);
+        assert_eq!(recovery.identified > 0.5, fixed, "{}", recovery.name);
+        if fixed {
+            assert_covers(recovery.coverage, recovery.name);
+            assert!(recovery.bias.abs() < 0.1, "{}", recovery.name);
+        }
+    }
+    let one_load = exact(&SAND.rows(&LOADS[1..2]));
+    for recovery in monte_carlo(&SAND, "one load of 109 N", &one_load, |r| r) {
+        let open = ["k_s", "n0", "n1", "c"].contains(&recovery.name);
+        assert_eq!(recovery.identified < 0.5, open, "{}", recovery.name);
+    }
+}
+
+#[test]
+#[ignore = "half a minute: a thousand identifications with profiles for each table"]
+fn noisy_slip_and_sinkage_need_their_uncertainties_stated() {
+    let rows = with_uncertainty(&SAND.rows(&LOADS), [0.01, 0.0005]);
+    let title = "slip to 0.01, sinkage to 0.5 mm";
+    let stated = monte_carlo(&SAND, &format!("{title}, stated"), &rows, |row| row);
+    let hidden = monte_carlo(&SAND, &format!("{title}, not stated"), &rows, |row| {
+        SteadyLoad {
+            uncertainty: None,
+            ..row
+        }
+    });
+    for (stated, hidden) in stated.iter().zip(&hidden) {
+        // Linear propagation of errors of a tenth of the sinkage: not quite 95 %.
+        assert!(
+            stated.coverage > 0.85,
+            "{}: {}",
+            stated.name,
+            stated.coverage
+        );
+        assert!(stated.sd <= 1.1 * hidden.sd, "{}", stated.name);
+    }
+}
+
+#[test]
+#[ignore = "half a minute: ten thousand identifications"]
+fn ten_thousand_identifications_take_less_than_a_minute() {
+    let rows = exact(&SAND.rows(&LOADS));
+    let start = std::time::Instant::now();
+    let minima: usize = (0..10_000u64)
+        .into_par_iter()
+        .map(|run| {
+            let rows = noisy(&rows, run);
+            let identification = Identification::new(&rows, SAND.class, &setting()).unwrap();
+            usize::from(identification.estimate().unwrap().termination.is_minimum())
+        })
+        .sum();
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "10000 identifications of 27 rows: {seconds:.1} s on {} threads",
+        rayon::current_num_threads()
+    );
+    assert_eq!(minima, 10_000);
+    assert!(seconds < 60.0);
 }

@@ -84,3 +84,37 @@ fn part(function: &[f64]) -> f64 {
     let square: f64 = function.iter().map(|g| g * g).sum();
     1e-6 * libm::sqrt(square)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Parameter::{SinkageExponent, SinkageModulus, StressAngle};
+
+    /// Measures `2 k_s + 6 n_0` and `4 c_1`, in coordinates.
+    struct Sum;
+
+    impl Residuals for Sum {
+        fn residuals(&self, _: &Coordinates) -> Vec<f64> {
+            vec![0.0; 2]
+        }
+        fn gradient(&self, _: &Coordinates) -> Vec<Coordinates> {
+            let mut gradient = vec![[0.0; 8]; 2];
+            gradient[0][SinkageModulus as usize] = 2.0;
+            gradient[0][SinkageExponent as usize] = 6.0;
+            gradient[1][StressAngle as usize] = 4.0;
+            gradient
+        }
+    }
+
+    #[test]
+    fn a_sum_is_fixed_where_its_parts_are_not() {
+        let free = [StressAngle, SinkageModulus, SinkageExponent];
+        let directions = Directions::new(&Sum, &[0.0; 8], &free);
+        assert_eq!(directions.rank(), 2);
+        let variance = |function: [f64; 3]| directions.covariance(&function, &function);
+        assert_eq!(variance([0.0, 1.0, 0.0]), None);
+        assert_eq!(variance([0.0, 0.0, 1.0]), None);
+        assert!((variance([0.0, 1.0, 3.0]).unwrap() - 0.25).abs() < 1e-12);
+        assert!((variance([1.0, 0.0, 0.0]).unwrap() - 0.0625).abs() < 1e-12);
+    }
+}

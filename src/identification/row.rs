@@ -119,13 +119,18 @@ impl Setting {
 
     /// `row` as the cylinder sees it, once it is known to be whole.
     fn seen(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
-        let rolling = Rolling::new(self.rim.radius, row.slip);
+        let slip = match self.cylinder {
+            Cylinder::Rim => row.slip,
+            Cylinder::LugTips => {
+                Rolling::new(self.rim.radius, row.slip).slip_at(self.surface().radius)
+            }
+        };
         let sinkage = match class {
             Wtic::Leis => row.sinkage + self.offset(),
             _ => RIGID_SINKAGE,
         };
         SteadyLoad {
-            slip: rolling.slip_at(self.surface().radius),
+            slip,
             sinkage,
             uncertainty: row.uncertainty.map(|u| u.of_seen(class)),
             ..*row

@@ -214,3 +214,98 @@ fn drifts(means: &[Option<f64>], tolerance: f64) -> bool {
         .zip(mean(second))
         .is_some_and(|(first, second)| (second - first).abs() > 0.5 * tolerance)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::Mean;
+
+    const RATE: f64 = 100.0;
+
+    fn channel(name: &str, value: impl Fn(f64) -> f64) -> Channel {
+        Channel {
+            name: name.to_owned(),
+            unit: crate::trace::unit_of(name).unwrap().to_owned(),
+            sample_rate: RATE,
+            start: 2.0,
+            samples: (0..6000).map(|i| value(f64::from(i) / RATE)).collect(),
+        }
+    }
+
+    /// A minute with this slip over time [s]; pull is 100 slips, with a ripple of 1 s.
+    fn run(slip: fn(f64) -> f64) -> Trace {
+        let ripple = |t: f64| libm::sin(std::f64::consts::TAU * t + 0.3 * t);
+        Trace {
+            channels: vec![
+                channel("slip_ratio", move |t| slip(t) + 0.005 * ripple(17.0 * t)),
+                channel("sinkage", |_| 0.01),
+                channel("drawbar_pull", move |t| 100.0 * slip(t) + ripple(t)),
+                channel("normal_force", move |t| 109.0 + ripple(t)),
+                channel("driving_torque", move |t| 5.0 + 0.1 * ripple(t)),
+            ],
+            ..Trace::default()
+        }
+    }
+
+    #[test]
+    fn a_run_of_one_condition_gives_one_row_of_its_middle_half() {
+        // Started and stopped within a tenth of the run.
+        let slip = |t: f64| if (5.0..55.0).contains(&t) { 0.2 } else { 0.9 };
+        let rows = steady_loads(&run(slip)).unwrap();
+        assert_eq!(rows.len(), 1);
+        let row = rows[0];
+        assert!((row.slip - 0.2).abs() < 1e-3 && (row.drawbar_pull - 20.0).abs() < 0.1);
+        let uncertainty = row.uncertainty.unwrap();
+        // The ripple's amplitude of 1 N all but averages out over 25 s.
+        assert!(
+            uncertainty.load > 0.0 && uncertainty.load < 0.1,
+            "{uncertainty:?}"
+        );
+        assert_eq!(uncertainty.sinkage, 0.0);
+    }
+
+    #[test]
+    fn a_staircase_of_slip_gives_a_row_for_each_step() {
+        let slip = |t: f64| 0.1 * (1.0 + (t / 20.0).floor());
+        let rows = steady_loads(&run(slip)).unwrap();
+        let slips: Vec<f64> = rows.iter().map(|row| (row.slip * 100.0).round()).collect();
+        assert_eq!(slips, [10.0, 20.0, 30.0]);
+        for row in rows {
+            assert!((row.drawbar_pull - 100.0 * row.slip).abs() < 0.3, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_of_slip_is_never_steady() {
+        let refused = steady_loads(&run(|t| t / 60.0)).unwrap_err();
+        assert!(
+            matches!(refused, SteadyError::NeverSteady { .. }),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn means_give_a_row_where_there_is_no_time_series() {
+        let mean = |name: &str, value: f64| Mean {
+            name: name.to_owned(),
+            unit: String::new(),
+            value,
+            sd: 0.5,
+            n: 25,
+        };
+        let mut trace = Trace::default();
+        trace.attributes.slip_ratio = 0.3;
+        trace.means = vec![mean("drawbar_pull", 20.0), mean("driving_torque", 5.0)];
+        let missing = steady_loads(&trace).unwrap_err().to_string();
+        assert!(missing.starts_with("normal_force is missing"), "{missing}");
+        trace.attributes.load = 80.0;
+        // A commanded load has no uncertainty, so the row has none.
+        let row = steady_loads(&trace).unwrap()[0];
+        assert_eq!((row.slip, row.load, row.uncertainty), (0.3, 80.0, None));
+        assert!(row.sinkage.is_nan());
+        trace.means.push(mean("normal_force", 81.0));
+        let row = steady_loads(&trace).unwrap()[0];
+        assert_eq!(row.load, 81.0);
+        assert!((row.uncertainty.unwrap().load - 0.1).abs() < 1e-12);
+    }
+}
