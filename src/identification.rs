@@ -215,8 +215,8 @@ impl Identification {
         Ok(estimate)
     }
 
-    /// Adds the intervals from the profile of the likelihood to an estimate from these rows; they
-    /// then decide what the data fix.
+    /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
+    /// parameter whose profile says nothing useful is then no longer identified.
     pub fn profile(&self, estimate: &mut Estimate) {
         let start = estimate.staged.parameters.coordinates();
         let joint = Joint::new(self.model, &self.rows, &start);

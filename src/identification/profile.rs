@@ -20,18 +20,17 @@ pub(super) struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// Completes what is known of a parameter by its profile, which also decides whether the data
-    /// fix it.
+    /// Completes what is known of a parameter by its profile. The data fix it if the covariance
+    /// and the profile both say so: the covariance looks beyond the ends of the other parameters'
+    /// ranges, the profile sees where the model bends.
     pub fn complete(&self, identified: &mut Identified) {
         let parameter = identified.parameter;
         let ends = self.interval(identified);
         identified.profile = Some(ends.map(|end| end.map(|end| parameter.value(end))));
-        identified.standing = match ends {
-            [Some(low), Some(high)] if high - low <= 2.0 * parameter.uninformative() => {
-                Standing::Identified
-            }
-            _ => Standing::NotIdentifiable,
-        };
+        let told = ends[0].zip(ends[1]);
+        if told.is_none_or(|(low, high)| high - low > 2.0 * parameter.uninformative()) {
+            identified.standing = Standing::NotIdentifiable;
+        }
     }
 
     /// Coordinates between which the sum of squares rises by less than the limit, `None` where it

@@ -188,10 +188,11 @@ mod tests {
     }
 
     type Moved = fn(Soil, f64) -> Soil;
+    type Slope = fn(&LoadGradient) -> WheelLoad;
 
     #[test]
     fn the_gradient_of_the_loads_is_their_difference_quotient() {
-        let moved: [(&str, Moved, fn(&LoadGradient) -> WheelLoad); 8] = [
+        let moved: [(&str, Moved, Slope); 8] = [
             (
                 "c1",
                 |s, d| Soil {
