@@ -29,23 +29,25 @@ mod profile;
 mod row;
 mod stages;
 mod steady;
+mod warning;
 mod weight;
 
 pub use combination::Combination;
-pub use estimate::{Estimate, Identified, Standing, Warning};
+pub use estimate::{Estimate, Identified, Standing};
 pub use force_error::ForceErrors;
 pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use stages::{Stage, Staged};
 pub use steady::{SteadyError, steady_loads};
+pub use warning::Warning;
 
 use crate::quantity::RangeError;
 use crate::terrain::class::Wtic;
 use directions::Directions;
 use joint::Joint;
 use least_squares::{Minimum, minimise_from};
-use model::{Model, peak_share};
+use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
@@ -209,7 +211,7 @@ impl Identification {
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
-            warnings: self.warnings(&best, &directions, precision),
+            warnings: warning::all(&self.model, &self.rows, &best, (&directions, precision)),
         };
         self.combine(&mut estimate, &best.at, &directions, precision);
         Ok(estimate)
@@ -296,88 +298,6 @@ impl Identification {
     fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {
         let freedom = joint.observations().saturating_sub(directions.rank());
         Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
-    }
-
-    fn warnings(
-        &self,
-        best: &Minimum,
-        directions: &Directions,
-        precision: Precision,
-    ) -> Vec<Warning> {
-        let mut warnings = self.at_bounds(&best.at);
-        warnings.extend(self.peak_outside(&best.at, directions, precision));
-        warnings.extend(
-            precision
-                .misfit
-                .map(|reduced_chi_square| Warning::Misfit { reduced_chi_square }),
-        );
-        let stated = self.rows.iter().filter(|row| row.uncertainty.is_some());
-        if ![0, self.rows.len()].contains(&stated.count()) {
-            warnings.push(Warning::UncertaintiesIgnored);
-        }
-        if !precision.sigma.is_finite() {
-            warnings.push(Warning::NoFreedom);
-        }
-        warnings.extend(self.loads_differ());
-        if !best.termination.is_minimum() {
-            warnings.push(Warning::NotAMinimum(best.termination));
-        }
-        warnings
-    }
-
-    fn at_bounds(&self, at: &Coordinates) -> Vec<Warning> {
-        let coordinate = |parameter: Parameter| at[parameter as usize];
-        let mut held = self.model.moved();
-        held.retain(|parameter| parameter.is_at_bound(coordinate(*parameter)));
-        let told = held.into_iter().map(|parameter| {
-            let ([low, high], [least, most]) = (parameter.bounds(), parameter.range());
-            let lower = coordinate(parameter) - low < high - coordinate(parameter);
-            Warning::AtBound {
-                parameter,
-                end: if lower { least } else { most },
-            }
-        });
-        told.collect()
-    }
-
-    /// The row with the peak farthest outside the contact, by more than the estimate's own error.
-    fn peak_outside(
-        &self,
-        at: &Coordinates,
-        directions: &Directions,
-        precision: Precision,
-    ) -> Option<Warning> {
-        let [rear, front] = [self.model.setting.exit_angle, 1.0];
-        let beyond = |slip: f64| {
-            let share = peak_share(at, slip);
-            let function = directions.function(|parameter| match parameter {
-                Parameter::StressAngle => 1.0,
-                Parameter::StressAngleSlip => slip,
-                _ => 0.0,
-            });
-            let variance = directions.covariance(&function, &function)?;
-            let half = precision.reach() * libm::sqrt(variance);
-            Some((rear - share).max(share - front) - half)
-        };
-        let slips = self.rows.iter().map(|row| row.slip);
-        slips
-            .filter_map(|slip| Some((slip, beyond(slip).filter(|beyond| *beyond > 0.0)?)))
-            .max_by(|one, other| one.1.total_cmp(&other.1))
-            .map(|(slip, _)| Warning::PeakOutsideContact {
-                slip,
-                share: peak_share(at, slip),
-            })
-    }
-
-    fn loads_differ(&self) -> Option<Warning> {
-        let loads = || self.rows.iter().map(|row| row.load);
-        let (least, most) = (
-            loads().fold(f64::INFINITY, f64::min),
-            loads().fold(0.0, f64::max),
-        );
-        // n_1 alone makes loads of gravel differ by half from slip 0 to 0.6 (Table 6).
-        let differ = !self.model.splits_pressure() && most > 2.0 * least;
-        differ.then_some(Warning::LoadsDiffer { least, most })
     }
 }
 

@@ -5,8 +5,8 @@ use super::force_error::ForceErrors;
 use super::least_squares::Termination;
 use super::parameter::{Parameter, TerrainParameters};
 use super::stages::Staged;
+use super::warning::Warning;
 use crate::terrain::class::Wtic;
-use std::fmt;
 
 /// How a parameter came by its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,82 +51,6 @@ impl Identified {
         match self.standing {
             Standing::NotIdentifiable => [None; 2],
             _ => self.profile.unwrap_or(self.interval),
-        }
-    }
-}
-
-/// Something about an estimate that its reader should know.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Warning {
-    /// A parameter ended at the end of its range.
-    AtBound {
-        /// Which.
-        parameter: Parameter,
-        /// The end, in its unit.
-        end: f64,
-    },
-    /// `θ_m` lies outside the contact at a slip measured.
-    PeakOutsideContact {
-        /// The slip ratio [-].
-        slip: f64,
-        /// `θ_m/θ_1` [-].
-        share: f64,
-    },
-    /// The rows scatter about the model by more than their uncertainties explain; the intervals
-    /// are widened by the root of this ratio.
-    Misfit {
-        /// Sum of squares per degree of freedom [-].
-        reduced_chi_square: f64,
-    },
-    /// Some rows state no uncertainty, so those of the others were not used.
-    UncertaintiesIgnored,
-    /// There are no more forces than parameters: nothing tells how sure these are.
-    NoFreedom,
-    /// Loads differ although the class sets one sinkage for all, so that `k_s zᴺ` is a mean.
-    LoadsDiffer {
-        /// Least load [N].
-        least: f64,
-        /// Greatest load [N].
-        most: f64,
-    },
-    /// The fit did not end at a minimum.
-    NotAMinimum(Termination),
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AtBound { parameter, end } => {
-                let [low, high] = parameter.range();
-                let (name, unit) = (parameter.name(), parameter.unit());
-                write!(f, "{name} [{unit}] ended at {end}, of [{low}, {high}]")
-            }
-            Self::PeakOutsideContact { slip, share } => write!(
-                f,
-                "the maximum stress lies outside the contact at slip {slip}: \
-                 c1 + c2 s = {share:.3}"
-            ),
-            Self::Misfit { reduced_chi_square } => write!(
-                f,
-                "the rows scatter about the model by more than their uncertainties explain \
-                 (reduced chi square {reduced_chi_square:.3}); intervals are widened accordingly"
-            ),
-            Self::UncertaintiesIgnored => f.write_str(
-                "some rows state no uncertainty: none is used, the scatter about the model stands \
-                 for them",
-            ),
-            Self::NoFreedom => f.write_str(
-                "no more measured forces than parameters: add rows, or uncertainties to all rows, \
-                 for intervals",
-            ),
-            Self::LoadsDiffer { least, most } => write!(
-                f,
-                "loads from {least:.4} to {most:.4} N share one sinkage on ground that lugs do \
-                 not enter: k_s z^N is their mean; identify each load alone"
-            ),
-            Self::NotAMinimum(termination) => {
-                write!(f, "the fit did not end at a minimum: {termination:?}")
-            }
         }
     }
 }

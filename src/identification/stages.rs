@@ -5,7 +5,7 @@ use super::model::Model;
 use super::parameter::{Coordinates, Parameter, TerrainParameters};
 use super::row::SteadyLoad;
 use super::weight::Scale;
-use crate::soil::closed_form::{ArcCoefficients, RimContact, driving_torque};
+use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact, driving_torque};
 use nalgebra_lm::{DMatrix, DVector};
 use std::fmt;
 
@@ -87,92 +87,85 @@ struct Equation<'a> {
 impl Equation<'_> {
     /// Where the stage begins, `at` first.
     fn starts(&self, at: Coordinates) -> Vec<Coordinates> {
-        match self.stage {
-            Stage::Angles => with(at, Stage::Angles, &[&[0.2, 0.2], &[0.4, -0.5], &[0.7, 0.0]]),
-            Stage::NormalStress => vec![self.logarithmic_solution(at).unwrap_or(at)],
-            Stage::ShearStress => {
-                // Cohesion [Pa], friction angle [rad], K [m]: sands from loose to crusted.
-                let [c, phi, k] = [libm::log, |x| x, libm::log];
-                let values = [[100.0, 0.5, 0.005], [1.0e3, 0.5, 0.02], [10.0, 0.6, 0.001]];
-                let values = values.map(|v: [f64; 3]| [c(v[0]), phi(v[1]), k(v[2])]);
-                let values: Vec<&[f64]> = values.iter().map(|v| &v[..]).collect();
-                let mut starts = with(at, Stage::ShearStress, &values);
-                // What the class sets stays set.
-                for start in &mut starts {
-                    self.model.switch(start);
-                }
-                starts
+        let others = match self.stage {
+            Stage::Angles => [[0.2, 0.2, 0.0], [0.4, -0.5, 0.0], [0.7, 0.0, 0.0]],
+            Stage::NormalStress => return vec![self.logarithmic_solution(at).unwrap_or(at)],
+            // c [Pa], φ [°], K [m]: sands from loose to crusted.
+            Stage::ShearStress => [
+                [100.0, 28.0, 0.005],
+                [1.0e3, 28.0, 0.02],
+                [10.0, 34.0, 0.001],
+            ],
+        };
+        let begun = others.map(|values| {
+            let mut start = at;
+            for (&parameter, value) in self.stage.parameters().iter().zip(values) {
+                start[parameter as usize] = parameter.coordinate(value);
             }
-        }
+            // What the class sets stays set.
+            self.model.switch(&mut start);
+            start
+        });
+        [&[at], &begun[..]].concat()
     }
 
     /// Eq. (74) solved for the pressure, whose logarithm is linear in `ln k_s`, `n_0` and `n_1`;
     /// `None` where too few rows press downward.
     fn logarithmic_solution(&self, at: Coordinates) -> Option<Coordinates> {
-        let surface = self.model.surface();
-        let points: Vec<[f64; 3]> = self
-            .rows
-            .iter()
-            .filter_map(|row| {
-                let arc = ArcCoefficients::from(self.model.contact(&at, row).angles);
-                let lifted = arc.normal_force(0.0, row.driving_torque / surface.radius);
-                let pressure = (row.load - lifted) / (arc.a * surface.radius * surface.width);
-                let log_sinkage = libm::log(row.sinkage);
-                (pressure > 0.0).then(|| {
-                    [
-                        libm::log(pressure),
-                        log_sinkage,
-                        log_sinkage * row.slip.abs(),
-                    ]
-                })
-            })
-            .collect();
-        let [modulus, exponent, by_slip] = [
-            Parameter::SinkageModulus,
-            Parameter::SinkageExponent,
-            Parameter::SinkageExponentSlip,
-        ]
-        .map(|parameter| parameter as usize);
-        let mut found = at;
-        // One sinkage for all rows does not split k_s z^n0: the exponent stays where it is.
-        let split = self.model.splits_pressure();
-        let columns = if split { 3 } else { 2 };
-        let design = DMatrix::from_fn(points.len(), columns, |row, column| match column {
-            0 => 1.0,
-            1 => points[row][2],
-            _ => points[row][1],
-        });
-        let known = if split { 0.0 } else { at[exponent] };
-        let target = DVector::from_iterator(
-            points.len(),
-            points
-                .iter()
-                .map(|[pressure, log_sinkage, _]| pressure - known * log_sinkage),
-        );
-        if points.len() < columns {
+        let points = self.pressures(&at);
+        let moved = self.model.moved_among(Stage::NormalStress.parameters());
+        if points.len() < moved.len() {
             return None;
         }
+        let slope = |point: &LogPressure, parameter: Parameter| match parameter {
+            Parameter::SinkageModulus => 1.0,
+            Parameter::SinkageExponent => point.sinkage,
+            _ => point.sinkage * point.slip,
+        };
+        let design = DMatrix::from_fn(points.len(), moved.len(), |row, column| {
+            slope(&points[row], moved[column])
+        });
+        // One sinkage for all rows does not split k_s z^n0: the exponent then stays where it is.
+        let exponent = Parameter::SinkageExponent;
+        let kept = if moved.contains(&exponent) {
+            0.0
+        } else {
+            at[exponent as usize]
+        };
+        let target = points
+            .iter()
+            .map(|point| point.pressure - kept * point.sinkage);
+        let target = DVector::from_iterator(points.len(), target);
         let solution = design.svd(true, true).solve(&target, 1e-10).ok()?;
-        found[modulus] = solution[0];
-        found[by_slip] = solution[1];
-        if split {
-            found[exponent] = solution[2];
+        let mut found = at;
+        for (parameter, value) in moved.iter().zip(solution.iter()) {
+            found[*parameter as usize] = *value;
         }
         Some(found)
     }
+
+    /// Pressures that Eq. (74) leaves for the rows, where they are pressures.
+    fn pressures(&self, at: &Coordinates) -> Vec<LogPressure> {
+        let Rim { radius, width } = self.model.surface();
+        let pressure = |row: &SteadyLoad| {
+            let arc = ArcCoefficients::from(self.model.contact(at, row).angles);
+            let lifted = arc.normal_force(0.0, row.driving_torque / radius);
+            let pressure = (row.load - lifted) / (arc.a * radius * width);
+            (pressure > 0.0).then(|| LogPressure {
+                pressure: libm::log(pressure),
+                sinkage: libm::log(row.sinkage),
+                slip: row.slip.abs(),
+            })
+        };
+        self.rows.iter().filter_map(pressure).collect()
+    }
 }
 
-/// `at`, and `at` with a stage's parameters at each of `values`.
-fn with(at: Coordinates, stage: Stage, values: &[&[f64]]) -> Vec<Coordinates> {
-    let mut starts = vec![at];
-    for values in values {
-        let mut start = at;
-        for (&parameter, &value) in stage.parameters().iter().zip(*values) {
-            start[parameter as usize] = value;
-        }
-        starts.push(start);
-    }
-    starts
+/// One row's pressure at the peak: logarithms of pressure [Pa] and sinkage [m], and slip [-].
+struct LogPressure {
+    pressure: f64,
+    sinkage: f64,
+    slip: f64,
 }
 
 impl Residuals for Equation<'_> {
