@@ -11,6 +11,10 @@
 //! rim's unless the [`Setting`] takes the [lugs' tips](Cylinder::LugTips); `c_3` is the setting's
 //! (0 unless given); `j(θ_m)` is Wong and Reece's with that radius as shear surface.
 //!
+//! Parameters fitted to a lugged wheel hold what its lugs do, and every interval presumes the
+//! model: where it misses the loads by more than their uncertainties, a
+//! [warning](Warning::Misfit) says so.
+//!
 //! An [`Estimate`] says what the data fix and what they leave open: a parameter that they do not
 //! fix has no interval and is [not identifiable](Standing::NotIdentifiable), and a
 //! [`Combination`] names what is known of it together with others. On hard ground, for example,
@@ -39,7 +43,7 @@ pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use stages::{Stage, Staged};
-pub use steady::{SteadyError, steady_loads};
+pub use steady::{CALIBRATION, SteadyError, steady_loads};
 pub use warning::Warning;
 
 use crate::quantity::RangeError;

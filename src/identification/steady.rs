@@ -28,13 +28,17 @@ const TOLERANCE: f64 = 0.01;
 /// Blocks whose means tell how sure an interval's mean is.
 const BLOCKS: usize = 8;
 
+/// Part of a force [-] that its calibration leaves open and no scatter shows; a rig that holds its
+/// load to a thousandth does not measure it so well.
+pub const CALIBRATION: f64 = 0.01;
+
 /// One row for each steady interval of a run: the middle half of every stretch, a tenth of the
 /// run or longer, over which slip stays the same.
 ///
 /// A run of one condition gives one row. A quantity without a time series counts with its mean,
-/// slip without either as commanded, and the load too. Uncertainties are those of the mean of
-/// eight blocks' means, or of a mean's samples taken as independent; a row has none where a force
-/// has none. Sinkage is not a number where the run lacks it.
+/// slip and load without either as commanded. Uncertainties are those of the mean of eight blocks'
+/// means, or of a mean's samples taken as independent, and the [`CALIBRATION`]'s of the forces.
+/// Sinkage is not a number where the run lacks it.
 ///
 /// # Errors
 /// `Missing` without drawbar pull, driving torque or load; `NeverSteady`.
@@ -75,13 +79,14 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
         None if trace.attributes.load > 0.0 => commanded(trace.attributes.load),
         None => return Err(SteadyError::Missing("normal_force")),
     };
-    let forces = [drawbar_pull.sd, load.sd, driving_torque.sd];
-    let uncertainty = forces.iter().all(|sd| *sd > 0.0).then_some(Uncertainty {
+    let [pull_sd, load_sd, torque_sd] = [drawbar_pull, load, driving_torque].map(Value::as_force);
+    // A force of exactly 0 has none.
+    let uncertainty = (pull_sd.min(load_sd).min(torque_sd) > 0.0).then_some(Uncertainty {
         slip: slip.sd,
         sinkage: sinkage.sd,
-        drawbar_pull: drawbar_pull.sd,
-        load: load.sd,
-        driving_torque: driving_torque.sd,
+        drawbar_pull: pull_sd,
+        load: load_sd,
+        driving_torque: torque_sd,
     });
     Ok(SteadyLoad {
         slip: slip.mean,
@@ -98,6 +103,13 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
 struct Value {
     mean: f64,
     sd: f64,
+}
+
+impl Value {
+    /// Standard uncertainty of a force of this mean.
+    fn as_force(self) -> f64 {
+        libm::hypot(self.sd, CALIBRATION * self.mean)
+    }
 }
 
 fn value(trace: &Trace, name: &str, interval: [f64; 2]) -> Option<Value> {
@@ -256,11 +268,9 @@ mod tests {
         let row = rows[0];
         assert!((row.slip - 0.2).abs() < 1e-3 && (row.drawbar_pull - 20.0).abs() < 0.1);
         let uncertainty = row.uncertainty.unwrap();
-        // The ripple's amplitude of 1 N all but averages out over 25 s.
-        assert!(
-            uncertainty.load > 0.0 && uncertainty.load < 0.1,
-            "{uncertainty:?}"
-        );
+        // The ripple's amplitude of 1 N all but averages out over 25 s; 1 % of 109 N stays.
+        let load = uncertainty.load;
+        assert!((load - 1.09).abs() < 0.01, "{load}");
         assert_eq!(uncertainty.sinkage, 0.0);
     }
 
@@ -299,13 +309,15 @@ mod tests {
         let missing = steady_loads(&trace).unwrap_err().to_string();
         assert!(missing.starts_with("normal_force is missing"), "{missing}");
         trace.attributes.load = 80.0;
-        // A commanded load has no uncertainty, so the row has none.
         let row = steady_loads(&trace).unwrap()[0];
-        assert_eq!((row.slip, row.load, row.uncertainty), (0.3, 80.0, None));
+        assert_eq!((row.slip, row.load), (0.3, 80.0));
+        // As commanded, to 1 %.
+        assert!((row.uncertainty.unwrap().load - 0.8).abs() < 1e-12);
         assert!(row.sinkage.is_nan());
         trace.means.push(mean("normal_force", 81.0));
         let row = steady_loads(&trace).unwrap()[0];
         assert_eq!(row.load, 81.0);
-        assert!((row.uncertainty.unwrap().load - 0.1).abs() < 1e-12);
+        // 0.5/√25 and 1 % of 81 N.
+        assert!((row.uncertainty.unwrap().load - 0.1f64.hypot(0.81)).abs() < 1e-12);
     }
 }
