@@ -448,7 +448,7 @@ fn measured() -> Vec<(String, Vec<SteadyLoad>, f64)> {
 }
 
 #[test]
-#[ignore = "half a minute: a thousand identifications with profiles for each table"]
+#[ignore = "a minute: a thousand identifications with profiles for each table"]
 fn noisy_forces_give_the_parameters_and_honest_intervals() {
     for recovery in monte_carlo(
         &SAND,
@@ -492,7 +492,7 @@ fn noisy_forces_give_the_parameters_and_honest_intervals() {
 }
 
 #[test]
-#[ignore = "half a minute: a thousand identifications with profiles for each table"]
+#[ignore = "a minute: a thousand identifications with profiles for each table"]
 fn noisy_slip_and_sinkage_need_their_uncertainties_stated() {
     let rows = with_uncertainty(&SAND.rows(&LOADS), [0.01, 0.0005]);
     let title = "slip to 0.01, sinkage to 0.5 mm";
@@ -516,7 +516,7 @@ fn noisy_slip_and_sinkage_need_their_uncertainties_stated() {
 }
 
 #[test]
-#[ignore = "half a minute: ten thousand identifications"]
+#[ignore = "a minute: ten thousand identifications"]
 fn ten_thousand_identifications_take_less_than_a_minute() {
     let rows = exact(&SAND.rows(&LOADS));
     let start = std::time::Instant::now();
