@@ -15,9 +15,10 @@
 //! state by state. What is measured: [`trace`] holds channels and truth, [`sensors`] turn states
 //! into channels, [`dataset`] keeps runs in files, simulated or imported from a rig. What is
 //! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
-//! [`recognition`] of how the wheel met the ground. What is asked: [`scenario`] is one experiment as
-//! a file, [`study`] many of them in one table with a score of the classes recognised, [`report`]
-//! draws what came of it.
+//! [`recognition`] of how the wheel met the ground, [`identification`] of the terrain's parameters
+//! from loads, slip and sinkage. What is asked: [`scenario`] is one experiment as a file, [`study`]
+//! many of them in one table with a score of the classes recognised, [`report`] draws what came of
+//! it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -67,6 +68,8 @@ pub mod dataset;
 pub mod features;
 
 pub mod recognition;
+
+pub mod identification;
 
 // What is asked.
 pub mod scenario;

@@ -353,7 +353,10 @@ mod tests {
     fn a_wheel_at_rest_has_no_reference() {
         let (wheel, sensors) = (Wheel::rover(), Sensors::default());
         let none = Reference::through_sensors(&wheel, &sensors, &[0.1, 0.0], Settings::default());
-        assert!(matches!(none, Err(ReferenceError::NoWindow(Unusable::AtRest))));
+        assert!(matches!(
+            none,
+            Err(ReferenceError::NoWindow(Unusable::AtRest))
+        ));
     }
 
     #[test]

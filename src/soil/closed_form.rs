@@ -3,6 +3,8 @@
 //! They use rim geometry throughout; fitted to a lugged wheel, as Table 6 is, their parameters
 //! already contain what its lugs do.
 
+pub mod gradient;
+
 use crate::soil::Soil;
 use crate::soil::contact::ContactAngles;
 use crate::soil::shear::{ShearDisplacement, speed_ratio};
@@ -93,13 +95,7 @@ impl ArcCoefficients {
 /// The paper leaves `j(θ_m)` open: it is Wong and Reece's with the rim as shear surface. `K = 0`
 /// gives `E = 1` driving and -1 braking.
 pub fn mobilised(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> f64 {
-    let angles = ContactAngles::new(soil, rim.radius, sinkage, slip);
-    let displacement = ShearDisplacement {
-        shear_radius: rim.radius,
-        entry_angle: angles.entry,
-        travel: rim.radius * speed_ratio(slip),
-    };
-    soil.shear().mobilised(displacement.at(angles.peak))
+    RimContact::new(rim, soil, sinkage, slip).mobilised(soil)
 }
 
 /// Loads on a rim at `sinkage` [m] and `slip` [-] (Eq. 62-64).
@@ -110,16 +106,84 @@ pub fn mobilised(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> f64 {
 /// M_R  = r² b C E (c + k_s zᴺ tan φ)
 /// ```
 pub fn loads(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> WheelLoad {
-    let Rim { radius, width } = rim;
-    let angles = ContactAngles::new(soil, radius, sinkage, slip);
-    let ArcCoefficients { a, b, c } = angles.into();
-    let normal = soil.pressure_sinkage(width, slip).pressure(sinkage);
-    let shear = soil.shear().strength(normal) * mobilised(rim, soil, sinkage, slip);
-    let area = radius * width;
+    RimContact::new(rim, soil, sinkage, slip).loads(soil)
+}
+
+/// A rim in the soil, whose angles may be given otherwise than by [`ContactAngles::new`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RimContact {
+    /// The rim.
+    pub rim: Rim,
+    /// Its contact with the soil.
+    pub angles: ContactAngles,
+    /// Sinkage `z` [m].
+    pub sinkage: f64,
+    /// Slip ratio `s` [-] by the rim's radius.
+    pub slip: f64,
+}
+
+impl RimContact {
+    /// The contact at `sinkage` [m] and `slip` [-].
+    pub fn new(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> Self {
+        Self {
+            rim,
+            angles: ContactAngles::new(soil, rim.radius, sinkage, slip),
+            sinkage,
+            slip,
+        }
+    }
+
+    /// Shear displacement `j(θ_m)` [m] at the peak, the rim being the shear surface.
+    pub fn shear_displacement(&self) -> f64 {
+        self.displacement().at(self.angles.peak)
+    }
+
+    /// Part of the shear strength mobilised at the peak, `E` [-] (Eq. 66); see [`mobilised`].
+    ///
+    /// `K = 0` leaves of `j` its direction only, which is that within the contact even where the
+    /// peak lies beyond its front.
+    pub fn mobilised(&self, soil: &Soil) -> f64 {
+        let ContactAngles { entry, peak, .. } = self.angles;
+        let shear = soil.shear();
+        let angle = if shear.modulus > 0.0 {
+            peak
+        } else {
+            peak.min(entry)
+        };
+        shear.mobilised(self.displacement().at(angle))
+    }
+
+    /// Loads on the rim (Eq. 62-64); see [`loads`].
+    pub fn loads(&self, soil: &Soil) -> WheelLoad {
+        let Rim { radius, width } = self.rim;
+        let normal = self.pressure(soil);
+        let shear = soil.shear().strength(normal) * self.mobilised(soil);
+        stressed(self.angles.into(), [normal, shear], radius) * (radius * width)
+    }
+
+    /// Pressure `σ_m = k_s zᴺ` [Pa] at the peak.
+    pub fn pressure(&self, soil: &Soil) -> f64 {
+        let law = soil.pressure_sinkage(self.rim.width, self.slip);
+        law.pressure(self.sinkage)
+    }
+
+    fn displacement(&self) -> ShearDisplacement {
+        ShearDisplacement {
+            shear_radius: self.rim.radius,
+            entry_angle: self.angles.entry,
+            travel: self.rim.radius * speed_ratio(self.slip),
+        }
+    }
+}
+
+/// Loads per `r b` [N/m², the torque N/m] of triangles of normal and shear stress with peaks
+/// `[σ_m, τ_m]` [Pa] on a rim of `radius` [m].
+fn stressed(arc: ArcCoefficients, [normal, shear]: [f64; 2], radius: f64) -> WheelLoad {
+    let ArcCoefficients { a, b, c } = arc;
     WheelLoad {
-        normal_force: area * (a * normal + b * shear),
-        drawbar_pull: area * (a * shear - b * normal),
-        driving_torque: radius * area * c * shear,
+        normal_force: a * normal + b * shear,
+        drawbar_pull: a * shear - b * normal,
+        driving_torque: radius * c * shear,
     }
 }
 

@@ -1,0 +1,91 @@
+//! What an identification says: values, how sure they are, and what the data leave open.
+
+use super::combination::Combination;
+use super::force_error::ForceErrors;
+use super::least_squares::Termination;
+use super::parameter::{Parameter, TerrainParameters};
+use super::stages::Staged;
+use super::warning::Warning;
+use crate::terrain::class::Wtic;
+
+/// How a parameter came by its value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// The data fix it.
+    Identified,
+    /// The data do not: its value only serves to predict loads together with the others.
+    NotIdentifiable,
+    /// The class sets it (Table 4).
+    SetByClass,
+}
+
+/// One parameter of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identified {
+    /// Which.
+    pub parameter: Parameter,
+    /// Its value, in its [`unit`](Parameter::unit).
+    pub value: f64,
+    /// How it came by it.
+    pub standing: Standing,
+    /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` [rad]);
+    /// infinite where the data do not fix the parameter at all, 0 where the class does.
+    pub standard_error: f64,
+    /// 95 % interval from the covariance, in its unit; `None` where it is unbounded.
+    pub interval: [Option<f64>; 2],
+    /// 95 % interval from the profile of the likelihood, in its unit, an end `None` where the
+    /// profile stays below its limit as far as the parameter's range goes; `None` where it was
+    /// not asked for or the parameter is not free.
+    pub profile: Option<[Option<f64>; 2]>,
+}
+
+impl Identified {
+    /// Whether the data fix it.
+    pub fn is_identifiable(&self) -> bool {
+        self.standing == Standing::Identified
+    }
+
+    /// The 95 % interval to tell, in its unit: the profile's where there is one, which holds where
+    /// the model bends too; without ends where the data do not fix the parameter.
+    pub fn ci95(&self) -> [Option<f64>; 2] {
+        match self.standing {
+            Standing::NotIdentifiable => [None; 2],
+            _ => self.profile.unwrap_or(self.interval),
+        }
+    }
+}
+
+/// Terrain parameters that best explain the rows, and how well the rows fix them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// The class whose model was fitted.
+    pub class: Wtic,
+    /// The parameters' values, all together.
+    pub terrain: TerrainParameters,
+    /// The parameters one by one, in the order of [`Parameter::ALL`].
+    pub parameters: [Identified; 8],
+    /// Correlation of the estimates of the free parameters, in their order; `None` with a
+    /// parameter that the data do not fix at all.
+    pub correlation: Vec<Vec<Option<f64>>>,
+    /// What the rows fix of the parameters that they do not fix one by one.
+    pub combinations: Vec<Combination>,
+    /// The paper's result from three stages, from which this one began.
+    pub staged: Staged,
+    /// Errors of the loads predicted.
+    pub force_errors: ForceErrors,
+    /// Sum of squared weighted residuals [-].
+    pub chi_square: f64,
+    /// Measured forces less directions that they fix.
+    pub degrees_of_freedom: usize,
+    /// Why the fit stopped.
+    pub termination: Termination,
+    /// What else to know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Estimate {
+    /// What is known of one parameter.
+    pub fn of(&self, parameter: Parameter) -> &Identified {
+        &self.parameters[parameter as usize]
+    }
+}

@@ -1,0 +1,89 @@
+//! How far intervals reach, from stated uncertainties or from the scatter about the model.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+
+/// Probability below which chance is no explanation of a scatter.
+const UNLIKELY: f64 = 1e-3;
+
+/// Scatter of the weighted residuals and the quantile that goes with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Precision {
+    /// Standard deviation of a weighted residual: 1 where the uncertainties stated hold.
+    pub sigma: f64,
+    /// 97.5 % quantile of an estimate's error over its standard error.
+    quantile: f64,
+    /// Degrees of freedom.
+    pub freedom: usize,
+    /// Reduced chi square, where it is more than the stated uncertainties explain.
+    pub misfit: Option<f64>,
+}
+
+impl Precision {
+    /// With uncertainties `known`: theirs and the normal distribution's, unless chance gives such
+    /// a scatter less often than once in a thousand. Else the scatter's, and Student's t.
+    pub fn new(known: bool, chi_square: f64, freedom: usize) -> Self {
+        let reduced = chi_square / freedom as f64;
+        let misfit =
+            (known && freedom > 0 && by_chance(chi_square, freedom) < UNLIKELY).then_some(reduced);
+        let (sigma, quantile) = match freedom {
+            _ if known && misfit.is_none() => (1.0, Normal::standard().inverse_cdf(0.975)),
+            0 => (f64::INFINITY, f64::INFINITY),
+            _ => (libm::sqrt(reduced), student(freedom)),
+        };
+        Self {
+            sigma,
+            quantile,
+            freedom,
+            misfit,
+        }
+    }
+
+    /// Half-width of a 95 % interval over the deviation that residuals of 1 would give.
+    pub fn reach(&self) -> f64 {
+        self.sigma * self.quantile
+    }
+
+    /// Rise of the sum of squares at the ends of a 95 % interval; not below rounding's share.
+    pub fn limit(&self) -> f64 {
+        (self.reach() * self.reach()).max(1e-20)
+    }
+}
+
+/// Probability of a sum of squares as large as this.
+fn by_chance(chi_square: f64, freedom: usize) -> f64 {
+    let distribution = ChiSquared::new(freedom as f64);
+    distribution.map_or(1.0, |distribution| distribution.sf(chi_square))
+}
+
+/// 97.5 % quantile of Student's t.
+fn student(freedom: usize) -> f64 {
+    let distribution = StudentsT::new(0.0, 1.0, freedom as f64);
+    distribution.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        let stated = Precision::new(true, 19.0, 19);
+        assert!((stated.reach() - 1.959_964).abs() < 1e-6 && stated.misfit.is_none());
+        let scattered = Precision::new(false, 4.0 * 19.0, 19);
+        assert!((scattered.reach() / 2.0 - 2.093_024).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_scatter_beyond_chance_widens_the_intervals_and_is_told() {
+        // 99.9 % quantile of chi square with 19 degrees of freedom: 43.82.
+        assert!(Precision::new(true, 43.7, 19).misfit.is_none());
+        let misfit = Precision::new(true, 43.9, 19);
+        assert!((misfit.misfit.unwrap() - 43.9 / 19.0).abs() < 1e-12);
+        assert!((misfit.sigma - (43.9f64 / 19.0).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_a_degree_of_freedom_intervals_are_infinite() {
+        assert_eq!(Precision::new(false, 0.0, 0).reach(), f64::INFINITY);
+    }
+}

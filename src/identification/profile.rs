@@ -1,0 +1,118 @@
+//! Intervals from the profile of the likelihood: how far a parameter can go while the others make
+//! up for it.
+
+use super::estimate::{Identified, Standing};
+use super::joint::Joint;
+use super::least_squares::{Minimum, minimise};
+use super::parameter::Parameter;
+
+/// First step from a minimum that data without noise make sharper than this.
+const SHORTEST_STEP: f64 = 1e-9;
+
+/// The profile of one parameter about a minimum.
+pub(super) struct Profile<'a> {
+    pub joint: &'a Joint,
+    pub best: Minimum,
+    /// The parameters that a fit moves.
+    pub moved: &'a [Parameter],
+    /// Rise of the sum of squares at the ends of the interval.
+    pub limit: f64,
+}
+
+impl Profile<'_> {
+    /// Completes what is known of a parameter by its profile. The data fix it if the covariance
+    /// and the profile both say so: the covariance looks beyond the ends of the other parameters'
+    /// ranges, the profile sees where the model bends.
+    pub fn complete(&self, identified: &mut Identified) {
+        let parameter = identified.parameter;
+        let ends = self.interval(identified);
+        identified.profile = Some(ends.map(|end| end.map(|end| parameter.value(end))));
+        let told = ends[0].zip(ends[1]);
+        if told.is_none_or(|(low, high)| high - low > 2.0 * parameter.uninformative()) {
+            identified.standing = Standing::NotIdentifiable;
+        }
+    }
+
+    /// Coordinates between which the sum of squares rises by less than the limit, `None` where it
+    /// does so up to the end of the range, and of a parameter that the data do not fix at all.
+    fn interval(&self, identified: &Identified) -> [Option<f64>; 2] {
+        if !self.limit.is_finite() || !identified.standard_error.is_finite() {
+            return [None; 2];
+        }
+        let parameter = identified.parameter;
+        // Twice the standard error is a good guess of the half-width, where there is one.
+        let guess = 2.0 * identified.standard_error;
+        let step = guess.clamp(SHORTEST_STEP, parameter.uninformative());
+        let [low, high] = parameter.bounds();
+        [
+            self.end(parameter, -step, low),
+            self.end(parameter, step, high),
+        ]
+    }
+
+    fn end(&self, parameter: Parameter, step: f64, bound: f64) -> Option<f64> {
+        let others: Vec<Parameter> = self
+            .moved
+            .iter()
+            .copied()
+            .filter(|p| *p != parameter)
+            .collect();
+        let start = self.best.at[parameter as usize];
+        let reach = (bound - start).abs();
+        let mut at = self.best.at;
+        // The root of the rise is a straight line where the model is linear.
+        let mut excess = |distance: f64| {
+            let mut trial = at;
+            trial[parameter as usize] = start + distance * step.signum();
+            let found = minimise(self.joint, trial, &others);
+            let rise = (found.chi_square - self.best.chi_square).max(0.0);
+            if rise < self.limit {
+                at = found.at;
+            }
+            libm::sqrt(rise / self.limit) - 1.0
+        };
+        let mut inside = (0.0, -1.0);
+        let mut distance = step.abs().min(reach);
+        let outside = loop {
+            let value = excess(distance);
+            if value >= 0.0 {
+                break (distance, value);
+            }
+            if distance >= reach {
+                return None;
+            }
+            inside = (distance, value);
+            distance = (2.0 * distance).min(reach);
+        };
+        Some(start + crossing(excess, inside, outside) * step.signum())
+    }
+}
+
+/// Distance at which `excess` crosses 0, to 0.1 % of the limit: false position that halves the
+/// value kept twice at an end (Illinois).
+fn crossing(
+    mut excess: impl FnMut(f64) -> f64,
+    mut inside: (f64, f64),
+    mut outside: (f64, f64),
+) -> f64 {
+    const STEPS: u32 = 40;
+    let mut kept_inside = false;
+    let mut kept_outside = false;
+    for _ in 0..STEPS {
+        let middle = inside.0 - inside.1 * (outside.0 - inside.0) / (outside.1 - inside.1);
+        let value = excess(middle);
+        if value.abs() < 1e-3 {
+            return middle;
+        }
+        if value < 0.0 {
+            inside = (middle, value);
+            outside.1 *= if kept_outside { 0.5 } else { 1.0 };
+            (kept_inside, kept_outside) = (false, true);
+        } else {
+            outside = (middle, value);
+            inside.1 *= if kept_inside { 0.5 } else { 1.0 };
+            (kept_inside, kept_outside) = (true, false);
+        }
+    }
+    0.5 * (inside.0 + outside.0)
+}

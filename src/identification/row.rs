@@ -1,0 +1,218 @@
+//! What the identification reads: one row of loads per steady interval, and on which wheel.
+
+use super::IdentifyError;
+use crate::quantity::RangeError;
+use crate::soil::closed_form::Rim;
+use crate::soil::wheel_load::Rolling;
+use crate::terrain::class::Wtic;
+use crate::trace::RunAttributes;
+
+/// Sinkage [m] that stands for ground that lugs do not enter (Section 5.3).
+pub const RIGID_SINKAGE: f64 = 1.0e-5;
+
+/// Slip ratio [-] up to which a wheel on hard ground (ALCT) is held by static friction: there
+/// pull and torque are below what Eq. (68) gives, and the row counts for the load only.
+pub const STATIC_SLIP: f64 = 0.01;
+
+/// Loads, slip and sinkage of one interval of steady rolling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteadyLoad {
+    /// Slip ratio `s` [-] by the rim's radius.
+    pub slip: f64,
+    /// Sinkage `z` [m] of the rim; not a number where it was not measured, which only
+    /// [`Wtic::Leis`] minds.
+    pub sinkage: f64,
+    /// Drawbar pull `F_DP` [N].
+    pub drawbar_pull: f64,
+    /// Vertical load `W` [N].
+    pub load: f64,
+    /// Driving torque `T_D` [N·m].
+    pub driving_torque: f64,
+    /// Standard uncertainties, where they are known.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// Standard uncertainties of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertainty {
+    /// Of the slip ratio [-]; 0 where it is exact.
+    pub slip: f64,
+    /// Of the sinkage [m]; 0 where it is exact.
+    pub sinkage: f64,
+    /// Of the drawbar pull [N].
+    pub drawbar_pull: f64,
+    /// Of the load [N].
+    pub load: f64,
+    /// Of the driving torque [N·m].
+    pub driving_torque: f64,
+}
+
+/// Which cylinder stands for the lugged wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cylinder {
+    /// The rim, radius `r`, as in the paper.
+    Rim,
+    /// The circle through the lugs' edges, radius `r + l`: it sinks `l` deeper than the rim, and
+    /// slip is by its radius.
+    LugTips,
+}
+
+/// What the equations need besides the rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// The rim.
+    pub rim: Rim,
+    /// Lug height `l` [m].
+    pub lug_height: f64,
+    /// The cylinder in whose radius sinkage, slip, torque and shear displacement are taken.
+    pub cylinder: Cylinder,
+    /// Exit angle coefficient `c_3` [-], which the paper does not list: stated, not fitted. 0
+    /// unless it is known better.
+    pub exit_angle: f64,
+}
+
+impl Setting {
+    /// The paper's convention, the rim's radius throughout, and `c_3 = 0`.
+    pub fn new(rim: Rim) -> Self {
+        Self {
+            rim,
+            lug_height: 0.0,
+            cylinder: Cylinder::Rim,
+            exit_angle: 0.0,
+        }
+    }
+
+    /// The same for the wheel of a run.
+    pub fn of(run: &RunAttributes) -> Self {
+        let rim = Rim {
+            radius: run.wheel_radius,
+            width: run.wheel_width,
+        };
+        Self {
+            lug_height: run.lug_height,
+            ..Self::new(rim)
+        }
+    }
+
+    /// The cylinder the equations see.
+    pub fn surface(&self) -> Rim {
+        Rim {
+            radius: self.rim.radius + self.offset(),
+            width: self.rim.width,
+        }
+    }
+
+    fn offset(&self) -> f64 {
+        match self.cylinder {
+            Cylinder::Rim => 0.0,
+            Cylinder::LugTips => self.lug_height,
+        }
+    }
+
+    pub(super) fn checked(&self) -> Result<(), RangeError> {
+        RangeError::positive("wheel radius", "m", self.rim.radius)?;
+        RangeError::positive("wheel width", "m", self.rim.width)?;
+        RangeError::check("lug height", "m", self.lug_height, [0.0, self.rim.radius])?;
+        RangeError::check("exit angle coefficient", "-", self.exit_angle, [-1.0, 0.0])?;
+        Ok(())
+    }
+
+    /// `row` as the cylinder sees it, once it is known to be whole.
+    fn seen(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
+        let slip = match self.cylinder {
+            Cylinder::Rim => row.slip,
+            Cylinder::LugTips => {
+                Rolling::new(self.rim.radius, row.slip).slip_at(self.surface().radius)
+            }
+        };
+        let sinkage = match class {
+            Wtic::Leis => row.sinkage + self.offset(),
+            _ => RIGID_SINKAGE,
+        };
+        SteadyLoad {
+            slip,
+            sinkage,
+            uncertainty: row.uncertainty.map(|u| u.of_seen(class)),
+            ..*row
+        }
+    }
+
+    fn check_row(&self, row: &SteadyLoad, class: Wtic) -> Result<(), RangeError> {
+        RangeError::check("slip ratio", "-", row.slip, [-1.0, 1.0])?;
+        if class == Wtic::Leis {
+            self.check_sinkage(row.sinkage)?;
+        }
+        finite("drawbar pull", "N", row.drawbar_pull)?;
+        RangeError::positive("load", "N", row.load)?;
+        finite("driving torque", "N·m", row.driving_torque)?;
+        let uncertainty = row.uncertainty.map(|u| u.of_seen(class));
+        uncertainty.map_or(Ok(()), |uncertainty| uncertainty.checked())
+    }
+
+    fn check_sinkage(&self, sinkage: f64) -> Result<(), RangeError> {
+        let [least, most] = [-self.offset(), self.rim.radius];
+        if sinkage > least && sinkage <= most {
+            return Ok(());
+        }
+        Err(RangeError {
+            quantity: "sinkage",
+            unit: "m",
+            range: format!("above {} and not above the radius {most}", least + 0.0),
+            value: sinkage,
+        })
+    }
+}
+
+impl Uncertainty {
+    /// Without the sinkage's where the class sets the sinkage.
+    fn of_seen(self, class: Wtic) -> Self {
+        let sinkage = if class == Wtic::Leis {
+            self.sinkage
+        } else {
+            0.0
+        };
+        Self { sinkage, ..self }
+    }
+
+    fn checked(&self) -> Result<(), RangeError> {
+        let limits = [0.0, f64::MAX];
+        RangeError::check("uncertainty of the slip ratio", "-", self.slip, limits)?;
+        RangeError::check("uncertainty of the sinkage", "m", self.sinkage, limits)?;
+        RangeError::positive("uncertainty of the drawbar pull", "N", self.drawbar_pull)?;
+        RangeError::positive("uncertainty of the load", "N", self.load)?;
+        let torque = self.driving_torque;
+        RangeError::positive("uncertainty of the driving torque", "N·m", torque)?;
+        Ok(())
+    }
+}
+
+fn finite(quantity: &'static str, unit: &'static str, value: f64) -> Result<f64, RangeError> {
+    RangeError::check(quantity, unit, value, [-f64::MAX, f64::MAX])
+}
+
+/// Rows as the cylinder sees them, sinkage set where the class sets it.
+///
+/// # Errors
+/// `Setting`, `Row` for the first number out of its range.
+pub(super) fn seen(
+    rows: &[SteadyLoad],
+    class: Wtic,
+    setting: &Setting,
+) -> Result<Vec<SteadyLoad>, IdentifyError> {
+    setting.checked().map_err(IdentifyError::Setting)?;
+    let seen = rows.iter().enumerate().map(|(index, row)| {
+        let checked = setting.check_row(row, class);
+        checked.map_err(|reason| IdentifyError::Row {
+            row: index + 1,
+            reason,
+        })?;
+        Ok(setting.seen(row, class))
+    });
+    seen.collect()
+}
+
+/// Whether pull and torque of a row are those of a slipping contact, which the shear law
+/// describes.
+pub(super) fn slips(row: &SteadyLoad, class: Wtic) -> bool {
+    class != Wtic::Alct || row.slip.abs() > STATIC_SLIP
+}

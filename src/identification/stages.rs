@@ -1,0 +1,240 @@
+//! The paper's three least-squares stages on its decoupled equations (Eq. 73-76).
+
+use super::least_squares::{Minimum, Residuals, Termination, minimise_from};
+use super::model::Model;
+use super::parameter::{Coordinates, Parameter, TerrainParameters};
+use super::row::SteadyLoad;
+use super::weight::Scale;
+use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact, driving_torque};
+use nalgebra_lm::{DMatrix, DVector};
+use std::fmt;
+
+/// A stage of the identification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// `P_I = {c_1, c_2}` from the drawbar pull (Eq. 73).
+    Angles,
+    /// `P_II = {k_s, n_0, n_1}` from the load (Eq. 74).
+    NormalStress,
+    /// `P_III = {c, φ, K}` from the driving torque (Eq. 75).
+    ShearStress,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Angles => "c1 and c2 (Eq. 73)",
+            Self::NormalStress => "k_s, n0 and n1 (Eq. 74)",
+            Self::ShearStress => "c, phi and K (Eq. 75)",
+        })
+    }
+}
+
+impl Stage {
+    /// All of them, in the order in which each needs those before.
+    pub const ALL: [Self; 3] = [Self::Angles, Self::NormalStress, Self::ShearStress];
+
+    /// What the stage finds.
+    pub fn parameters(self) -> &'static [Parameter] {
+        use Parameter as P;
+        match self {
+            Self::Angles => &[P::StressAngle, P::StressAngleSlip],
+            Self::NormalStress => &[
+                P::SinkageModulus,
+                P::SinkageExponent,
+                P::SinkageExponentSlip,
+            ],
+            Self::ShearStress => &[P::Cohesion, P::FrictionAngle, P::ShearModulus],
+        }
+    }
+}
+
+/// What the three stages, one after the other, make of the rows: the paper's result.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Staged {
+    /// The parameters.
+    pub parameters: TerrainParameters,
+    /// Why each stage stopped.
+    pub terminations: [Termination; 3],
+}
+
+/// One stage, from the coordinates at which those before ended; `None` where its equation gives
+/// no finite number.
+pub(super) fn run(
+    stage: Stage,
+    model: &Model,
+    rows: &[SteadyLoad],
+    at: Coordinates,
+) -> Option<Minimum> {
+    let equation = Equation {
+        model,
+        rows: &model.rows_of(stage, rows),
+        stage,
+        scale: Scale::of(rows),
+    };
+    let moved = model.moved_among(stage.parameters());
+    minimise_from(&equation, equation.starts(at), &moved)
+}
+
+/// One of Eq. (73)-(75) over the rows.
+struct Equation<'a> {
+    model: &'a Model,
+    rows: &'a [SteadyLoad],
+    stage: Stage,
+    scale: Scale,
+}
+
+impl Equation<'_> {
+    /// Where the stage begins, `at` first.
+    fn starts(&self, at: Coordinates) -> Vec<Coordinates> {
+        let others = match self.stage {
+            Stage::Angles => [[0.2, 0.2, 0.0], [0.4, -0.5, 0.0], [0.7, 0.0, 0.0]],
+            Stage::NormalStress => return vec![self.logarithmic_solution(at).unwrap_or(at)],
+            // c [Pa], φ [°], K [m]: sands from loose to crusted.
+            Stage::ShearStress => [
+                [100.0, 28.0, 0.005],
+                [1.0e3, 28.0, 0.02],
+                [10.0, 34.0, 0.001],
+            ],
+        };
+        let begun = others.map(|values| {
+            let mut start = at;
+            for (&parameter, value) in self.stage.parameters().iter().zip(values) {
+                start[parameter as usize] = parameter.coordinate(value);
+            }
+            // What the class sets stays set.
+            self.model.switch(&mut start);
+            start
+        });
+        [&[at], &begun[..]].concat()
+    }
+
+    /// Eq. (74) solved for the pressure, whose logarithm is linear in `ln k_s`, `n_0` and `n_1`;
+    /// `None` where too few rows press downward.
+    fn logarithmic_solution(&self, at: Coordinates) -> Option<Coordinates> {
+        let points = self.pressures(&at);
+        let moved = self.model.moved_among(Stage::NormalStress.parameters());
+        if points.len() < moved.len() {
+            return None;
+        }
+        let slope = |point: &LogPressure, parameter: Parameter| match parameter {
+            Parameter::SinkageModulus => 1.0,
+            Parameter::SinkageExponent => point.sinkage,
+            _ => point.sinkage * point.slip,
+        };
+        let design = DMatrix::from_fn(points.len(), moved.len(), |row, column| {
+            slope(&points[row], moved[column])
+        });
+        // One sinkage for all rows does not split k_s z^n0: the exponent then stays where it is.
+        let exponent = Parameter::SinkageExponent;
+        let kept = if moved.contains(&exponent) {
+            0.0
+        } else {
+            at[exponent as usize]
+        };
+        let target = points
+            .iter()
+            .map(|point| point.pressure - kept * point.sinkage);
+        let target = DVector::from_iterator(points.len(), target);
+        let solution = design.svd(true, true).solve(&target, 1e-10).ok()?;
+        let mut found = at;
+        for (parameter, value) in moved.iter().zip(solution.iter()) {
+            found[*parameter as usize] = *value;
+        }
+        Some(found)
+    }
+
+    /// Pressures that Eq. (74) leaves for the rows, where they are pressures.
+    fn pressures(&self, at: &Coordinates) -> Vec<LogPressure> {
+        let Rim { radius, width } = self.model.surface();
+        let pressure = |row: &SteadyLoad| {
+            let arc = ArcCoefficients::from(self.model.contact(at, row).angles);
+            let lifted = arc.normal_force(0.0, row.driving_torque / radius);
+            let pressure = (row.load - lifted) / (arc.a * radius * width);
+            (pressure > 0.0).then(|| LogPressure {
+                pressure: libm::log(pressure),
+                sinkage: libm::log(row.sinkage),
+                slip: row.slip.abs(),
+            })
+        };
+        self.rows.iter().filter_map(pressure).collect()
+    }
+}
+
+/// One row's pressure at the peak: logarithms of pressure [Pa] and sinkage [m], and slip [-].
+struct LogPressure {
+    pressure: f64,
+    sinkage: f64,
+    slip: f64,
+}
+
+impl Residuals for Equation<'_> {
+    fn residuals(&self, at: &Coordinates) -> Vec<f64> {
+        let soil = self.model.soil(at);
+        let surface = self.model.surface();
+        let residual = |row: &SteadyLoad| {
+            let contact = self.model.contact(at, row);
+            let arc = ArcCoefficients::from(contact.angles);
+            let rim_force = row.driving_torque / surface.radius;
+            match self.stage {
+                Stage::Angles => {
+                    (arc.drawbar_pull(row.load, rim_force) - row.drawbar_pull)
+                        / self.scale.of_row(row).drawbar_pull
+                }
+                Stage::NormalStress => {
+                    let area = surface.radius * surface.width;
+                    let predicted = arc.normal_force(area * contact.pressure(&soil), rim_force);
+                    (predicted - row.load) / self.scale.of_row(row).load
+                }
+                Stage::ShearStress => {
+                    let given = [row.load, contact.mobilised(&soil)];
+                    (driving_torque(surface, &soil, arc, given) - row.driving_torque)
+                        / self.scale.of_row(row).driving_torque
+                }
+            }
+        };
+        self.rows.iter().map(residual).collect()
+    }
+
+    fn gradient(&self, at: &Coordinates) -> Vec<Coordinates> {
+        let soil = self.model.soil(at);
+        let derivatives = |row: &SteadyLoad| {
+            let contact = self.model.contact(at, row);
+            let mut by = [0.0; 8];
+            let (values, scale) = match self.stage {
+                Stage::Angles => {
+                    let rim_force = row.driving_torque / contact.rim.radius;
+                    let by_peak =
+                        contact.pull_by_peak([row.load, rim_force]) * contact.angles.entry;
+                    let values = [by_peak, by_peak * row.slip, 0.0];
+                    (values, self.scale.of_row(row).drawbar_pull)
+                }
+                Stage::NormalStress => {
+                    let values = pressure_gradient(&contact, contact.pressure(&soil));
+                    (values, self.scale.of_row(row).load)
+                }
+                Stage::ShearStress => {
+                    let values = contact.torque_gradient(&soil, row.load);
+                    (values, self.scale.of_row(row).driving_torque)
+                }
+            };
+            for (&parameter, value) in self.stage.parameters().iter().zip(values) {
+                by[parameter as usize] = value / scale;
+            }
+            by
+        };
+        self.rows.iter().map(derivatives).collect()
+    }
+}
+
+/// Derivatives of `A r b k_s zᴺ` [N] by `ln k_s`, `n_0` and `n_1`.
+fn pressure_gradient(contact: &RimContact, pressure: f64) -> [f64; 3] {
+    let arc = ArcCoefficients::from(contact.angles);
+    let force = arc.a * contact.rim.radius * contact.rim.width * pressure;
+    let log_sinkage = libm::log(contact.sinkage);
+    [
+        force,
+        force * log_sinkage,
+        force * log_sinkage * contact.slip.abs(),
+    ]
+}

@@ -1,0 +1,323 @@
+//! Rows of loads cut from a run.
+
+use super::row::{SteadyLoad, Uncertainty};
+use crate::trace::{Channel, Trace};
+
+/// Why a run gives no rows.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SteadyError {
+    /// A quantity is neither a channel nor a mean.
+    #[error("{0} is missing: the identification needs it as a channel or as a mean")]
+    Missing(&'static str),
+    /// Slip never stays long enough.
+    #[error("slip never stays within {tolerance} for a tenth of the run: no steady interval")]
+    NeverSteady {
+        /// The tolerance of slip, as it is told.
+        tolerance: String,
+    },
+}
+
+/// Parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
+/// a tenth of the run or longer.
+const PARTS: usize = 60;
+const SHORTEST: usize = PARTS / 10;
+
+/// Change of slip [-] below which it is steady, where its noise is smaller.
+const TOLERANCE: f64 = 0.01;
+
+/// Blocks whose means tell how sure an interval's mean is.
+const BLOCKS: usize = 8;
+
+/// Part of a force [-] that its calibration leaves open and no scatter shows; a rig that holds its
+/// load to a thousandth does not measure it so well.
+pub const CALIBRATION: f64 = 0.01;
+
+/// One row for each steady interval of a run: the middle half of every stretch, a tenth of the
+/// run or longer, over which slip stays the same.
+///
+/// A run of one condition gives one row. A quantity without a time series counts with its mean,
+/// slip and load without either as commanded. Uncertainties are those of the mean of eight blocks'
+/// means, or of a mean's samples taken as independent, and the [`CALIBRATION`]'s of the forces.
+/// Sinkage is not a number where the run lacks it.
+///
+/// # Errors
+/// `Missing` without drawbar pull, driving torque or load; `NeverSteady`.
+pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
+    let intervals = match trace.channel("slip_ratio") {
+        Some(slip) => plateaus(slip)?,
+        None => vec![middle_half(0.0, trace.duration(), start(trace))],
+    };
+    let rows = intervals.into_iter().map(|interval| row(trace, interval));
+    rows.collect()
+}
+
+/// Time [s] at which the first channel starts.
+fn start(trace: &Trace) -> f64 {
+    let starts = trace.channels.iter().map(|channel| channel.start);
+    starts.reduce(f64::min).unwrap_or(0.0)
+}
+
+/// The middle half of `[from, to)` after `start` [s].
+fn middle_half(from: f64, to: f64, start: f64) -> [f64; 2] {
+    let quarter = 0.25 * (to - from);
+    [start + from + quarter, start + to - quarter]
+}
+
+fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
+    let known = |name: &'static str| value(trace, name, interval);
+    let needed = |name: &'static str| known(name).ok_or(SteadyError::Missing(name));
+    let commanded = |value: f64| Value {
+        mean: value,
+        sd: 0.0,
+    };
+    let slip = known("slip_ratio").unwrap_or(commanded(trace.attributes.slip_ratio));
+    let sinkage = known("sinkage").unwrap_or(commanded(f64::NAN));
+    let drawbar_pull = needed("drawbar_pull")?;
+    let driving_torque = needed("driving_torque")?;
+    let load = match known("normal_force") {
+        Some(load) => load,
+        None if trace.attributes.load > 0.0 => commanded(trace.attributes.load),
+        None => return Err(SteadyError::Missing("normal_force")),
+    };
+    let [pull_sd, load_sd, torque_sd] = [drawbar_pull, load, driving_torque].map(Value::as_force);
+    // A force of exactly 0 has none.
+    let uncertainty = (pull_sd.min(load_sd).min(torque_sd) > 0.0).then_some(Uncertainty {
+        slip: slip.sd,
+        sinkage: sinkage.sd,
+        drawbar_pull: pull_sd,
+        load: load_sd,
+        driving_torque: torque_sd,
+    });
+    Ok(SteadyLoad {
+        slip: slip.mean,
+        sinkage: sinkage.mean,
+        drawbar_pull: drawbar_pull.mean,
+        load: load.mean,
+        driving_torque: driving_torque.mean,
+        uncertainty,
+    })
+}
+
+/// A mean and its standard uncertainty, 0 where nothing tells it.
+#[derive(Debug, Clone, Copy)]
+struct Value {
+    mean: f64,
+    sd: f64,
+}
+
+impl Value {
+    /// Standard uncertainty of a force of this mean.
+    fn as_force(self) -> f64 {
+        libm::hypot(self.sd, CALIBRATION * self.mean)
+    }
+}
+
+fn value(trace: &Trace, name: &str, interval: [f64; 2]) -> Option<Value> {
+    let sampled = trace
+        .channel(name)
+        .and_then(|channel| sampled(channel, interval));
+    sampled.or_else(|| {
+        let mean = trace.means.iter().find(|mean| mean.name == name)?;
+        let sd = if mean.sd > 0.0 && mean.n > 0 {
+            mean.sd / libm::sqrt(mean.n as f64)
+        } else {
+            0.0
+        };
+        Some(Value {
+            mean: mean.value,
+            sd,
+        })
+    })
+}
+
+/// Mean over an interval of the means of its blocks.
+fn sampled(channel: &Channel, [from, to]: [f64; 2]) -> Option<Value> {
+    let means = part_means(channel.between(from, to), BLOCKS);
+    let known: Vec<f64> = means.into_iter().flatten().collect();
+    let mean = mean_of(&known)?;
+    let square: f64 = known.iter().map(|x| (x - mean) * (x - mean)).sum();
+    let count = known.len() as f64;
+    let sd = if known.len() > 1 {
+        libm::sqrt(square / (count - 1.0) / count)
+    } else {
+        0.0
+    };
+    Some(Value { mean, sd })
+}
+
+/// Means of the numbers in each of `parts` equal parts; `None` where a part has none.
+fn part_means(samples: &[f64], parts: usize) -> Vec<Option<f64>> {
+    let edge = |part: usize| part * samples.len() / parts;
+    (0..parts)
+        .map(|part| {
+            let whole = &samples[edge(part)..edge(part + 1)];
+            let finite: Vec<f64> = whole.iter().copied().filter(|x| x.is_finite()).collect();
+            mean_of(&finite)
+        })
+        .collect()
+}
+
+fn mean_of(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Intervals of steady slip [s].
+fn plateaus(slip: &Channel) -> Result<Vec<[f64; 2]>, SteadyError> {
+    let means = part_means(&slip.samples, PARTS);
+    let tolerance = TOLERANCE.max(4.0 * noise(&means));
+    let part = slip.duration() / PARTS as f64;
+    let found: Vec<[f64; 2]> = stretches(&means, tolerance)
+        .into_iter()
+        .filter(|[from, to]| to - from >= SHORTEST)
+        .filter(|[from, to]| !drifts(&means[*from..*to], tolerance))
+        .map(|[from, to]| middle_half(from as f64 * part, to as f64 * part, slip.start))
+        .collect();
+    if found.is_empty() {
+        return Err(SteadyError::NeverSteady {
+            tolerance: format!("{tolerance:.3}"),
+        });
+    }
+    Ok(found)
+}
+
+/// Standard deviation of the parts' means about a steady slip: from the median step between
+/// neighbours, which the few true steps leave alone.
+fn noise(means: &[Option<f64>]) -> f64 {
+    let mut steps: Vec<f64> = means
+        .windows(2)
+        .filter_map(|pair| Some((pair[1]? - pair[0]?).abs()))
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    // The median of |x - y| of two normal numbers is 0.954 of their standard deviation.
+    steps
+        .get(steps.len() / 2)
+        .map_or(0.0, |median| median / 0.954)
+}
+
+/// Runs of parts whose means stay within `tolerance` of the mean of those before, as `[from, to)`.
+fn stretches(means: &[Option<f64>], tolerance: f64) -> Vec<[usize; 2]> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    let mut known: Vec<f64> = Vec::new();
+    for (index, mean) in means.iter().enumerate() {
+        let stays = match (mean, mean_of(&known)) {
+            (Some(mean), Some(before)) => (mean - before).abs() <= tolerance,
+            (mean, _) => mean.is_some(),
+        };
+        if !stays {
+            found.push([from, index]);
+            known.clear();
+            from = if mean.is_some() { index } else { index + 1 };
+        }
+        known.extend(*mean);
+    }
+    found.push([from, means.len()]);
+    found
+}
+
+/// Whether the second half of a stretch differs from the first: a slow ramp.
+fn drifts(means: &[Option<f64>], tolerance: f64) -> bool {
+    let (first, second) = means.split_at(means.len() / 2);
+    let mean = |half: &[Option<f64>]| {
+        let known: Vec<f64> = half.iter().copied().flatten().collect();
+        mean_of(&known)
+    };
+    mean(first)
+        .zip(mean(second))
+        .is_some_and(|(first, second)| (second - first).abs() > 0.5 * tolerance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::Mean;
+
+    const RATE: f64 = 100.0;
+
+    fn channel(name: &str, value: impl Fn(f64) -> f64) -> Channel {
+        Channel {
+            name: name.to_owned(),
+            unit: crate::trace::unit_of(name).unwrap().to_owned(),
+            sample_rate: RATE,
+            start: 2.0,
+            samples: (0..6000).map(|i| value(f64::from(i) / RATE)).collect(),
+        }
+    }
+
+    /// A minute with this slip over time [s]; pull is 100 slips, with a ripple of 1 s.
+    fn run(slip: fn(f64) -> f64) -> Trace {
+        let ripple = |t: f64| libm::sin(std::f64::consts::TAU * t + 0.3 * t);
+        Trace {
+            channels: vec![
+                channel("slip_ratio", move |t| slip(t) + 0.005 * ripple(17.0 * t)),
+                channel("sinkage", |_| 0.01),
+                channel("drawbar_pull", move |t| 100.0 * slip(t) + ripple(t)),
+                channel("normal_force", move |t| 109.0 + ripple(t)),
+                channel("driving_torque", move |t| 5.0 + 0.1 * ripple(t)),
+            ],
+            ..Trace::default()
+        }
+    }
+
+    #[test]
+    fn a_run_of_one_condition_gives_one_row_of_its_middle_half() {
+        // Started and stopped within a tenth of the run.
+        let slip = |t: f64| if (5.0..55.0).contains(&t) { 0.2 } else { 0.9 };
+        let rows = steady_loads(&run(slip)).unwrap();
+        assert_eq!(rows.len(), 1);
+        let row = rows[0];
+        assert!((row.slip - 0.2).abs() < 1e-3 && (row.drawbar_pull - 20.0).abs() < 0.1);
+        let uncertainty = row.uncertainty.unwrap();
+        // The ripple's amplitude of 1 N all but averages out over 25 s; 1 % of 109 N stays.
+        let load = uncertainty.load;
+        assert!((load - 1.09).abs() < 0.01, "{load}");
+        assert_eq!(uncertainty.sinkage, 0.0);
+    }
+
+    #[test]
+    fn a_staircase_of_slip_gives_a_row_for_each_step() {
+        let slip = |t: f64| 0.1 * (1.0 + (t / 20.0).floor());
+        let rows = steady_loads(&run(slip)).unwrap();
+        let slips: Vec<f64> = rows.iter().map(|row| (row.slip * 100.0).round()).collect();
+        assert_eq!(slips, [10.0, 20.0, 30.0]);
+        for row in rows {
+            assert!((row.drawbar_pull - 100.0 * row.slip).abs() < 0.3, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_of_slip_is_never_steady() {
+        let refused = steady_loads(&run(|t| t / 60.0)).unwrap_err();
+        assert!(
+            matches!(refused, SteadyError::NeverSteady { .. }),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn means_give_a_row_where_there_is_no_time_series() {
+        let mean = |name: &str, value: f64| Mean {
+            name: name.to_owned(),
+            unit: String::new(),
+            value,
+            sd: 0.5,
+            n: 25,
+        };
+        let mut trace = Trace::default();
+        trace.attributes.slip_ratio = 0.3;
+        trace.means = vec![mean("drawbar_pull", 20.0), mean("driving_torque", 5.0)];
+        let missing = steady_loads(&trace).unwrap_err().to_string();
+        assert!(missing.starts_with("normal_force is missing"), "{missing}");
+        trace.attributes.load = 80.0;
+        let row = steady_loads(&trace).unwrap()[0];
+        assert_eq!((row.slip, row.load), (0.3, 80.0));
+        // As commanded, to 1 %.
+        assert!((row.uncertainty.unwrap().load - 0.8).abs() < 1e-12);
+        assert!(row.sinkage.is_nan());
+        trace.means.push(mean("normal_force", 81.0));
+        let row = steady_loads(&trace).unwrap()[0];
+        assert_eq!(row.load, 81.0);
+        // 0.5/√25 and 1 % of 81 N.
+        assert!((row.uncertainty.unwrap().load - 0.1f64.hypot(0.81)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,202 @@
+//! What a reader of an estimate should know besides its numbers.
+
+use super::directions::Directions;
+use super::least_squares::{Minimum, Termination};
+use super::model::{Model, peak_share};
+use super::parameter::{Coordinates, Parameter};
+use super::precision::Precision;
+use super::row::SteadyLoad;
+use std::fmt;
+
+/// Something about an estimate that its reader should know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// A parameter ended at the end of its range.
+    AtBound {
+        /// Which.
+        parameter: Parameter,
+        /// The end, in its unit.
+        end: f64,
+    },
+    /// `θ_m` lies outside the contact at a slip measured.
+    PeakOutsideContact {
+        /// The slip ratio [-].
+        slip: f64,
+        /// `θ_m/θ_1` [-].
+        share: f64,
+    },
+    /// The rows scatter about the model by more than their uncertainties explain; the intervals
+    /// are widened by the root of this ratio.
+    Misfit {
+        /// Sum of squares per degree of freedom [-].
+        reduced_chi_square: f64,
+    },
+    /// Some rows state no uncertainty, so those of the others were not used.
+    UncertaintiesIgnored,
+    /// There are no more forces than parameters: nothing tells how sure these are.
+    NoFreedom,
+    /// Loads differ although the class sets one sinkage for all, so that `k_s zᴺ` is a mean.
+    LoadsDiffer {
+        /// Least load [N].
+        least: f64,
+        /// Greatest load [N].
+        most: f64,
+    },
+    /// The fit did not end at a minimum.
+    NotAMinimum(Termination),
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AtBound { parameter, end } => {
+                let [low, high] = parameter.range();
+                let (name, unit) = (parameter.name(), parameter.unit());
+                write!(f, "{name} [{unit}] ended at {end}, of [{low}, {high}]")
+            }
+            Self::PeakOutsideContact { slip, share } => write!(
+                f,
+                "the maximum stress lies outside the contact at slip {slip}: \
+                 c1 + c2 s = {share:.3}"
+            ),
+            Self::Misfit { reduced_chi_square } => write!(
+                f,
+                "the rows scatter about the model by more than their uncertainties explain \
+                 (reduced chi square {reduced_chi_square:.3}); intervals are widened accordingly"
+            ),
+            Self::UncertaintiesIgnored => f.write_str(
+                "some rows state no uncertainty: none is used, the scatter about the model stands \
+                 for them",
+            ),
+            Self::NoFreedom => f.write_str(
+                "no more measured forces than parameters: add rows, or uncertainties to all rows, \
+                 for intervals",
+            ),
+            Self::LoadsDiffer { least, most } => write!(
+                f,
+                "loads from {least:.1} to {most:.1} N share one sinkage on ground that lugs do \
+                 not enter: k_s z^N is their mean; identify each load alone"
+            ),
+            Self::NotAMinimum(termination) => {
+                write!(f, "the fit did not end at a minimum: {termination:?}")
+            }
+        }
+    }
+}
+
+/// All that there is to say of a fit of `rows`.
+pub(super) fn all(
+    model: &Model,
+    rows: &[SteadyLoad],
+    best: &Minimum,
+    (directions, precision): (&Directions, Precision),
+) -> Vec<Warning> {
+    let mut warnings = at_bounds(model, &best.at);
+    warnings.extend(peak_outside(model, rows, &best.at, (directions, precision)));
+    let misfit = precision.misfit;
+    warnings.extend(misfit.map(|reduced_chi_square| Warning::Misfit { reduced_chi_square }));
+    let stated = rows.iter().filter(|row| row.uncertainty.is_some()).count();
+    if stated > 0 && stated < rows.len() {
+        warnings.push(Warning::UncertaintiesIgnored);
+    }
+    if !precision.sigma.is_finite() {
+        warnings.push(Warning::NoFreedom);
+    }
+    warnings.extend(loads_differ(model, rows));
+    if !best.termination.is_minimum() {
+        warnings.push(Warning::NotAMinimum(best.termination));
+    }
+    warnings
+}
+
+fn at_bounds(model: &Model, at: &Coordinates) -> Vec<Warning> {
+    let coordinate = |parameter: Parameter| at[parameter as usize];
+    let mut held = model.moved();
+    held.retain(|parameter| parameter.is_at_bound(coordinate(*parameter)));
+    let told = held.into_iter().map(|parameter| {
+        let ([low, high], [least, most]) = (parameter.bounds(), parameter.range());
+        let lower = coordinate(parameter) - low < high - coordinate(parameter);
+        Warning::AtBound {
+            parameter,
+            end: if lower { least } else { most },
+        }
+    });
+    told.collect()
+}
+
+/// The row whose peak lies farthest outside the contact, by more than the estimate's own error.
+fn peak_outside(
+    model: &Model,
+    rows: &[SteadyLoad],
+    at: &Coordinates,
+    (directions, precision): (&Directions, Precision),
+) -> Option<Warning> {
+    let [rear, front] = [model.setting.exit_angle, 1.0];
+    let beyond = |slip: f64| {
+        let share = peak_share(at, slip);
+        let function = directions.function(|parameter| match parameter {
+            Parameter::StressAngle => 1.0,
+            Parameter::StressAngleSlip => slip,
+            _ => 0.0,
+        });
+        let variance = directions.covariance(&function, &function)?;
+        let half = precision.reach() * libm::sqrt(variance);
+        Some((rear - share).max(share - front) - half)
+    };
+    let slips = rows.iter().map(|row| row.slip);
+    slips
+        .filter_map(|slip| Some((slip, beyond(slip).filter(|beyond| *beyond > 0.0)?)))
+        .max_by(|one, other| one.1.total_cmp(&other.1))
+        .map(|(slip, _)| Warning::PeakOutsideContact {
+            slip,
+            share: peak_share(at, slip),
+        })
+}
+
+fn loads_differ(model: &Model, rows: &[SteadyLoad]) -> Option<Warning> {
+    let loads = || rows.iter().map(|row| row.load);
+    let (least, most) = (
+        loads().fold(f64::INFINITY, f64::min),
+        loads().fold(0.0, f64::max),
+    );
+    // n_1 alone makes loads of gravel differ by half from slip 0 to 0.6 (Table 6).
+    let differ = !model.splits_pressure() && most > 2.0 * least;
+    differ.then_some(Warning::LoadsDiffer { least, most })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::Setting;
+    use crate::soil::closed_form::Rim;
+    use crate::terrain::class::Wtic;
+
+    #[test]
+    fn loads_that_one_sinkage_cannot_carry_are_told_where_the_class_sets_it() {
+        let rim = Rim {
+            radius: 0.155,
+            width: 0.15,
+        };
+        let told = |class| {
+            let model = Model {
+                class,
+                setting: Setting::new(rim),
+            };
+            let row = |load| SteadyLoad {
+                slip: 0.1,
+                sinkage: 0.01,
+                drawbar_pull: 10.0,
+                load,
+                driving_torque: 1.0,
+                uncertainty: None,
+            };
+            loads_differ(&model, &[row(60.0), row(200.0)])
+        };
+        let warning = told(Wtic::Alct).unwrap().to_string();
+        assert!(
+            warning.starts_with("loads from 60.0 to 200.0 N share"),
+            "{warning}"
+        );
+        assert_eq!(told(Wtic::Leis), None);
+    }
+}
