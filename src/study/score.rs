@@ -1,8 +1,8 @@
 //! How well the classes of a study's windows were recognised: confusions, shares with intervals, and
 //! their map over scenarios and swept keys.
 //!
-//! Every method is scored twice: against the class that the ground stands for, as the paper does,
-//! and against the class that lugs and ground really had. A trained
+//! Every method is scored against the class that the ground stands for, as the paper does, against
+//! the class that lugs and ground really had, and on the windows in which both are one. A trained
 //! [`baseline`](crate::recognition::baseline) is scored as two more methods:
 //!
 //! - `baseline_new`: every window is told by a classifier trained on the other values of its key,
@@ -17,7 +17,7 @@
 //!
 //! | columns | hold |
 //! |---|---|
-//! | `method`, `against` | what was scored; `published` are the counts of the study file; `label` or `truth` |
+//! | `method`, `against` | what was scored; `published` are the counts of the study file; `label`, `truth` or `agreed` |
 //! | `by`, `value` | the part: a scenario, the value of a swept key, or all |
 //! | `true_class` | one class, or `all` |
 //! | `n`, `correct`, `share`, `low`, `high` | windows, and Wilson's 95 % interval of the share |
@@ -73,6 +73,8 @@ pub enum Against {
     Label,
     /// The class that lugs and ground had in the window.
     Truth,
+    /// The same class by both; windows on which they differ are left out.
+    Agreed,
 }
 
 /// The windows of one scenario, or at one value of a swept key.
@@ -133,7 +135,7 @@ impl Study {
         }
         answers.extend(baselines(recognition, &rows, &keys)?);
         let scores = answers.iter().flat_map(|(method, answers)| {
-            [Against::Label, Against::Truth].map(|against| MethodScore {
+            [Against::Label, Against::Truth, Against::Agreed].map(|against| MethodScore {
                 method: method.clone(),
                 against,
                 all: counted(&rows, answers, against, &|_| true),
@@ -154,6 +156,7 @@ impl Row {
         match against {
             Against::Label => self.label_class,
             Against::Truth => self.truth,
+            Against::Agreed => self.truth.filter(|_| self.truth == self.label_class),
         }
     }
 }

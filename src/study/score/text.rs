@@ -38,6 +38,7 @@ impl Against {
         match self {
             Self::Label => "label",
             Self::Truth => "truth",
+            Self::Agreed => "agreed",
         }
     }
 }
@@ -101,6 +102,7 @@ fn what_is_true(against: Against) -> &'static str {
     match against {
         Against::Label => "true is what the ground stands for\n",
         Against::Truth => "true is how lugs and ground met\n",
+        Against::Agreed => "windows in which both are one\n",
     }
 }
 
