@@ -5,6 +5,7 @@ use super::runs::Runs;
 use super::score::RecognitionScore;
 use super::shard::{self, Shard};
 use super::table::{NoRows, Rows, Table, line};
+use super::thresholds;
 use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
 use crate::quantity::RangeError;
@@ -116,6 +117,9 @@ impl Study {
     fn tables(&self) -> Vec<Box<dyn Table + '_>> {
         let mut tables: Vec<Box<dyn Table + '_>> = vec![Box::new(Runs { study: self })];
         if let Some(windows) = Windows::of(self) {
+            tables.push(Box::new(windows));
+        }
+        if let Some(windows) = thresholds::Windows::of(self) {
             tables.push(Box::new(windows));
         }
         tables

@@ -1,11 +1,11 @@
 //! The `[recognition]` of a study file: what tells the class of the windows, and over what.
 
 use super::{Study, in_one_line, load_scenario};
+use crate::document::{Document, Misfit};
 use crate::features::{Settings, Window};
 use crate::recognition::Method;
 use crate::recognition::confusion::Confusion;
 use crate::scenario::Scenario;
-use crate::document::{Document, Misfit};
 use crate::terrain::class::TerrainLabel;
 use serde::Deserialize;
 use std::collections::{BTreeSet, HashMap};
