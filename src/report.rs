@@ -3,6 +3,7 @@
 //! - [`trace_figure`]: what one run recorded, as one drawing.
 //! - [`side_by_side()`]: the same channels of several runs, on one scale.
 //! - [`wheel_picture()`]: the wheel on its ground, to scale.
+//! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
@@ -11,11 +12,13 @@ pub mod figure;
 pub mod page;
 mod side_by_side;
 pub mod spectrum;
+mod threshold_figure;
 mod trace_figure;
 pub mod wheel_picture;
 
 pub use page::{Page, page};
 pub use side_by_side::side_by_side;
+pub use threshold_figure::threshold_figure;
 pub use trace_figure::trace_figure;
 pub use wheel_picture::wheel_picture;
 

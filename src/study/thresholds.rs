@@ -8,17 +8,28 @@
 //! | `start_s`, `end_s`, `lug_passes` | the window, and how far the wheel turned in it, in lug angles |
 //! | `lugs`, `multi_lugged` | their number, and whether the rim clears flat ground |
 //! | `truth`, `touched_share` | the class that lugs and ground really had, and the share behind it |
+//! | `bound_kappa_a` | (57); for an olig-lugged wheel its own, see [`bounds`]. The bound of `kappa_ms` is its square |
 //! | `kappa_a_20_hz`, `kappa_ms_20_hz`, ... | of the acceleration at each bandwidth, over the computed reference |
 //! | `rolled_touched_share` | of the wheel rolled without slip over the same ground |
 //! | `steepest_rad` | its steepest line between contacts of neighbouring lugs |
+//! | `bound_on_slope` | of `c_m_largest` with that line; none for olig-lugged wheels |
 //! | `c_m_median`, `c_m_largest` | of its lugs' stays |
 //! | `c_f_largest` | the largest turn about a lug over the lug angle |
 //! | `displacement_kappa_a`, `displacement_kappa_ms` | of its displacement |
 //! | `relative_kappa_a`, `relative_kappa_ms` | of its displacement above the lines between takeovers: `C_f²` and `C_f⁴`, mean over the turn |
 //!
 //! The displacement's columns are empty on ground that moves or gives way.
+//!
+//! `thresholds.txt` has a table for every [`Statement`]: how often windows on which every lug
+//! touched exceed the limit, and how tight it is.
 
 mod displacement;
+mod reading;
+mod statement;
+pub mod tally;
+mod text;
+
+pub use statement::{Axis, Part, Point, Statement, ThresholdScore};
 
 use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
 use super::windows::truth_of;
@@ -30,6 +41,8 @@ use crate::features::{Extractor, Settings, Window};
 use crate::quantity::RangeError;
 use crate::terrain::Terrain;
 use crate::trace::{LugTally, Trace};
+use crate::vibration::bounds;
+use crate::wheel::Wheel;
 use displacement::{Displacement, Ground};
 use serde::Deserialize;
 use std::ops::Range;
@@ -38,9 +51,10 @@ use std::ops::Range;
 pub(super) const NAME: &str = "thresholds";
 
 /// Columns of the displacement, in the order of [`displacement_cells`].
-const DISPLACEMENT: [&str; 9] = [
+const DISPLACEMENT: [&str; 10] = [
     "rolled_touched_share",
     "steepest_rad",
+    "bound_on_slope",
     "c_m_median",
     "c_m_largest",
     "c_f_largest",
@@ -137,7 +151,7 @@ impl Table for Windows<'_> {
             .into();
         names.extend(self.study.keys().map(str::to_owned));
         names.extend(["start_s", "end_s", "lug_passes", "lugs", "multi_lugged"].map(str::to_owned));
-        names.extend(["truth", "touched_share"].map(str::to_owned));
+        names.extend(["truth", "touched_share", "bound_kappa_a"].map(str::to_owned));
         names.extend(
             self.thresholds
                 .bandwidths
@@ -162,13 +176,14 @@ impl Table for Windows<'_> {
         let row = |window: Range<usize>| {
             let mut cells = self.first_cells(run, &record, &window);
             cells.extend(truth_cells(trace, &record, &window));
+            cells.push(cell(amplitude_bound(&record.wheel)));
             for extractor in &mut extractors {
                 cells.extend(acceleration_cells(&record, &window, extractor));
             }
             let displacement = ground
                 .as_mut()
                 .and_then(|ground| ground.displacement(&record, &window, &mut extractors[0]));
-            cells.extend(displacement_cells(displacement));
+            cells.extend(displacement_cells(displacement, &record.wheel));
             cells
         };
         Ok(windows.into_iter().map(row).collect())
@@ -190,6 +205,15 @@ fn truth_cells(trace: &Trace, record: &Record, window: &Range<usize>) -> [String
     ]
 }
 
+/// The bound of a wheel's amplitudes.
+fn amplitude_bound(wheel: &Wheel) -> Option<f64> {
+    if wheel.is_multi_lugged() {
+        Some(bounds::amplitude_bound(wheel.lug_count()))
+    } else {
+        bounds::amplitude_bound_off_a_bump(wheel)
+    }
+}
+
 /// `κ_A` and `κ_ms`, where the window can have features.
 fn acceleration_cells(
     record: &Record,
@@ -204,7 +228,10 @@ fn acceleration_cells(
     ]
 }
 
-fn displacement_cells(displacement: Option<Displacement>) -> [String; DISPLACEMENT.len()] {
+fn displacement_cells(
+    displacement: Option<Displacement>,
+    wheel: &Wheel,
+) -> [String; DISPLACEMENT.len()] {
     let values = displacement.map(|displacement| {
         let Displacement {
             touched_share,
@@ -214,9 +241,15 @@ fn displacement_cells(displacement: Option<Displacement>) -> [String; DISPLACEME
             ratios: [kappa_a, kappa_ms],
             relative: [relative_a, relative_ms],
         } = displacement;
+        let on_slope = bounds::amplitude_bound_on_slope(wheel.lug_count(), steepest);
         [
             touched_share,
             steepest,
+            if wheel.is_multi_lugged() {
+                on_slope
+            } else {
+                f64::NAN
+            },
             median,
             largest,
             longest,

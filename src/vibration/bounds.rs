@@ -82,6 +82,20 @@ pub fn amplitude_bound(lugs: u32) -> f64 {
     4.0 * cosine * cosine
 }
 
+/// Upper limit of the ratio of mean squares `κ_ms` [-] of the acceleration of a rigid wheel that
+/// rolls without slip, of whose lugs a share `missed` [-] miss the ground, none next to another.
+///
+/// ```text
+/// 1 + 2 missed
+/// ```
+///
+/// A velocity jump is the wheel speed times the way between two contacts, so that one over a missing
+/// lug is twice as large and stands for two. Holds at bandwidths at which the jumps' pulses lie
+/// apart.
+pub fn mean_square_bound_of_jumps(missed: f64) -> f64 {
+    1.0 + 2.0 * missed
+}
+
 /// Upper limit of the ratio of mean squares `κ_ms` [-]: the square of [`amplitude_bound`] (Eq. 56,
 /// 58).
 pub fn mean_square_bound(lugs: u32) -> f64 {
