@@ -229,7 +229,7 @@ fn draw_lane(
         let at = [x + aside, y.pixel(*ratio)];
         canvas.circle(at, 2.2, "none", Stroke::solid(colour, 1.0));
     }
-    if let Some(median) = sorted.get(sorted.len() / 2) {
+    if let Some(median) = sorted.get(sorted.len().saturating_sub(1) / 2) {
         let level = y.pixel(*median);
         let line = [[x - 0.42 * width, level], [x + 0.42 * width, level]];
         canvas.polyline(&line, Stroke::solid(colour, 3.0));

@@ -15,43 +15,63 @@ impl fmt::Display for ThresholdScore {
         } = self;
         writeln!(
             f,
-            "{windows} windows, every lug touched on {all_touched}; these are held to the limits, for \
-             displacements\nwhere every lug touches also without slip. 99 %/bound is the 99 % quantile \
-             of value over bound.\nShares have Wilson's 95 % interval, which takes windows for independent."
+            "{windows} windows, {all_touched} of them truly ALCT: nine in ten lugs or more touched. These are held \
+             to\nthe limits; to those of displacements where nine in ten touch also without slip. 99 %/limit \
+             is\nthe 99 % quantile of value over limit. Shares have Wilson's 95 % interval, which takes \
+             windows\nfor independent.\n"
         )?;
+        summary(f, statements)?;
         statements
             .iter()
             .try_for_each(|statement| write!(f, "\n{statement}"))
     }
 }
 
+/// One line a statement.
+fn summary(f: &mut fmt::Formatter<'_>, statements: &[Statement]) -> fmt::Result {
+    let named = statements.iter().map(|statement| statement.name.len());
+    let width = named.max().unwrap_or_default() + 2;
+    for group in statements.chunk_by(|a, b| a.multi_lugged == b.multi_lugged) {
+        writeln!(f, "{}", kind(&group[0]))?;
+        header(f, width)?;
+        for Statement { name, parts, .. } in group {
+            row(f, name, &parts[0].tally, width)?;
+        }
+    }
+    Ok(())
+}
+
+fn kind(statement: &Statement) -> &'static str {
+    if statement.multi_lugged {
+        "multi-lugged wheels"
+    } else {
+        "olig-lugged wheels"
+    }
+}
+
 impl fmt::Display for Statement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kind = if self.multi_lugged {
-            "multi-lugged"
-        } else {
-            "olig-lugged"
-        };
         let Self {
+            name,
             equation,
             quantity,
             limit,
             ..
         } = self;
-        writeln!(f, "{equation} {kind} wheels: {quantity}\n  limit: {limit}")?;
-        let named = self.parts.iter().map(|part| part.value.len());
-        let width = named.max().unwrap_or_default().max("all".len()) + 2;
         writeln!(
             f,
-            "  {:width$}{:>5}{:>9}{:>9}{:>9}{:>9}{:>15}{:>12}  above the limit",
-            "", "n", "median", "95 %", "99 %", "largest", "limit", "99 %/limit"
+            "{name} {equation}, {}: {quantity}\n  limit: {limit}",
+            kind(self)
         )?;
+        let named = self.parts.iter().map(|part| part.value.len());
+        let width = named.max().unwrap_or_default().max("all".len()) + 2;
+        header(f, width)?;
         for group in self.parts.chunk_by(|a, b| a.by == b.by) {
             if group[0].by != "all" {
                 writeln!(f, "  by {}", group[0].by)?;
             }
             for part in group {
-                part_line(f, part, width)?;
+                row(f, name_of(part), &part.tally, width)?;
             }
         }
         self.empirical
@@ -60,8 +80,19 @@ impl fmt::Display for Statement {
     }
 }
 
-fn part_line(f: &mut fmt::Formatter<'_>, part: &Part, width: usize) -> fmt::Result {
-    let name = if part.by == "all" { "all" } else { &part.value };
+fn name_of(part: &Part) -> &str {
+    if part.by == "all" { "all" } else { &part.value }
+}
+
+fn header(f: &mut fmt::Formatter<'_>, width: usize) -> fmt::Result {
+    writeln!(
+        f,
+        "  {:width$}{:>5}{:>9}{:>9}{:>9}{:>9}{:>15}{:>12}  above the limit",
+        "", "n", "median", "95 %", "99 %", "largest", "limit", "99 %/limit"
+    )
+}
+
+fn row(f: &mut fmt::Formatter<'_>, name: &str, tally: &Tally, width: usize) -> fmt::Result {
     let Tally {
         n,
         median,
@@ -71,7 +102,7 @@ fn part_line(f: &mut fmt::Formatter<'_>, part: &Part, width: usize) -> fmt::Resu
         bound: [low, high],
         tightness,
         violations,
-    } = part.tally;
+    } = *tally;
     let numbers = [median, q95, q99, largest].map(|value| format!("{value:>9.2}"));
     let bound = if high - low < 0.005 {
         format!("{low:.2}")
