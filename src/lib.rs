@@ -16,8 +16,8 @@
 //! into channels, [`dataset`] keeps runs in files, simulated or imported from a rig. What is
 //! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
 //! [`recognition`] of how the wheel met the ground. What is asked: [`scenario`] is one experiment as
-//! a file, [`study`] many of them in one table with a score of the classes recognised, [`report`]
-//! draws what came of it.
+//! a file, [`study`] many of them in one table with a score of the classes recognised and of the
+//! limits that the paper sets to vibration, [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!

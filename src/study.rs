@@ -61,7 +61,7 @@
 //! windows.csv    one row a window: truth, features, answers; see `study::windows`
 //! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
 //! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
-//! thresholds.txt how far the limits hold, and how tight they are
+//! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/ and reference.toml as they were

@@ -6,6 +6,7 @@ use lugwheel::study::{Options, Study};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
 /// Windows of two seconds at 0.1 m/s, at a rate that is good enough for bookkeeping.
@@ -47,6 +48,14 @@ fn held(study: &Study, options: &Options) -> Option<ThresholdScore> {
     assert!(outcome.failed.is_empty());
     outcome.thresholds
 }
+
+/// The small study, done once.
+static SMALL: LazyLock<(TempDir, PathBuf, ThresholdScore)> = LazyLock::new(|| {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let score = held(&small(&folder), &options(&out)).unwrap();
+    (folder, out, score)
+});
 
 fn column(out: &Path, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_path(out.join("thresholds.csv")).unwrap();
@@ -120,12 +129,10 @@ fn on_flat_ground_every_displacement_is_the_references_for_many_lugs_and_few() {
 
 #[test]
 fn windows_on_which_lugs_missed_are_in_the_table_but_are_not_held_to_the_limits() {
-    let folder = TempDir::new().unwrap();
-    let out = folder.path().join("out");
-    let score = held(&small(&folder), &options(&out)).unwrap();
-    let truth = column(&out, "truth");
+    let (_, out, score) = &*SMALL;
+    let truth = column(out, "truth");
     let all_touched = |multi: &str| {
-        let lugged = column(&out, "multi_lugged");
+        let lugged = column(out, "multi_lugged");
         let both = truth.iter().zip(&lugged);
         both.filter(|(truth, lugged)| *truth == "ALCT" && *lugged == multi)
             .count()
@@ -137,7 +144,7 @@ fn windows_on_which_lugs_missed_are_in_the_table_but_are_not_held_to_the_limits(
         "cobbles leave lugs out: {truth:?}"
     );
     for (multi, expected) in [(true, many), (false, few)] {
-        let statement = named(&score, "acceleration_ms_200_hz", multi);
+        let statement = named(score, "acceleration_ms_200_hz", multi);
         assert_eq!(statement.parts[0].tally.n, expected);
         assert_eq!(statement.points.len(), expected);
         for key in [
@@ -156,10 +163,8 @@ fn windows_on_which_lugs_missed_are_in_the_table_but_are_not_held_to_the_limits(
 
 #[test]
 fn limits_are_the_papers_for_many_lugs_and_for_few_the_one_off_a_bump() {
-    let folder = TempDir::new().unwrap();
-    let out = folder.path().join("out");
-    let score = held(&small(&folder), &options(&out)).unwrap();
-    let limit = |name: &str, multi| named(&score, name, multi).parts[0].tally.bound;
+    let (_, out, score) = &*SMALL;
+    let limit = |name: &str, multi| named(score, name, multi).parts[0].tally.bound;
     let near = |found: [f64; 2], expected: f64| {
         assert!(
             found.iter().all(|limit| (limit - expected).abs() < 5e-3),
@@ -186,9 +191,8 @@ fn limits_are_the_papers_for_many_lugs_and_for_few_the_one_off_a_bump() {
 
 #[test]
 fn a_figure_has_a_mark_for_every_window_and_a_line_for_the_limit() {
-    let folder = TempDir::new().unwrap();
-    let score = held(&small(&folder), &options(&folder.path().join("out"))).unwrap();
-    let statement = named(&score, "acceleration_a_20_hz", true);
+    let (_, _, score) = &*SMALL;
+    let statement = named(score, "acceleration_a_20_hz", true);
     let figure = threshold_figure(statement, &score.axes);
     // Two entries of the legend.
     assert_eq!(
@@ -221,8 +225,8 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 fn a_study_shared_torn_and_resumed_leaves_the_bytes_of_one_that_was_not() {
     let folder = TempDir::new().unwrap();
     let study = small(&folder);
-    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
-    held(&study, &options(&whole)).unwrap();
+    let (_, whole, _) = &*SMALL;
+    let parts = folder.path().join("parts");
     for share in [2, 1] {
         let options = Options {
             shard: Some((share, 2)),
@@ -230,12 +234,12 @@ fn a_study_shared_torn_and_resumed_leaves_the_bytes_of_one_that_was_not() {
         };
         assert_eq!(held(&study, &options).is_some(), share == 1);
     }
-    assert_eq!(contents(&parts), contents(&whole));
+    assert_eq!(contents(&parts), contents(whole));
     std::fs::remove_file(parts.join("shards/00003.thresholds.csv")).unwrap();
     let resumed = Options {
         resume: true,
         ..options(&parts)
     };
     assert!(held(&study, &resumed).is_some());
-    assert_eq!(contents(&parts), contents(&whole));
+    assert_eq!(contents(&parts), contents(whole));
 }

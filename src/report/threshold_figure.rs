@@ -63,7 +63,7 @@ fn remark(statement: &Statement) -> String {
         )
     });
     format!(
-        "Windows on which every lug touched; wheels whose {kind}. Limit: {}{above}.",
+        "Windows that are truly ALCT; wheels whose {kind}. Limit: {}{above}.",
         statement.limit
     )
 }
@@ -112,11 +112,13 @@ impl<'s> Layout<'s> {
     }
 
     fn draw_panel(&self, canvas: &mut Canvas, area: &Area) {
-        let ratios = self.points.iter().map(|point| point.bounded.ratio());
-        let [low, high] = ratios.fold([0.5, 2.0_f64], |[low, high], ratio| {
-            // What is next to nothing lies at the foot.
-            [low.min(ratio.max(0.01)), high.max(ratio)]
-        });
+        let mut ratios: Vec<f64> = self.points.iter().map(|p| p.bounded.ratio()).collect();
+        ratios.sort_by(f64::total_cmp);
+        // The lowest few lie at the foot, where they would cost a decade.
+        let low = ratios
+            .get(ratios.len() / 50)
+            .map_or(0.5, |low| low.clamp(0.01, 0.5));
+        let high = ratios.last().map_or(2.0, |high| high.max(2.0));
         let y = Axis::decades([low, high], [area.bottom(), area.top]);
         self.draw_frame(canvas, area, &y);
         let pitch = area.width / self.columns.len().max(1) as f64;

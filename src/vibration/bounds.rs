@@ -47,7 +47,8 @@
 //! same way, and their squares grow only where lugs miss, to 1.8 times the reference's on ground of
 //! 6.4 mm roughness, where a quarter of the contacts is gone. A jump over `k` lugs that missed is
 //! `k + 1` times as large: of ten lugs nine touch, so that the squares grow by a fifth at most
-//! where single ones miss.
+//! where single ones miss. A wheel that slips drags its edges over what stands up, and strikes more:
+//! `output/reference/thresholds.txt` has how much.
 //!
 //! A sum of amplitudes grows with the number of lines that the vibration spreads over. By Cauchy and
 //! Schwarz it is at most the root of their number times the sum of squares, whereas the reference
