@@ -212,6 +212,17 @@ impl Extractor {
         Ok(band_powers::of_lines(&powers, record.sample_rate))
     }
 
+    /// `κ_A` and `κ_ms` [-] of a displacement [m] over the `reference`'s [m], both sampled at the same
+    /// equally spaced wheel angles: Eq. (52) and (54) with displacements for accelerations. Means
+    /// are taken off and nothing is filtered. Not finite where the reference does not move.
+    pub fn displacement_ratios(&mut self, displacement: &[f64], reference: &[f64]) -> [f64; 2] {
+        let [of, over] = [displacement, reference].map(|samples| {
+            let filtered = self.spectra.as_they_are(samples);
+            [filtered.amplitude_sum, filtered.mean_square()]
+        });
+        [of[0] / over[0], of[1] / over[1]]
+    }
+
     /// Statistics of the measured acceleration.
     pub(crate) fn measured(
         &mut self,

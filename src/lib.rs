@@ -17,8 +17,8 @@
 //! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
 //! [`recognition`] of how the wheel met the ground, [`identification`] of the terrain's parameters
 //! from loads, slip and sinkage. What is asked: [`scenario`] is one experiment as a file, [`study`]
-//! many of them in one table with a score of the classes recognised, [`report`] draws what came of
-//! it.
+//! many of them in one table with a score of the classes recognised and of the limits that the paper
+//! sets to vibration, [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!

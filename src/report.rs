@@ -6,6 +6,7 @@
 //! - [`feature_values()`], [`feature_planes()`]: windows by their vibration features.
 //! - [`traverse_figure()`]: a run and the class of each of its windows.
 //! - [`confusion_figure()`]: answers counted against truth.
+//! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
@@ -19,6 +20,7 @@ pub mod figure;
 pub mod page;
 mod side_by_side;
 pub mod spectrum;
+mod threshold_figure;
 mod trace_figure;
 mod traverse_figure;
 pub mod wheel_picture;
@@ -29,6 +31,7 @@ pub use feature_points::{FeaturePoint, Group};
 pub use feature_values::feature_values;
 pub use page::{Page, page};
 pub use side_by_side::side_by_side;
+pub use threshold_figure::threshold_figure;
 pub use trace_figure::trace_figure;
 pub use traverse_figure::traverse_figure;
 pub use wheel_picture::wheel_picture;

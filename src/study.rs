@@ -46,12 +46,22 @@
 //! Without `reference` the features are taken over the computed reference, passed through the
 //! sensors of the run. The windows are those of the scenario, unless `settings` has a `window`.
 //!
+//! With a table `[thresholds]` every window is compared with the limits of Eq. (55) to (58), see
+//! [`thresholds`]:
+//!
+//! ```toml
+//! [thresholds]
+//! bandwidths = [20.0, 100.0]   # Hz, of the acceleration
+//! ```
+//!
 //! Results go to one folder ([`Study::execute`]):
 //!
 //! ```text
 //! runs.csv       one row a run: condition, label, class, steady values; see `study::runs`
 //! windows.csv    one row a window: truth, features, answers; see `study::windows`
 //! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
+//! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
+//! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/ and reference.toml as they were
@@ -70,6 +80,7 @@ pub mod score;
 mod shard;
 mod sweep;
 mod table;
+pub mod thresholds;
 pub mod windows;
 
 pub use execution::{Options, Outcome, Progress};
@@ -88,6 +99,7 @@ use std::io;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use sweep::{Sweep, SweepTable};
+use thresholds::{Thresholds, ThresholdsTable};
 
 /// The version of study files that this program reads.
 const VERSION: i64 = 1;
@@ -116,6 +128,7 @@ pub struct Study {
     settings: Vec<String>,
     sweeps: Vec<Sweep>,
     recognition: Option<Recognition>,
+    thresholds: Option<Thresholds>,
     text: String,
 }
 
@@ -154,6 +167,7 @@ struct StudyTable {
     #[serde(default)]
     sweep: Vec<SweepTable>,
     recognition: Option<RecognitionTable>,
+    thresholds: Option<ThresholdsTable>,
 }
 
 impl Study {
@@ -371,10 +385,14 @@ fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
     check_version(&document, "study", VERSION)?;
     let mut table: StudyTable = document.read()?;
     let recognition = table.recognition.take();
+    let thresholds = table.thresholds.take();
     let mut study = table.into_study(&document, text, folder)?;
     study.check(&document)?;
     if let Some(table) = recognition {
         study.recognition = Some(table.read(&study, &document, folder)?);
+    }
+    if let Some(table) = thresholds {
+        study.thresholds = Some(table.read(&document)?);
     }
     Ok(study)
 }
@@ -402,6 +420,7 @@ impl StudyTable {
                 .collect(),
             sweeps,
             recognition: None,
+            thresholds: None,
             text: text.to_owned(),
         };
         study

@@ -5,13 +5,15 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use anyhow::Context;
 use clap::Args;
+use lugwheel::report;
 use lugwheel::study::score::RecognitionScore;
+use lugwheel::study::thresholds::ThresholdScore;
 use lugwheel::study::{self, Options, Study, StudyError};
 use serde::Serialize;
 use std::fmt;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Run a Monte Carlo study
@@ -42,7 +44,8 @@ Examples:
   lugwheel study scenarios/studies/table5.toml --shard 2/4
 
 The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text; a
-study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores).
+study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores), one
+with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit.
 Exit code 4: finished, with failed runs.";
 
 /// The study was finished, but some of its runs failed.
@@ -66,6 +69,8 @@ struct Summary {
     computing_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     recognition: Option<RecognitionScore>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thresholds: Option<ThresholdScore>,
 }
 
 impl StudyCommand {
@@ -111,6 +116,9 @@ impl StudyCommand {
         };
         let computing_s = progress.elapsed();
         drop(progress);
+        if let Some(score) = &outcome.thresholds {
+            draw(score, &out)?;
+        }
         output.print(&Summary {
             study: self.study.display().to_string(),
             folder: out.display().to_string(),
@@ -119,6 +127,7 @@ impl StudyCommand {
             missing_shards: outcome.missing_shards,
             computing_s,
             recognition: outcome.recognition,
+            thresholds: outcome.thresholds,
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
@@ -131,6 +140,17 @@ impl StudyCommand {
         }
         .into())
     }
+}
+
+/// Draws a figure of every limit: `thresholds_<limit>.svg`, `..._olig.svg` of wheels of few lugs.
+fn draw(score: &ThresholdScore, out: &Path) -> anyhow::Result<()> {
+    for statement in &score.statements {
+        let kind = if statement.multi_lugged { "" } else { "_olig" };
+        let file = format!("thresholds_{}{kind}.svg", statement.name);
+        let figure = report::threshold_figure(statement, &score.axes);
+        output::write_file(&out.join(file), &figure)?;
+    }
+    Ok(())
 }
 
 /// The first few numbers.
@@ -167,9 +187,12 @@ impl fmt::Display for Summary {
                 "\n{missing} shards are still to do by other shares; the last one writes the table"
             )?,
         }
-        match &self.recognition {
-            Some(score) => write!(f, "windows: {}/windows.csv\n\n{score}", self.folder),
-            None => Ok(()),
+        if let Some(score) = &self.recognition {
+            writeln!(f, "windows: {}/windows.csv\n\n{score}", self.folder)?;
         }
+        if let Some(score) = &self.thresholds {
+            write!(f, "thresholds: {}/thresholds.csv\n\n{score}", self.folder)?;
+        }
+        Ok(())
     }
 }

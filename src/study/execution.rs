@@ -5,6 +5,7 @@ use super::runs::Runs;
 use super::score::RecognitionScore;
 use super::shard::{self, Shard};
 use super::table::{NoRows, Rows, Table, line};
+use super::thresholds::{self, ThresholdScore};
 use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
 use crate::quantity::RangeError;
@@ -54,6 +55,8 @@ pub struct Outcome {
     /// How well the classes of all windows were recognised, where the study asks and no shard is
     /// missing.
     pub recognition: Option<RecognitionScore>,
+    /// How far the limits of Eq. (55) to (58) hold, where the study asks and no shard is missing.
+    pub thresholds: Option<ThresholdScore>,
 }
 
 impl Study {
@@ -118,6 +121,9 @@ impl Study {
         if let Some(windows) = Windows::of(self) {
             tables.push(Box::new(windows));
         }
+        if let Some(windows) = thresholds::Windows::of(self) {
+            tables.push(Box::new(windows));
+        }
         tables
     }
 
@@ -137,20 +143,25 @@ impl Study {
                 None => missing_shards += 1,
             }
         }
-        let mut recognition = None;
+        let (mut recognition, mut held) = (None, None);
         if missing_shards == 0 {
             collected.write(folder)?;
             recognition = self.score(collected.text_of(windows::NAME))?;
+            held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
         }
         if let Some(score) = &recognition {
             folder.write("recognition.csv", score.to_csv().as_bytes())?;
             folder.write("recognition.txt", score.to_string().as_bytes())?;
+        }
+        if let Some(score) = &held {
+            folder.write("thresholds.txt", score.to_string().as_bytes())?;
         }
         Ok(Outcome {
             runs: collected.runs,
             failed: collected.failed,
             missing_shards,
             recognition,
+            thresholds: held,
         })
     }
 }

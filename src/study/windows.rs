@@ -196,19 +196,19 @@ impl Window {
         cells.extend((0..BANDS).map(|band| cell(self.powers.map(|powers| powers[band]))));
         cells
     }
+}
 
-    /// Time [s] of it in a true class window.
-    fn overlap(&self, other: &ClassWindow) -> f64 {
-        self.end.min(other.end) - self.start.max(other.start)
-    }
+/// The true class window in which `[start, end]` [s] lies for the most part.
+pub(super) fn truth_of(trace: &Trace, [start, end]: [f64; 2]) -> Option<&ClassWindow> {
+    let overlap = |other: &ClassWindow| end.min(other.end) - start.max(other.start);
+    let known = trace.truth.iter().flat_map(|truth| &truth.class_windows);
+    let most = known.max_by(|a, b| overlap(a).total_cmp(&overlap(b)));
+    most.filter(|truth| overlap(truth) >= 0.5 * (end - start))
 }
 
 /// Label, its class, the truth of a window, and the shares of the lugs behind it.
 fn truth_cells(trace: &Trace, window: &Window) -> Vec<String> {
-    let known = trace.truth.iter().flat_map(|truth| &truth.class_windows);
-    let most = known.max_by(|a, b| window.overlap(a).total_cmp(&window.overlap(b)));
-    let enough = 0.5 * (window.end - window.start);
-    let truth = most.filter(|truth| window.overlap(truth) >= enough);
+    let truth = truth_of(trace, [window.start, window.end]);
     let label = truth.map(|truth| truth.terrain);
     let label = label.or(trace.attributes.terrain);
     let lugs = truth.and_then(|truth| truth.lugs);

@@ -17,7 +17,7 @@ use crate::wheel::Wheel;
 const BRIDGE: f64 = 1.0e-3;
 
 /// Share of the passages that makes a class [-].
-const MOST: f64 = 0.9;
+pub(crate) const MOST: f64 = 0.9;
 
 /// Length [s] of a class window in the paper (Section 4.1).
 pub const PAPER_WINDOW: f64 = 15.0;
