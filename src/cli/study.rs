@@ -5,8 +5,8 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use anyhow::Context;
 use clap::Args;
-use lugwheel::report;
-use lugwheel::study::score::RecognitionScore;
+use lugwheel::report::{self, FeaturePoint, Group};
+use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
 use lugwheel::study::thresholds::ThresholdScore;
 use lugwheel::study::{self, Options, Study, StudyError};
 use serde::Serialize;
@@ -44,7 +44,8 @@ Examples:
   lugwheel study scenarios/studies/table5.toml --shard 2/4
 
 The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text; a
-study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores), one
+study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores) with
+figures of features and answers, one
 with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit.
 Exit code 4: finished, with failed runs.";
 
@@ -117,7 +118,10 @@ impl StudyCommand {
         let computing_s = progress.elapsed();
         drop(progress);
         if let Some(score) = &outcome.thresholds {
-            draw(score, &out)?;
+            draw_limits(score, &out)?;
+        }
+        if let Some(score) = &outcome.recognition {
+            draw_recognition(score, &out)?;
         }
         output.print(&Summary {
             study: self.study.display().to_string(),
@@ -143,12 +147,35 @@ impl StudyCommand {
 }
 
 /// Draws a figure of every limit: `thresholds_<limit>.svg`, `..._olig.svg` of wheels of few lugs.
-fn draw(score: &ThresholdScore, out: &Path) -> anyhow::Result<()> {
+fn draw_limits(score: &ThresholdScore, out: &Path) -> anyhow::Result<()> {
     for statement in &score.statements {
         let kind = if statement.multi_lugged { "" } else { "_olig" };
         let file = format!("thresholds_{}{kind}.svg", statement.name);
         let figure = report::threshold_figure(statement, &score.axes);
         output::write_file(&out.join(file), &figure)?;
+    }
+    Ok(())
+}
+
+/// Draws the features by ground, their planes, and what each method answered.
+fn draw_recognition(score: &RecognitionScore, out: &Path) -> anyhow::Result<()> {
+    let write = |name: &str, svg: &str| output::write_file(&out.join(name), svg);
+    let points = score.points.iter().map(|&(terrain, p)| FeaturePoint {
+        group: Group::Terrain(terrain),
+        p,
+    });
+    let points: Vec<FeaturePoint> = points.collect();
+    if !points.is_empty() {
+        write("feature_values.svg", &report::feature_values(&points))?;
+    }
+    if let (Some(lugs), false) = (score.lugs, points.is_empty()) {
+        write("feature_planes.svg", &report::feature_planes(&points, lugs))?;
+    }
+    let by_ground = score.scores.iter();
+    for MethodScore { method, all, .. } in by_ground.filter(|s| s.against == Against::Label) {
+        let title = format!("{method}: classes answered, and what the ground stands for");
+        let figure = report::confusion_figure(&all.confusion, &title);
+        write(&format!("confusion_{method}.svg"), &figure)?;
     }
     Ok(())
 }

@@ -31,7 +31,7 @@ use super::recognition::{Recognition, magnitude};
 use super::{Study, StudyError};
 use crate::recognition::baseline::{self, BaselineError, Sample};
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
-use crate::terrain::class::Wtic;
+use crate::terrain::class::{TerrainLabel, Wtic};
 use features::FeaturesOfScenario;
 use reading::Row;
 use serde::Serialize;
@@ -45,6 +45,12 @@ pub struct RecognitionScore {
     /// Published counts, where the study file has them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<Counted>,
+    /// The features of every window that has them, and its ground.
+    #[serde(skip)]
+    pub points: Vec<(TerrainLabel, [f64; 4])>,
+    /// Lugs of the wheel, where it is one throughout: the paper's limits go by them.
+    #[serde(skip)]
+    pub lugs: Option<u32>,
     /// The features, scenario by scenario.
     pub features: Vec<FeaturesOfScenario>,
     /// Every method against either class.
@@ -145,9 +151,21 @@ impl Study {
         Ok(Some(RecognitionScore {
             windows: rows.len() as u64,
             published: recognition.published.map(Counted::from),
+            points: rows.iter().filter_map(|row| row.label.zip(row.p)).collect(),
+            lugs: self.one_lug_count(),
             features: features::by_scenario(self, &rows, &keys),
             scores: scores.collect(),
         }))
+    }
+}
+
+impl Study {
+    /// Lugs of the wheel of all conditions, where they agree.
+    fn one_lug_count(&self) -> Option<u32> {
+        let lugs = |condition| self.scenario_of(condition).wheel.lug_count();
+        let first = lugs(0);
+        let agree = (1..self.condition_count()).all(|condition| lugs(condition) == first);
+        agree.then_some(first)
     }
 }
 
@@ -256,6 +274,7 @@ mod tests {
             repeat: "0".to_owned(),
             condition_number: 0,
             condition: vec!["hard".to_owned(), speed.to_owned()],
+            label: None,
             p: None,
             label_class: Some(class),
             truth: (speed != "0.02").then_some(Wtic::Slct),
@@ -307,6 +326,8 @@ mod tests {
         let counted = Counted::from(confusion);
         let score = RecognitionScore {
             windows: 60,
+            points: Vec::new(),
+            lugs: None,
             features: Vec::new(),
             published: Some(counted.clone()),
             scores: vec![MethodScore {

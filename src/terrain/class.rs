@@ -26,6 +26,16 @@ pub enum TerrainLabel {
     SandWithGravel,
 }
 
+/// All labels, in the order of their numbers.
+pub const LABELS: [TerrainLabel; 6] = [
+    TerrainLabel::Reference,
+    TerrainLabel::Hard,
+    TerrainLabel::Gravel,
+    TerrainLabel::Sand,
+    TerrainLabel::HardWithGravel,
+    TerrainLabel::SandWithGravel,
+];
+
 impl TerrainLabel {
     /// The label in run files.
     pub fn as_str(self) -> &'static str {

@@ -7,7 +7,7 @@
 
 use super::{ClassWindow, Contact, LugTally, Truth};
 use crate::simulation::WheelState;
-use crate::terrain::class::{TerrainLabel, Wtic};
+use crate::terrain::class::{LABELS, TerrainLabel, Wtic};
 use crate::wheel::Wheel;
 
 /// Time [s] a lug may leave the ground within one contact.
@@ -287,16 +287,6 @@ struct Windows {
     terrain: Vec<TerrainLabel>,
     tally: Vec<LugTally>,
 }
-
-/// All labels, in the order of their numbers.
-const LABELS: [TerrainLabel; 6] = [
-    TerrainLabel::Reference,
-    TerrainLabel::Hard,
-    TerrainLabel::Gravel,
-    TerrainLabel::Sand,
-    TerrainLabel::HardWithGravel,
-    TerrainLabel::SandWithGravel,
-];
 
 impl Windows {
     fn new(length: f64) -> Self {

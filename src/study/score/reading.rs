@@ -4,7 +4,7 @@ use crate::features::band_powers::{BANDS, BandPowers};
 use crate::recognition::Method;
 use crate::recognition::confusion::CLASSES;
 use crate::study::windows::{class_column, power_column};
-use crate::terrain::class::Wtic;
+use crate::terrain::class::{LABELS, TerrainLabel, Wtic};
 use csv::StringRecord;
 
 /// A window.
@@ -13,6 +13,7 @@ pub(super) struct Row {
     pub(super) condition_number: usize,
     /// Scenario and values of the swept keys.
     pub(super) condition: Vec<String>,
+    pub(super) label: Option<TerrainLabel>,
     /// Feature vector.
     pub(super) p: Option<[f64; 4]>,
     pub(super) label_class: Option<Wtic>,
@@ -31,6 +32,7 @@ pub(super) fn rows(text: &str, keys: &[&str], methods: &[Method]) -> Vec<Row> {
         found.expect("the table of the windows has this column")
     };
     let [repeat, condition_number] = ["repeat", "condition"].map(place);
+    let label = place("label");
     let p = ["p1", "p2", "p3", "p4"].map(place);
     let condition: Vec<usize> = std::iter::once("scenario")
         .chain(keys.iter().copied())
@@ -47,6 +49,7 @@ pub(super) fn rows(text: &str, keys: &[&str], methods: &[Method]) -> Vec<Row> {
         condition_number: record[condition_number]
             .parse()
             .expect("conditions are numbered"),
+        label: LABELS.into_iter().find(|l| l.as_str() == &record[label]),
         p: numbers(&record, p),
         condition: condition.iter().map(|&at| record[at].to_owned()).collect(),
         label_class: class(&record[label_class]),
