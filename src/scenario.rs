@@ -178,7 +178,7 @@ impl Scenario {
     }
 
     /// Time [s] the wheel drives: the lead-in and the record.
-    fn driven(&self) -> f64 {
+    pub fn driven(&self) -> f64 {
         self.lead_in + self.duration
     }
 

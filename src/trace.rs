@@ -4,6 +4,7 @@ pub mod truth;
 
 use crate::terrain::class::{TerrainLabel, Wtic};
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 
 /// The channels every tool knows, and their units. Others may be there; they are carried along.
 ///
@@ -217,6 +218,24 @@ impl Truth {
     }
 }
 
+/// Wheel angles [rad] without the jumps of an encoder that starts again after a turn. What is no
+/// number stays so.
+pub fn unwrapped(angles: &[f64]) -> Vec<f64> {
+    let mut offset = 0.0;
+    let mut before: Option<f64> = None;
+    let mut unwrap = |angle: f64| {
+        if !angle.is_finite() {
+            return angle;
+        }
+        let jump = angle - before.replace(angle).unwrap_or(angle);
+        if jump.abs() > PI {
+            offset -= TAU * (jump / TAU).round();
+        }
+        angle + offset
+    };
+    angles.iter().map(|&angle| unwrap(angle)).collect()
+}
+
 /// Mean of the samples that are numbers.
 fn finite_mean(samples: &[f64]) -> Option<f64> {
     let finite = samples.iter().filter(|x| x.is_finite());
@@ -255,6 +274,25 @@ mod tests {
             .map(|start| channel.between(start, start + 0.1).len())
             .sum();
         assert_eq!(windows, 1000);
+    }
+
+    #[test]
+    fn an_encoder_that_starts_again_after_a_turn_is_made_continuous_over_gaps() {
+        let turning = |i: u32| 0.3 * f64::from(i) - 2.0;
+        for direction in [1.0, -1.0] {
+            let wrapped: Vec<f64> = (0..100)
+                .map(|i| match i {
+                    40..43 => f64::NAN,
+                    i => (direction * turning(i)).rem_euclid(TAU),
+                })
+                .collect();
+            let angles = unwrapped(&wrapped);
+            for (i, angle) in angles.iter().enumerate().filter(|(_, a)| a.is_finite()) {
+                let turned = direction * (turning(i as u32) - turning(0));
+                assert!((angle - angles[0] - turned).abs() < 1e-9, "{i}");
+            }
+            assert!(angles[41].is_nan());
+        }
     }
 
     #[test]

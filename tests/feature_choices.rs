@@ -3,6 +3,8 @@
 //!
 //! `cargo test --release --test feature_choices -- --ignored --nocapture`
 
+use lugwheel::features::lug_passes::lug_passes;
+use lugwheel::features::record::Record;
 use lugwheel::features::reference::Reference;
 use lugwheel::features::{Frequency, MeanValue, Settings, Window};
 use lugwheel::quantity::Seed;
@@ -142,7 +144,51 @@ fn variants() -> Vec<(&'static str, Settings)> {
     ]
 }
 
+/// Percentiles of what single lugs did, as multiples of the reference's pulse, and the answers of
+/// the improved method, whose limits were set by them.
+fn lugs(ground: &Ground) -> String {
+    let (mut strikes, mut strays) = (Vec::new(), Vec::new());
+    for run in &ground.runs {
+        let record = Record::of(run).unwrap();
+        for pass in lug_passes(&record, 0..record.len()).unwrap() {
+            strikes.push(pass.strike);
+            strays.push(pass.stray);
+        }
+    }
+    let settings = Settings::default();
+    let methods = [Method::Improved];
+    let mut recognizer = Recognizer::new(settings, Reference::computed(), &methods).unwrap();
+    let windows = ground
+        .runs
+        .iter()
+        .flat_map(|run| recognizer.recognize(run).unwrap());
+    let classes: Vec<Wtic> = windows.map(|window| window.answers[0].class).collect();
+    let right = classes.iter().filter(|class| **class == ground.class);
+    let percentiles = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| {
+            let place = (share * (values.len() - 1) as f64).round() as usize;
+            format!("{:>7.2}", values[place])
+        })
+    };
+    format!(
+        "{:>6} {:>5} {} |{} {:>4} /{:>3}",
+        ground.name,
+        strikes.len(),
+        percentiles(strikes).concat(),
+        percentiles(strays).concat(),
+        right.count(),
+        classes.len()
+    )
+}
+
 fn report(rig: &str, grounds: &[Ground], on_reference: &[Trace]) {
+    println!(
+        "{rig}: lug passes, 5, 25, 50, 75, 95 % of strike | of stray, and windows that improved answers rightly"
+    );
+    for ground in grounds {
+        println!("    {}", lugs(ground));
+    }
     println!("{rig}: windows within the limits of p1, p2, p3, p4 of their region, and of all");
     for (name, settings) in variants() {
         let measured = Reference::measured(on_reference, settings).unwrap();

@@ -93,7 +93,7 @@ type Simulated = Result<Trace, ExperimentError>;
 impl Series<'_> {
     /// Simulated time [s] of all runs together.
     pub fn simulated(&self) -> f64 {
-        (self.runs.end - self.runs.start) as f64 * self.scenario.duration
+        (self.runs.end - self.runs.start) as f64 * self.scenario.driven()
     }
 
     /// Simulates the runs and writes them to `out` in their order: all of them, or no file.
@@ -196,7 +196,7 @@ impl Work<'_> {
             }
             ControlFlow::Continue(())
         });
-        self.progress.advance(self.scenario.duration - before);
+        self.progress.advance(self.scenario.driven() - before);
         simulated
     }
 }

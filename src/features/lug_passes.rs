@@ -21,8 +21,6 @@ const AROUND: f64 = 0.2;
 /// The vibration of one lug pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LugPass {
-    /// Begin and end [s].
-    pub time: [f64; 2],
     /// Highest pulse where a lug should strike, over that of the reference [-].
     pub strike: f64,
     /// Largest acceleration elsewhere in the pass, over the same [-].
@@ -42,7 +40,6 @@ pub fn lug_passes(record: &Record, window: Range<usize>) -> Result<Vec<LugPass>,
     let filtered = spectra.low_passed(acceleration, CORNER / record.sample_rate);
     let view = View {
         record,
-        start: window.start,
         angle: &record.angle[window.clone()],
         filtered: filtered.samples(),
         noise: 3.0 * low_passed_noise(acceleration, record.sample_rate),
@@ -57,7 +54,6 @@ pub fn lug_passes(record: &Record, window: Range<usize>) -> Result<Vec<LugPass>,
 /// One window, low-passed.
 struct View<'a> {
     record: &'a Record,
-    start: usize,
     angle: &'a [f64],
     filtered: &'a [f64],
     noise: f64,
@@ -121,9 +117,7 @@ impl View<'_> {
                 stray = stray.max(a.abs());
             }
         }
-        let time = [pass.start, pass.end].map(|sample| self.record.time(self.start + sample));
         Some(LugPass {
-            time,
             strike: strike / pulse,
             stray: stray / pulse,
             noise: self.noise / pulse,

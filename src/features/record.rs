@@ -2,7 +2,8 @@
 
 use super::Window;
 use crate::dataset::inspection::samples::clipped_levels;
-use crate::trace::{Channel, Trace, unit_of};
+use crate::quantity::SlipRatio;
+use crate::trace::{Channel, Trace, unit_of, unwrapped};
 use crate::wheel::Wheel;
 use std::ops::Range;
 
@@ -39,8 +40,13 @@ pub enum RecordError {
         "neither channel wheel_angle nor forward_speed: nothing tells how fast the lugs passed; record one of them"
     )]
     NoMotion,
+    /// Speed without slip does not tell how the wheel turned.
+    #[error(
+        "no channel wheel_angle, and with a slip ratio of {0} forward_speed does not tell how the wheel turned: give slip_ratio below 1, or record wheel_angle"
+    )]
+    NoSlip(f64),
     /// The wheel has no lugs.
-    #[error("the wheel has no lugs (lug_count is 0); classes are told apart by them")]
+    #[error("the wheel has no lugs, or lug_count was not given; classes are told apart by them")]
     NoLugs,
     /// The wheel's geometry is not possible.
     #[error("{0} of the run is {1} m; it has to be above 0")]
@@ -83,6 +89,9 @@ pub enum Unusable {
     /// The wheel does not turn.
     #[error("the wheel is at rest")]
     AtRest,
+    /// The wheel turned forth and back.
+    #[error("the wheel reversed within the window")]
+    Reversed,
     /// The wheel turned too little.
     #[error("{passes:.2} lug passes in the window, fewer than {needed}")]
     FewLugPasses {
@@ -93,7 +102,7 @@ pub enum Unusable {
     },
     /// Too few samples per second.
     #[error(
-        "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs"
+        "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs: record faster, or ask for less bandwidth"
     )]
     SlowRate {
         /// The rate [Hz].
@@ -109,6 +118,9 @@ pub enum Unusable {
 /// Gaussian low-pass is 19 dB down.
 const RATE_PER_BANDWIDTH: f64 = 6.25;
 
+/// Turn back [lug angles] from which a wheel reversed.
+const TURN_BACK: f64 = 0.5;
+
 /// Turn in a window [rad] below which a wheel is at rest: a step of a coarse encoder.
 const AT_REST: f64 = 1.0e-3;
 
@@ -117,7 +129,7 @@ impl Record {
     ///
     /// The angle is that of `wheel_angle`, interpolated where its samples lie at other times. A
     /// run without it has it summed up from `forward_speed` and the slip ratio (channel, mean or
-    /// command) as `v / (r (1 - s))`.
+    /// command), as [`SlipRatio::wheel_speed`] has it.
     ///
     /// # Errors
     /// [`RecordError`] for what is missing or in another unit.
@@ -224,10 +236,8 @@ impl Record {
             });
         }
         self.sound(window.clone())?;
+        self.turns(&window)?;
         let passes = self.lug_passes(&window);
-        if passes * self.lug_angle < AT_REST {
-            return Err(Unusable::AtRest);
-        }
         if passes < 1.0 {
             return Err(Unusable::FewLugPasses {
                 passes,
@@ -235,6 +245,23 @@ impl Record {
             });
         }
         Ok(passes)
+    }
+
+    /// Whether the wheel turns in a window, and one way.
+    pub(crate) fn turns(&self, window: &Range<usize>) -> Result<(), Unusable> {
+        let angle = &self.angle[window.clone()];
+        let bounds = [f64::INFINITY, f64::NEG_INFINITY];
+        let [low, high] = angle
+            .iter()
+            .fold(bounds, |[low, high], a| [low.min(*a), high.max(*a)]);
+        if high - low < AT_REST {
+            return Err(Unusable::AtRest);
+        }
+        let turned = self.lug_passes(window) * self.lug_angle;
+        if high - low > turned + TURN_BACK * self.lug_angle {
+            return Err(Unusable::Reversed);
+        }
+        Ok(())
     }
 
     /// Whether the samples of a window are numbers, vary, and stay within the sensor's range.
@@ -299,16 +326,24 @@ fn known<'t>(trace: &'t Trace, name: &str) -> Result<Option<&'t Channel>, Record
 /// The wheel angle as a channel, and whether it was measured.
 fn rotation(trace: &Trace, wheel: &Wheel) -> Result<(Channel, bool), RecordError> {
     if let Some(angle) = known(trace, "wheel_angle")? {
-        return Ok((angle.clone(), true));
+        let continuous = Channel {
+            samples: unwrapped(&angle.samples),
+            ..angle.clone()
+        };
+        return Ok((continuous, true));
     }
     let speed = known(trace, "forward_speed")?.ok_or(RecordError::NoMotion)?;
     let slip = trace
         .steady_mean("slip_ratio")
         .unwrap_or(trace.attributes.slip_ratio);
+    let per_speed = SlipRatio::new(slip)
+        .ok()
+        .and_then(|slip| slip.wheel_speed(wheel.radius, 1.0))
+        .ok_or(RecordError::NoSlip(slip))?;
     let mut turned = 0.0;
     let samples = speed.samples.iter().map(|v| {
         let now = turned;
-        turned += v / (wheel.radius * (1.0 - slip)) / speed.sample_rate;
+        turned += v * per_speed / speed.sample_rate;
         now
     });
     let angle = Channel {
@@ -417,6 +452,20 @@ mod tests {
     }
 
     #[test]
+    fn a_braked_wheel_turns_slower_than_it_rolls_and_a_slip_of_one_tells_nothing() {
+        let turned = |slip: f64| {
+            let mut run = trace();
+            run.channels[1] = channel("forward_speed", 500.0, vec![0.028; 5000]);
+            run.attributes.slip_ratio = slip;
+            Record::of(&run).map(|record| record.angle[9000] - record.angle[0])
+        };
+        assert!((turned(-0.5).unwrap() - 0.9).abs() < 1e-3);
+        for slip in [1.0, f64::NAN] {
+            assert!(matches!(turned(slip), Err(RecordError::NoSlip(_))));
+        }
+    }
+
+    #[test]
     fn an_angle_at_another_rate_is_interpolated_over_the_time_both_share() {
         let mut run = trace();
         let slow = (0..100).map(|i| 0.02 * f64::from(i)).collect();
@@ -470,6 +519,8 @@ mod tests {
         assert!(matches!(reason(&clipped, 100.0), Unusable::Clipped(n) if n > 1000));
         let still = |run: &mut Trace| run.channels[1].samples = vec![0.3; 10_000];
         assert_eq!(reason(&still, 100.0), Unusable::AtRest);
+        let back = |run: &mut Trace| run.channels[1].samples[5000..].reverse();
+        assert_eq!(reason(&back, 100.0), Unusable::Reversed);
         let slow = |run: &mut Trace| run.channels[1].samples.iter_mut().for_each(|a| *a *= 0.1);
         assert!(matches!(
             reason(&slow, 100.0),

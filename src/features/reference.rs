@@ -13,7 +13,7 @@
 
 use super::record::{Record, RecordError, Unusable};
 use super::spectrum::gaussian_gain;
-use super::{Extractor, Settings, Statistics};
+use super::{Extractor, Settings, Statistics, Window};
 use crate::quantity::{RangeError, SampleRate, Seed};
 use crate::sensors::{SensorChain, Sensors};
 use crate::simulation::WheelState;
@@ -65,7 +65,7 @@ impl Reference {
     }
 
     /// The computed reference, corrected by `runs` on the reference terrain: one point for every
-    /// run, from all its windows.
+    /// speed, from all windows of its runs.
     ///
     /// # Errors
     /// [`ReferenceError`] where there are no runs, or one of them cannot be used.
@@ -82,7 +82,9 @@ impl Reference {
             return Err(ReferenceError::NoRuns);
         }
         corrections.sort_by(|a, b| a.log_lug_pass.total_cmp(&b.log_lug_pass));
-        Ok(Self { corrections })
+        Ok(Self {
+            corrections: merged(&corrections),
+        })
     }
 
     /// The computed reference passed through `sensors`, noise and all, on a wheel that turns at
@@ -99,9 +101,19 @@ impl Reference {
         if wheel_speeds.contains(&0.0) {
             return Err(ReferenceError::NoWindow(Unusable::AtRest));
         }
+        let lug_angle = wheel.lug_angle().unwrap_or(2.0 * PI);
+        // As long as the windows of runs: the sum of noise's amplitudes grows with a window.
+        let duration = |speed: f64| {
+            let pass = lug_angle / speed.abs();
+            let window = match settings.window {
+                Window::Seconds(length) => length,
+                Window::LugPasses(passes) => passes * pass,
+            };
+            (SENSED_PASSES * pass).max(SENSED_WINDOWS * window)
+        };
         let traces = wheel_speeds.iter().zip(0..);
         let traces: Result<Vec<Trace>, RangeError> = traces
-            .map(|(&speed, run)| sensed(wheel, sensors, speed, run))
+            .map(|(&speed, run)| sensed(wheel, sensors, [speed, duration(speed)], run))
             .collect();
         Self::measured(traces?, settings)
     }
@@ -131,6 +143,24 @@ impl Reference {
             (None, None) => [1.0; 4],
         }
     }
+}
+
+/// Ratio of lug-pass frequencies up to which runs on REF count as repeats.
+const REPEATS: f64 = 1.05;
+
+/// Repeats at one speed as their mean; `corrections` are in order.
+fn merged(corrections: &[Correction]) -> Vec<Correction> {
+    let near =
+        |a: &Correction, b: &Correction| b.log_lug_pass - a.log_lug_pass < libm::log(REPEATS);
+    let mean = |repeats: &[Correction]| {
+        let n = repeats.len() as f64;
+        let of = |f: &dyn Fn(&Correction) -> f64| repeats.iter().map(f).sum::<f64>() / n;
+        Correction {
+            log_lug_pass: of(&|point| point.log_lug_pass),
+            ratios: std::array::from_fn(|i| of(&|point| point.ratios[i])),
+        }
+    };
+    corrections.chunk_by(near).map(mean).collect()
 }
 
 /// How the windows of a run on REF compare with the computed reference, on average.
@@ -164,21 +194,20 @@ fn correction(extractor: &mut Extractor, record: &Record) -> Result<Correction, 
     })
 }
 
-/// Lug passes in a computed reference run [-].
+/// Lug passes and windows in a computed reference run [-], at least.
 const SENSED_PASSES: f64 = 6.0;
+const SENSED_WINDOWS: f64 = 2.0;
 /// Steps per second of such a run [Hz]: far above any bandwidth of features.
 const SENSED_RATE: f64 = 16_000.0;
 
-/// What `sensors` make of the computed reference at a steady `wheel_speed` [rad/s].
+/// What `sensors` make of the computed reference at a steady wheel speed [rad/s], for some time [s].
 fn sensed(
     wheel: &Wheel,
     sensors: &Sensors,
-    wheel_speed: f64,
+    [wheel_speed, duration]: [f64; 2],
     run: u64,
 ) -> Result<Trace, RangeError> {
     let rate = SampleRate::new(SENSED_RATE)?;
-    let lug_angle = wheel.lug_angle().unwrap_or(2.0 * PI);
-    let duration = SENSED_PASSES * lug_angle / wheel_speed.abs();
     let steps = (duration * rate.hertz()) as usize;
     let angle = |step: usize| wheel_speed * rate.period() * step as f64;
     let angles: Vec<f64> = (0..steps).map(angle).collect();
@@ -303,7 +332,7 @@ mod tests {
     fn record(wheel: Wheel, wheel_speed: f64, seconds: f64) -> Record {
         let angle = |i: u32| wheel_speed * f64::from(i) / 2000.0 + 0.03;
         let samples = (seconds * 2000.0) as u32;
-        let sensed = sensed(&wheel, &Sensors::default(), 0.5, 0).unwrap();
+        let sensed = sensed(&wheel, &Sensors::default(), [0.5, 3.0], 0).unwrap();
         let mut record = Record::of(&sensed).unwrap();
         record.angle = (0..samples).map(angle).collect();
         record
@@ -370,6 +399,17 @@ mod tests {
         let [slow, fast] = [0, 1].map(|i| reference.corrections[i].ratios[3]);
         // The noise alone has 1.3 times the mean square of the slow reference.
         assert!(slow > 1.2 && (fast - 1.0).abs() < 0.02, "{slow} {fast}");
+    }
+
+    #[test]
+    fn repeats_at_one_speed_count_as_their_mean() {
+        let point = |lug_pass: f64, ratio| Correction {
+            log_lug_pass: libm::log(lug_pass),
+            ratios: [ratio; 4],
+        };
+        let points = merged(&[point(0.1, 1.0), point(0.101, 2.0), point(0.2, 3.0)]);
+        let ratios: Vec<f64> = points.iter().map(|point| point.ratios[0]).collect();
+        assert_eq!(ratios, [1.5, 3.0]);
     }
 
     #[test]

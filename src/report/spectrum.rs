@@ -3,10 +3,10 @@
 //! Vibration of a lugged wheel is tied to its angle, not to time: at equal angle steps a lug-pass
 //! line stays sharp however the speed wavers.
 
-use crate::trace::Channel;
+use crate::trace::{Channel, unwrapped};
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Lug passes that a block needs: with fewer, Hann's main lobe (four lines wide) smears each
 /// harmonic of the lug pass into the next.
@@ -154,23 +154,6 @@ fn turning(wheel_angle: &Channel, signal: &Channel) -> Vec<[f64; 2]> {
         }
     }
     knots
-}
-
-/// The angle without its jumps of a whole turn.
-fn unwrapped(angles: &[f64]) -> Vec<f64> {
-    let mut offset = 0.0;
-    let mut before = angles[0];
-    angles
-        .iter()
-        .map(|&angle| {
-            let jump = angle - before;
-            if jump.abs() > PI {
-                offset -= TAU * (jump / TAU).round();
-            }
-            before = angle;
-            angle + offset
-        })
-        .collect()
 }
 
 /// The signal at `count` angles `step` [rad] apart.

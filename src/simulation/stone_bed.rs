@@ -72,7 +72,8 @@ impl BedRecipe {
     ///
     /// Stones of a pile or a layer lie in rows across the wheel's track (see
     /// [`crate::terrain::stones`]). A stone in soil lies alone: it is as deep as its diameter, and
-    /// soil bears it on that width only.
+    /// soil bears it on that width only. Its hole and its rut are as wide as the wheel all the same,
+    /// so that the soil beside a lone stone bears too little.
     pub fn depth(&self, stone: &PlacedStone) -> f64 {
         match self.laying {
             Laying::Embedded { .. } => stone.shape.diameter().min(self.width),

@@ -1,6 +1,6 @@
 //! The `[recognition]` of a study file: what tells the class of the windows, and over what.
 
-use super::{Study, in_one_line, load_scenario};
+use super::{RandomNumbers, Study, in_one_line, load_scenario};
 use crate::document::{Document, Misfit};
 use crate::features::{Settings, Window};
 use crate::recognition::Method;
@@ -127,6 +127,12 @@ fn check_baseline(study: &Study, key: &str) -> Result<(), String> {
             "`{key}` has one value, up to its sign; the baseline is trained on all values but one, so sweep two or more"
         ));
     }
+    if study.random_numbers == RandomNumbers::Common {
+        return Err(
+            "with `random_numbers = \"common\"` the baseline would be trained on the grounds it is tested on; make them \"independent\""
+                .to_owned(),
+        );
+    }
     if study.repeats < 2 {
         return Err(format!(
             "the baseline is also trained on all repeats but one; it needs `repeats` of 2 or more, got {}",
@@ -195,6 +201,11 @@ impl ReferenceRuns {
     /// Number of the run for a condition, from 0.
     pub(super) fn of_condition(&self, condition: u64) -> usize {
         self.of_condition[condition as usize]
+    }
+
+    /// The first condition of a run.
+    pub(super) fn first_condition(&self, number: usize) -> u64 {
+        self.first_conditions[number]
     }
 
     /// The scenario of a run.

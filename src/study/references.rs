@@ -67,7 +67,9 @@ impl<'s> References<'s> {
             Err(ExperimentError::Stopped) => return Err(NoRows::Stopped),
             Err(error) => return Ok(Err(error.to_string())),
         };
-        let reference = Reference::measured([&trace], self.recognition.settings(&scenario));
+        // Its windows are those of the runs, whatever its own scenario says.
+        let of_runs = self.study.scenario_of(runs.first_condition(number));
+        let reference = Reference::measured([&trace], self.recognition.settings(&of_runs));
         Ok(reference.map_err(|error| error.to_string()))
     }
 

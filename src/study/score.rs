@@ -53,7 +53,7 @@ pub struct RecognitionScore {
     pub lugs: Option<u32>,
     /// The features, scenario by scenario.
     pub features: Vec<FeaturesOfScenario>,
-    /// Every method against either class.
+    /// Every method against every kind of class.
     pub scores: Vec<MethodScore>,
 }
 

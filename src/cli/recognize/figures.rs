@@ -10,14 +10,15 @@ use lugwheel::report::{
 };
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::Trace;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Draws run after run, and in the end what they come to.
 pub struct Figures {
     folder: PathBuf,
     points: Vec<Point>,
-    /// Of the first run.
-    lugs: Option<u32>,
+    /// Numbers of lugs of the wheels.
+    lugs: BTreeSet<u32>,
     written: Vec<String>,
 }
 
@@ -35,14 +36,14 @@ impl Figures {
         Ok(Self {
             folder: folder.to_owned(),
             points: Vec::new(),
-            lugs: None,
+            lugs: BTreeSet::new(),
             written: Vec::new(),
         })
     }
 
     /// Draws a run and notes its windows.
     pub fn add(&mut self, id: &str, trace: &Trace, windows: &[Recognized]) -> anyhow::Result<()> {
-        self.lugs.get_or_insert(trace.attributes.lug_count);
+        self.lugs.insert(trace.attributes.lug_count);
         self.points.extend(windows.iter().filter_map(|window| {
             Some(Point {
                 p: *window.p.as_ref().ok()?,
@@ -60,8 +61,11 @@ impl Figures {
     /// Draws what the runs come to; the names of all figures.
     pub fn finish(mut self, confusion: &Confusion) -> anyhow::Result<Vec<String>> {
         let points = self.grouped();
-        if let (Some(lugs), false) = (self.lugs, points.is_empty()) {
+        if !points.is_empty() {
             self.write("feature_values.svg", &feature_values(&points))?;
+        }
+        // The regions go by the number of lugs: wheels of several have no planes in common.
+        if let (1, Some(&lugs), false) = (self.lugs.len(), self.lugs.first(), points.is_empty()) {
             self.write("feature_planes.svg", &feature_planes(&points, lugs))?;
         }
         if confusion.total() > 0 {

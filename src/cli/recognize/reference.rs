@@ -4,6 +4,7 @@ use super::Unfit;
 use lugwheel::dataset::hdf5::{RunFile, RunFileError};
 use lugwheel::features::Settings;
 use lugwheel::features::reference::{Reference, ReferenceError};
+use lugwheel::quantity::SlipRatio;
 use lugwheel::scenario::Scenario;
 use lugwheel::sensors::Sensors;
 use lugwheel::terrain::class::TerrainLabel;
@@ -108,7 +109,9 @@ fn reason(error: &ReferenceError) -> String {
 
 /// Commanded wheel speed [rad/s].
 fn wheel_speed(run: &RunAttributes) -> f64 {
-    run.speed / (run.wheel_radius * (1.0 - run.slip_ratio))
+    let slip = SlipRatio::new(run.slip_ratio).ok();
+    let speed = slip.and_then(|slip| slip.wheel_speed(run.wheel_radius, run.speed));
+    speed.unwrap_or(f64::NAN)
 }
 
 /// The speeds above 0, at least a factor [`APART`] from each other.

@@ -76,7 +76,7 @@ impl fmt::Display for RecognitionScore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} windows. Shares have Wilson's 95 % interval.",
+            "{} windows. Shares have Wilson's 95 % interval, which takes windows for independent.",
             self.windows
         )?;
         for score in &self.scores {
