@@ -422,7 +422,10 @@ fn an_estimate_predicts_measured_loads_of_smooth_and_lugged_wheels_as_table_7_do
 
 /// Steady points of a published study by wheel (`tests/data/ding2011/points.csv`), and its rim's radius.
 fn measured() -> Vec<(String, Vec<SteadyLoad>, f64)> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ding2011/points.csv");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/ding2011/points.csv"
+    );
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path(file)
