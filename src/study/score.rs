@@ -3,7 +3,7 @@
 //!
 //! Every method is scored against the class that the ground stands for, as the paper does, against
 //! the class that lugs and ground really had, and on the windows in which both are one. A trained
-//! [`baseline`](crate::recognition::baseline) is scored as two more methods:
+//! [`baseline`] is scored as two more methods:
 //!
 //! - `baseline_new`: every window is told by a classifier trained on the other values of its key,
 //!   `recognition.baseline.key`. Values that differ in sign are one, as a wheel in reverse has the
