@@ -29,3 +29,16 @@ pub mod reference;
 pub mod rolling;
 pub mod simplified;
 pub mod soft_ground;
+
+/// The wheel of the tests whose rim comes down between its lugs.
+#[cfg(test)]
+fn olig() -> crate::wheel::Wheel {
+    crate::wheel::Wheel {
+        lugs: Some(crate::wheel::Lugs {
+            count: 6,
+            height: 0.005,
+            thickness: 0.003,
+        }),
+        ..crate::wheel::Wheel::single_wheel()
+    }
+}

@@ -87,20 +87,8 @@ fn height_on(wheel: &Wheel, phi: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wheel::Lugs;
+    use crate::vibration::olig;
     use std::f64::consts::PI;
-
-    fn olig() -> Wheel {
-        let lugs = Some(Lugs {
-            count: 6,
-            height: 0.005,
-            thickness: 0.003,
-        });
-        Wheel {
-            lugs,
-            ..Wheel::single_wheel()
-        }
-    }
 
     #[test]
     fn the_lug_at_the_bottom_is_the_one_that_eq_6_names_also_in_reverse() {

@@ -62,20 +62,8 @@ pub fn acceleration_harmonic(wheel: &Wheel, order: u32, wheel_speed: f64) -> f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vibration::olig;
     use crate::vibration::{flat_ground, reference};
-    use crate::wheel::Lugs;
-
-    fn olig() -> Wheel {
-        let lugs = Some(Lugs {
-            count: 6,
-            height: 0.005,
-            thickness: 0.003,
-        });
-        Wheel {
-            lugs,
-            ..Wheel::single_wheel()
-        }
-    }
 
     #[test]
     fn the_series_sums_to_eq_10() {

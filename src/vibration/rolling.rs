@@ -222,20 +222,8 @@ mod tests {
     use crate::terrain::Roughness;
     use crate::terrain::profile::Profile;
     use crate::vibration::flat_ground;
-    use crate::wheel::Lugs;
+    use crate::vibration::olig;
     use std::f64::consts::TAU;
-
-    fn olig() -> Wheel {
-        let lugs = Some(Lugs {
-            count: 6,
-            height: 0.005,
-            thickness: 0.003,
-        });
-        Wheel {
-            lugs,
-            ..Wheel::single_wheel()
-        }
-    }
 
     fn angles(turns: f64, count: usize) -> Vec<f64> {
         (0..=count)

@@ -162,7 +162,7 @@ impl Serialize for Score {
 #[derive(Serialize)]
 struct ScoreFields {
     #[serde(skip_serializing_if = "Option::is_none")]
-    confusion: Option<BTreeMap<&'static str, BTreeMap<&'static str, u64>>>,
+    confusion: Option<Confusion>,
     #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -174,14 +174,8 @@ struct ScoreFields {
 impl ScoreFields {
     fn of(score: &Score) -> Self {
         let accuracy = score.confusion.accuracy();
-        let row = |counts: &[u64; 4]| {
-            let names = CLASSES.iter().map(|class| class.as_str());
-            names.zip(counts.iter().copied()).collect()
-        };
-        let rows = CLASSES.iter().zip(&score.confusion.counts);
-        let rows = rows.map(|(class, counts)| (class.as_str(), row(counts)));
         Self {
-            confusion: accuracy.map(|_| rows.collect()),
+            confusion: accuracy.map(|_| score.confusion),
             accuracy: accuracy.map(|share| share.value),
             accuracy_ci95: accuracy.map(|share| share.ci95),
             known_from: score.sources.clone(),
@@ -191,11 +185,7 @@ impl ScoreFields {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let method = match self.method {
-            Method::Paper => "paper",
-            Method::Improved => "improved",
-        };
-        writeln!(f, "{}, method {method}", self.file)?;
+        writeln!(f, "{}, method {}", self.file, self.method.as_str())?;
         writeln!(f, "reference: {}\n", self.reference)?;
         self.write_windows(f)?;
         for Skipped { run, reason } in &self.skipped {
