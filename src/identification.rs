@@ -30,7 +30,9 @@ mod least_squares;
 mod model;
 mod observation;
 mod parameter;
+mod plates;
 mod precision;
+mod prediction;
 mod profile;
 mod row;
 mod stages;
@@ -44,6 +46,8 @@ pub use force_error::ForceErrors;
 pub use known::Known;
 pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
+pub use plates::{PlateError, PlateFit};
+pub use prediction::{Predicted, Prediction, Predictor};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use stages::{Stage, Staged};
 pub use steady::{CALIBRATION, SteadyError, steady_loads};
@@ -58,7 +62,7 @@ use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
-use stages::ANGLES;
+use stages::{ANGLES, STRENGTHS};
 use weight::Scale;
 
 /// Why rows cannot be identified.
@@ -210,9 +214,7 @@ impl Identification {
     pub fn estimate(&self) -> Result<Estimate, IdentifyError> {
         let staged = self.staged();
         let joint = Joint::new(self.model, &self.rows);
-        let starts = self.starts(staged.as_ref());
-        let best = minimise_from(&joint, starts, &self.model.moved());
-        let best = best.ok_or(IdentifyError::NotFinite)?;
+        let best = self.best(&joint, staged.as_ref())?;
         let directions = Directions::new(&joint, &best.at, &self.model.free());
         let precision = self.precision(&joint, &best, &directions);
         let soil = self.model.soil(&best.at);
@@ -295,6 +297,73 @@ impl Identification {
         }
     }
 
+    /// The least of the minima that the starts lead to; of many more where the first ends at the
+    /// end of a range or misses the rows, as along the ridge that one load makes of `k_s` and
+    /// `n_0`.
+    fn best(&self, joint: &Joint, staged: Option<&Staged>) -> Result<Minimum, IdentifyError> {
+        let moved = self.model.moved();
+        let first = minimise_from(joint, self.starts(staged), &moved);
+        let first = first.ok_or(IdentifyError::NotFinite)?;
+        let freedom = joint.forces().saturating_sub(moved.len());
+        let missed = Precision::new(Scale::of(&self.rows).known, first.chi_square, freedom);
+        let held = |p: &Parameter| p.is_at_bound(first.at[*p as usize]);
+        if missed.misfit.is_none() && !moved.iter().any(held) {
+            return Ok(first);
+        }
+        let more = minimise_from(joint, self.more_starts(first.at), &moved);
+        Ok(more
+            .filter(|more| more.chi_square < first.chi_square)
+            .unwrap_or(first))
+    }
+
+    /// Starts with the angles of `at`, exponents from plates on loose to layered soils, and
+    /// strengths from loose to crusted sands.
+    fn more_starts(&self, at: Coordinates) -> Vec<Coordinates> {
+        const EXPONENTS: [f64; 4] = [0.3, 0.8, 1.3, 2.0];
+        let angles = ANGLES.map(|[c_1, c_2]| {
+            [
+                (Parameter::StressAngle, c_1),
+                (Parameter::StressAngleSlip, c_2),
+            ]
+        });
+        let mut starts = Vec::new();
+        for exponent in EXPONENTS {
+            for angles in angles {
+                for strength in STRENGTHS {
+                    let mut start = at;
+                    let shear = Stage::ShearStress.parameters().iter().copied();
+                    let set = angles.into_iter().chain(shear.zip(strength));
+                    for (parameter, value) in set.chain([(Parameter::SinkageExponent, exponent)]) {
+                        start[parameter as usize] = parameter.coordinate(value);
+                    }
+                    self.model.switch(&mut start);
+                    starts.push(self.with_pressure(start));
+                }
+            }
+        }
+        starts
+    }
+
+    /// `at` with the sinkage modulus that carries the mean load.
+    fn with_pressure(&self, mut at: Coordinates) -> Coordinates {
+        let modulus = Parameter::SinkageModulus;
+        if !self.model.moved().contains(&modulus) {
+            return at;
+        }
+        let soil = self.model.soil(&at);
+        let ratio =
+            |row: &SteadyLoad| row.load / self.model.contact(&at, row).loads(&soil).normal_force;
+        let logarithms = self
+            .rows
+            .iter()
+            .map(ratio)
+            .filter(|r| *r > 0.0)
+            .map(libm::log);
+        let sum: f64 = logarithms.sum();
+        at[modulus as usize] += sum / self.rows.len() as f64;
+        at
+    }
+
     /// Where the fit of all rows begins: at the stages' result, and at that of the later stages
     /// with the usual angles, for noise may lead the first stage far astray. Without torques, at
     /// the later stages' results for those torques that different angles leave.
@@ -360,6 +429,17 @@ impl Identification {
         } else {
             told(Standing::NotIdentifiable, standard_error, [None; 2])
         }
+    }
+
+    /// Standard deviation of a weighted residual [-].
+    fn scatter(&self, estimate: &Estimate, directions: &Directions) -> f64 {
+        let best = Minimum {
+            at: estimate.terrain.coordinates(),
+            chi_square: estimate.chi_square,
+            termination: estimate.termination,
+        };
+        let joint = Joint::new(self.model, &self.rows);
+        self.precision(&joint, &best, directions).sigma
     }
 
     fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {

@@ -143,7 +143,7 @@ impl Observation {
     /// The true slip and sinkage that explain the row best: Gauss and Newton's steps, halved
     /// while they do not help.
     fn truth(&self, model: &Model, at: &Coordinates, soil: &Soil) -> Truth {
-        const STEPS: u32 = 30;
+        const STEPS: u32 = 15;
         const HALVINGS: u32 = 12;
         let mut truth = Truth::default();
         if self.latent().next().is_none() {
@@ -162,8 +162,8 @@ impl Observation {
             let Some((trial, found)) = better else { break };
             let gained = dot(&residuals, &residuals) - dot(&found, &found);
             (truth, residuals) = (trial, found);
-            // Below rounding's share of the sum that the outer fit compares.
-            if gained < 1e-14 * (1.0 + dot(&residuals, &residuals)) {
+            // Below what the outer fit can tell of the sum.
+            if gained < 1e-12 * (1.0 + dot(&residuals, &residuals)) {
                 break;
             }
         }

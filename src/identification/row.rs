@@ -113,7 +113,8 @@ impl Setting {
         }
     }
 
-    fn offset(&self) -> f64 {
+    /// By how much the cylinder sinks deeper than the rim [m].
+    pub(super) fn offset(&self) -> f64 {
         match self.cylinder {
             Cylinder::Rim => 0.0,
             Cylinder::LugTips => self.lug_height,
@@ -128,14 +129,17 @@ impl Setting {
         self.known.checked()
     }
 
+    /// A `slip` [-] by the rim's radius as the cylinder sees it.
+    pub(super) fn slip_seen(&self, slip: f64) -> f64 {
+        match self.cylinder {
+            Cylinder::Rim => slip,
+            Cylinder::LugTips => Rolling::new(self.rim.radius, slip).slip_at(self.surface().radius),
+        }
+    }
+
     /// `row` as the cylinder sees it, once it is known to be whole.
     fn seen(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
-        let slip = match self.cylinder {
-            Cylinder::Rim => row.slip,
-            Cylinder::LugTips => {
-                Rolling::new(self.rim.radius, row.slip).slip_at(self.surface().radius)
-            }
-        };
+        let slip = self.slip_seen(row.slip);
         let sinkage = match class {
             Wtic::Leis => row.sinkage + self.offset(),
             _ => RIGID_SINKAGE,

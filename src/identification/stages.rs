@@ -52,6 +52,13 @@ impl Stage {
 /// The maximum-stress angles `[c_1, c_2]` [-] among which the first stage begins.
 pub(super) const ANGLES: [[f64; 2]; 3] = [[0.2, 0.2], [0.4, -0.5], [0.7, 0.0]];
 
+/// `c` [Pa], `φ` [°] and `K` [m] among which the third stage begins: sands from loose to crusted.
+pub(super) const STRENGTHS: [[f64; 3]; 3] = [
+    [100.0, 28.0, 0.005],
+    [1.0e3, 28.0, 0.02],
+    [10.0, 34.0, 0.001],
+];
+
 /// What the three stages, one after the other, make of the rows: the paper's result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Staged {
@@ -93,12 +100,7 @@ impl Equation<'_> {
         let others = match self.stage {
             Stage::Angles => ANGLES.map(|[c_1, c_2]| [c_1, c_2, 0.0]),
             Stage::NormalStress => return vec![self.logarithmic_solution(at).unwrap_or(at)],
-            // c [Pa], φ [°], K [m]: sands from loose to crusted.
-            Stage::ShearStress => [
-                [100.0, 28.0, 0.005],
-                [1.0e3, 28.0, 0.02],
-                [10.0, 34.0, 0.001],
-            ],
+            Stage::ShearStress => STRENGTHS,
         };
         let begun = others.map(|values| {
             let mut start = at;

@@ -38,10 +38,10 @@ pub const CALIBRATION: f64 = 0.01;
 /// A run of one condition gives one row. A quantity without a time series counts with its mean,
 /// slip and load without either as commanded. Uncertainties are those of the mean of eight blocks'
 /// means, or of a mean's samples taken as independent, and the [`CALIBRATION`]'s of the forces.
-/// Sinkage is not a number where the run lacks it.
+/// Sinkage and driving torque are not numbers where the run lacks them.
 ///
 /// # Errors
-/// `Missing` without drawbar pull, driving torque or load; `NeverSteady`.
+/// `Missing` without drawbar pull or load; `NeverSteady`.
 pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
     let intervals = match trace.channel("slip_ratio") {
         Some(slip) => plateaus(slip)?,
@@ -73,14 +73,14 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     let slip = known("slip_ratio").unwrap_or(commanded(trace.attributes.slip_ratio));
     let sinkage = known("sinkage").unwrap_or(commanded(f64::NAN));
     let drawbar_pull = needed("drawbar_pull")?;
-    let driving_torque = needed("driving_torque")?;
+    let driving_torque = known("driving_torque").unwrap_or(commanded(f64::NAN));
     let load = match known("normal_force") {
         Some(load) => load,
         None if trace.attributes.load > 0.0 => commanded(trace.attributes.load),
         None => return Err(SteadyError::Missing("normal_force")),
     };
     let [pull_sd, load_sd, torque_sd] = [drawbar_pull, load, driving_torque].map(Value::as_force);
-    // A force of exactly 0 has none.
+    // A force of exactly 0 has none. The least of numbers leaves a torque out that is none.
     let uncertainty = (pull_sd.min(load_sd).min(torque_sd) > 0.0).then_some(Uncertainty {
         slip: slip.sd,
         sinkage: sinkage.sd,
@@ -305,7 +305,7 @@ mod tests {
         };
         let mut trace = Trace::default();
         trace.attributes.slip_ratio = 0.3;
-        trace.means = vec![mean("drawbar_pull", 20.0), mean("driving_torque", 5.0)];
+        trace.means = vec![mean("drawbar_pull", 20.0)];
         let missing = steady_loads(&trace).unwrap_err().to_string();
         assert!(missing.starts_with("normal_force is missing"), "{missing}");
         trace.attributes.load = 80.0;
@@ -313,7 +313,9 @@ mod tests {
         assert_eq!((row.slip, row.load), (0.3, 80.0));
         // As commanded, to 1 %.
         assert!((row.uncertainty.unwrap().load - 0.8).abs() < 1e-12);
-        assert!(row.sinkage.is_nan());
+        assert!(row.sinkage.is_nan() && !row.has_torque());
+        trace.means.push(mean("driving_torque", 5.0));
+        assert_eq!(steady_loads(&trace).unwrap()[0].driving_torque, 5.0);
         trace.means.push(mean("normal_force", 81.0));
         let row = steady_loads(&trace).unwrap()[0];
         assert_eq!(row.load, 81.0);

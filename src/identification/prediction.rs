@@ -1,0 +1,359 @@
+//! What a wheel would sink, pull and need at a load and slip that were not measured.
+
+use super::directions::Directions;
+use super::estimate::Estimate;
+use super::model::Model;
+use super::observation::in_order;
+use super::parameter::Coordinates;
+use super::row::{RIGID_SINKAGE, SteadyLoad};
+use super::{Identification, joint::Joint};
+use crate::soil::wheel_load::WheelLoad;
+use crate::terrain::class::Wtic;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A predicted quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicted {
+    /// Its value.
+    pub value: f64,
+    /// Half-width of the interval that holds 95 % of new measurements; infinite where the rows
+    /// do not fix the quantity or leave no scatter to judge it by.
+    pub half_width: f64,
+}
+
+impl Predicted {
+    /// The interval that holds 95 % of new measurements.
+    pub fn interval(&self) -> [f64; 2] {
+        [self.value - self.half_width, self.value + self.half_width]
+    }
+
+    /// Whether the interval holds `value`.
+    pub fn covers(&self, value: f64) -> bool {
+        (value - self.value).abs() <= self.half_width
+    }
+}
+
+/// Sinkage, pull and torque at a load and slip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Sinkage `z` [m] of the rim; [`RIGID_SINKAGE`] where the class sets it.
+    pub sinkage: Predicted,
+    /// Drawbar pull `F_DP` [N].
+    pub drawbar_pull: Predicted,
+    /// Driving torque `T_D` [N·m].
+    pub driving_torque: Predicted,
+}
+
+/// Predicts from an estimate and the rows it was made of.
+///
+/// Eq. (62) is solved for the sinkage that carries the load, Eq. (63) and (64) then give pull and
+/// torque; where the class sets the sinkage, pull and torque are in proportion to the load. An
+/// interval is made of two parts: the parameters' covariance, and the scatter of the rows
+/// themselves about what would have been predicted for them.
+#[derive(Debug, Clone)]
+pub struct Predictor {
+    model: Model,
+    at: Coordinates,
+    directions: Directions,
+    /// Standard deviation of a weighted residual [-].
+    sigma: f64,
+    /// Quantile of a new measurement's error over its standard deviation [-].
+    quantile: f64,
+    /// Scatter of sinkage [m], pull [N] and torque [N·m] about predictions.
+    scatter: [f64; 3],
+}
+
+/// Sinkage, pull and torque at a load, with their slopes in every coordinate.
+struct Solution {
+    values: [f64; 3],
+    slopes: [[f64; 3]; 8],
+}
+
+impl Predictor {
+    /// `estimate` was made by `identification`.
+    pub fn new(identification: &Identification, estimate: &Estimate) -> Self {
+        let model = identification.model;
+        let rows = &identification.rows;
+        let at = estimate.terrain.coordinates();
+        let joint = Joint::new(model, rows);
+        let directions = Directions::new(&joint, &at, &model.free());
+        // The rows' errors are fitted by the parameters, a third of them in each channel.
+        let freedom = rows.len() as f64 - directions.rank() as f64 / 3.0;
+        Self {
+            model,
+            at,
+            sigma: identification.scatter(estimate, &directions),
+            directions,
+            quantile: quantile(freedom),
+            scatter: scatter(&model, &at, rows, freedom),
+        }
+    }
+
+    /// At a `load` [N] and `slip` [-] by the rim's radius; `None` where the soil does not carry
+    /// the load.
+    pub fn at(&self, load: f64, slip: f64) -> Option<Prediction> {
+        let slip = self.model.setting.slip_seen(slip);
+        let solution = solve(&self.model, &self.at, load, slip)?;
+        let predicted = |channel: usize| {
+            let function = self
+                .directions
+                .function(|parameter| solution.slopes[parameter as usize][channel]);
+            let variance = self.directions.covariance(&function, &function);
+            let sd = variance.map_or(f64::INFINITY, |v| self.sigma * libm::sqrt(v));
+            Predicted {
+                value: solution.values[channel],
+                half_width: self.quantile * libm::hypot(sd, self.scatter[channel]),
+            }
+        };
+        let mut sinkage = predicted(0);
+        if self.model.class == Wtic::Leis {
+            sinkage.value -= self.model.setting.offset();
+        }
+        Some(Prediction {
+            sinkage,
+            drawbar_pull: predicted(1),
+            driving_torque: predicted(2),
+        })
+    }
+}
+
+/// 97.5 % quantile of Student's t; infinite without a degree of freedom.
+fn quantile(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+/// Root mean square, per degree of freedom, of the rows' errors about what is predicted for them.
+fn scatter(model: &Model, at: &Coordinates, rows: &[SteadyLoad], freedom: f64) -> [f64; 3] {
+    let mut squares = [0.0; 3];
+    for row in rows {
+        let Some(solution) = solve(model, at, row.load, row.slip) else {
+            return [f64::INFINITY; 3];
+        };
+        let measured = [row.sinkage, row.drawbar_pull, row.driving_torque];
+        for ((square, value), measured) in squares.iter_mut().zip(solution.values).zip(measured) {
+            *square += (value - measured) * (value - measured);
+        }
+    }
+    squares.map(|square| match square {
+        _ if freedom <= 0.0 => f64::INFINITY,
+        // Not measured: no more is known than the parameters say.
+        square if square.is_nan() => 0.0,
+        square => libm::sqrt(square / freedom),
+    })
+}
+
+/// Loads under a wheel sunk to what carries `load`, and how they follow the parameters.
+fn solve(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solution> {
+    match model.class {
+        Wtic::Leis => sunk(model, at, load, slip),
+        _ => Some(on_top(model, at, load, slip)),
+    }
+}
+
+/// A row that says no more than where a wheel rolls.
+fn place(sinkage: f64, slip: f64) -> SteadyLoad {
+    SteadyLoad {
+        slip,
+        sinkage,
+        drawbar_pull: f64::NAN,
+        load: f64::NAN,
+        driving_torque: f64::NAN,
+        uncertainty: None,
+    }
+}
+
+fn sunk(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solution> {
+    let soil = model.soil(at);
+    let loads = |log_sinkage: f64| {
+        let row = place(libm::exp(log_sinkage), slip);
+        model.contact(at, &row).loads(&soil)
+    };
+    let log_sinkage = first_root(|x| loads(x).normal_force - load, model.surface().radius)?;
+    let row = place(libm::exp(log_sinkage), slip);
+    let here = loads(log_sinkage);
+    // Central difference: relative rounding of 1e-13 over 1e-5.
+    const STEP: f64 = 1e-5;
+    let change = loads(log_sinkage + STEP) + loads(log_sinkage - STEP) * -1.0;
+    let by_sinkage = change * (0.5 / STEP);
+    // The load stays: what a parameter adds to it, the sinkage takes away.
+    let slopes = in_order(model.contact(at, &row).load_gradient(&soil)).map(|by| {
+        let log_sinkage = -by.normal_force / by_sinkage.normal_force;
+        let WheelLoad {
+            drawbar_pull,
+            driving_torque,
+            ..
+        } = by + by_sinkage * log_sinkage;
+        [row.sinkage * log_sinkage, drawbar_pull, driving_torque]
+    });
+    Some(Solution {
+        values: [row.sinkage, here.drawbar_pull, here.driving_torque],
+        slopes,
+    })
+}
+
+fn on_top(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Solution {
+    let soil = model.soil(at);
+    let contact = model.contact(at, &place(RIGID_SINKAGE, slip));
+    let here = contact.loads(&soil);
+    let part = load / here.normal_force;
+    let slopes = in_order(contact.load_gradient(&soil)).map(|by| {
+        let of_load = by.normal_force / here.normal_force;
+        let scaled = |by: f64, value: f64| part * (by - of_load * value);
+        [
+            0.0,
+            scaled(by.drawbar_pull, here.drawbar_pull),
+            scaled(by.driving_torque, here.driving_torque),
+        ]
+    });
+    Solution {
+        values: [
+            RIGID_SINKAGE,
+            part * here.drawbar_pull,
+            part * here.driving_torque,
+        ],
+        slopes,
+    }
+}
+
+/// The least sinkage, as a logarithm, at which `surplus` passes from below 0; `None` where it does
+/// not up to the axle.
+fn first_root(surplus: impl Fn(f64) -> f64, radius: f64) -> Option<f64> {
+    const PARTS: u32 = 80;
+    let [from, to] = [libm::log(RIGID_SINKAGE), libm::log(radius)];
+    let edge = |part: u32| from + (to - from) * f64::from(part) / f64::from(PARTS);
+    let mut low = from;
+    let high = (1..=PARTS).map(edge).find(|&high| {
+        let crossed = surplus(low) < 0.0 && surplus(high) >= 0.0;
+        if !crossed {
+            low = high;
+        }
+        crossed
+    })?;
+    let mut ends = [low, high];
+    // 2^-50 of a part is below rounding.
+    for _ in 0..50 {
+        let middle = 0.5 * (ends[0] + ends[1]);
+        ends[usize::from(surplus(middle) >= 0.0)] = middle;
+    }
+    Some(0.5 * (ends[0] + ends[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::{Known, Parameter, Setting, identify};
+    use crate::soil::closed_form::{self, Rim};
+    use crate::soil::table_6;
+    use crate::soil::wheel_load::sinkage_at;
+    use crate::wheel::Wheel;
+
+    const SLIPS: [f64; 6] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6];
+
+    fn smooth() -> Wheel {
+        Wheel {
+            lugs: None,
+            ..Wheel::rover()
+        }
+    }
+
+    fn row(load: f64, slip: f64) -> SteadyLoad {
+        let sand = table_6::sand();
+        let sinkage = sinkage_at(&smooth(), &sand, load, slip).unwrap();
+        let loads = closed_form::loads(Rim::from(&smooth()), &sand, sinkage, slip);
+        SteadyLoad {
+            slip,
+            sinkage,
+            drawbar_pull: loads.drawbar_pull,
+            load: loads.normal_force,
+            driving_torque: loads.driving_torque,
+            uncertainty: None,
+        }
+    }
+
+    fn rows(loads: &[f64]) -> Vec<SteadyLoad> {
+        let rows = loads
+            .iter()
+            .flat_map(|&load| SLIPS.map(|slip| row(load, slip)));
+        rows.collect()
+    }
+
+    fn setting() -> Setting {
+        Setting::new(Rim::from(&smooth()))
+    }
+
+    fn predictor(rows: &[SteadyLoad], setting: &Setting) -> Predictor {
+        let identification = Identification::new(rows, Wtic::Leis, setting).unwrap();
+        Predictor::new(&identification, &identification.estimate().unwrap())
+    }
+
+    #[test]
+    fn loads_without_noise_foretell_a_load_and_a_slip_that_were_left_out() {
+        let predictor = predictor(&rows(&[60.0, 200.0]), &setting());
+        let found = predictor.at(109.0, 0.25).unwrap();
+        let truth = row(109.0, 0.25);
+        let close = |found: Predicted, truth: f64| (found.value / truth - 1.0).abs() < 1e-4;
+        assert!(close(found.sinkage, truth.sinkage), "{found:?}");
+        assert!(close(found.drawbar_pull, truth.drawbar_pull), "{found:?}");
+        assert!(
+            close(found.driving_torque, truth.driving_torque),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn slopes_of_a_prediction_are_those_of_its_values() {
+        let predictor = predictor(&rows(&[60.0, 200.0]), &setting());
+        let solved = |at: &Coordinates| sunk(&predictor.model, at, 109.0, 0.25).unwrap();
+        let here = solved(&predictor.at);
+        for parameter in Parameter::ALL {
+            let moved = |step: f64| {
+                let mut at = predictor.at;
+                at[parameter as usize] += step;
+                solved(&at).values
+            };
+            let (high, low) = (moved(1e-5), moved(-1e-5));
+            for channel in 0..3 {
+                let slope = (high[channel] - low[channel]) / 2e-5;
+                let claimed = here.slopes[parameter as usize][channel];
+                let size = slope.abs().max(1e-3 * here.values[channel].abs());
+                assert!(
+                    (claimed - slope).abs() < 1e-3 * size,
+                    "{}: {claimed}, not {slope}",
+                    parameter.name()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_prediction_far_from_the_rows_is_less_sure_and_a_soil_too_soft_gives_none() {
+        let mut rows = rows(&[60.0, 200.0]);
+        for (index, row) in rows.iter_mut().enumerate() {
+            row.drawbar_pull += if index % 3 == 0 { 1.0 } else { -0.5 };
+        }
+        let predictor = predictor(&rows, &setting());
+        let half = |load: f64| predictor.at(load, 0.3).unwrap().drawbar_pull.half_width;
+        assert!(half(1000.0) > 2.0 * half(120.0));
+        assert_eq!(predictor.at(1e6, 0.3), None);
+    }
+
+    #[test]
+    fn loads_and_pulls_alone_give_back_what_they_fix_where_plates_gave_the_rest() {
+        let truth = table_6::sand();
+        let known = Known::default()
+            .with(Parameter::SinkageModulus, truth.frictional_modulus)
+            .with(Parameter::SinkageExponent, truth.sinkage_exponent);
+        let setting = Setting { known, ..setting() };
+        let mut rows = rows(&[60.0, 109.0, 200.0]);
+        rows.iter_mut()
+            .for_each(|row| row.driving_torque = f64::NAN);
+        let estimate = identify(&rows, Wtic::Leis, &setting).unwrap();
+        let phi = estimate.terrain.friction_angle_deg;
+        assert!((phi / truth.friction_angle_deg - 1.0).abs() < 1e-3, "{phi}");
+        assert_eq!(estimate.staged, None);
+        assert_eq!(estimate.force_errors.driving_torque, None);
+        let predicted = predictor(&rows, &setting).at(109.0, 0.25).unwrap();
+        let torque = row(109.0, 0.25).driving_torque;
+        assert!((predicted.driving_torque.value / torque - 1.0).abs() < 1e-3);
+    }
+}
