@@ -57,7 +57,7 @@ use crate::quantity::RangeError;
 use crate::terrain::class::Wtic;
 use directions::Directions;
 use joint::Joint;
-use least_squares::{Minimum, minimise_from};
+use least_squares::{Minimum, Residuals, minimise_from};
 use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
@@ -310,7 +310,8 @@ impl Identification {
         if missed.misfit.is_none() && !moved.iter().any(held) {
             return Ok(first);
         }
-        let more = minimise_from(joint, self.more_starts(first.at), &moved);
+        let nearest = nearest(joint, self.more_starts(first.at));
+        let more = minimise_from(joint, nearest, &moved);
         Ok(more
             .filter(|more| more.chi_square < first.chi_square)
             .unwrap_or(first))
@@ -446,6 +447,16 @@ impl Identification {
         let freedom = joint.forces().saturating_sub(directions.rank());
         Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
     }
+}
+
+/// The few starts that explain the rows best as they are.
+fn nearest(joint: &Joint, starts: Vec<Coordinates>) -> impl Iterator<Item = Coordinates> {
+    const DESCENTS: usize = 4;
+    let square = |at: &Coordinates| joint.residuals(at).iter().map(|r| r * r).sum::<f64>();
+    let mut ranked: Vec<(f64, Coordinates)> =
+        starts.into_iter().map(|at| (square(&at), at)).collect();
+    ranked.sort_by(|one, other| one.0.total_cmp(&other.0));
+    ranked.into_iter().take(DESCENTS).map(|(_, at)| at)
 }
 
 /// # Errors
