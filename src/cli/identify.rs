@@ -11,12 +11,13 @@ use super::progress::Progress;
 use super::recognize::{chosen, write_figure};
 use clap::{Args, ValueEnum};
 use class::Teller;
-use group::{Fit, Groups, LeftOut};
+use group::{Fit, Groups, LeftOut, Run};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::Cylinder;
 use lugwheel::report::force_curves;
 use lugwheel::terrain::class::Wtic;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use summary::{Report, Summary};
 
 /// Find the terrain's parameters from steady loads, slip and sinkage
@@ -28,14 +29,14 @@ use summary::{Report, Summary};
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Identify {
-    /// Run file, simulated or measured
-    #[arg(value_name = "FILE.h5")]
-    file: PathBuf,
+    /// Run files, simulated or measured; runs of several are fitted together
+    #[arg(value_name = "FILE.h5", required = true)]
+    files: Vec<PathBuf>,
     /// How the lugs met the ground, which chooses the model; auto recognises it run by run, or
     /// takes the run's label where that fails
     #[arg(long, value_enum, default_value_t = ClassName::Auto, ignore_case = true)]
     class: ClassName,
-    /// Only this run; may be given several times
+    /// Only this run of every file; may be given several times
     #[arg(long, value_name = "ID")]
     run: Vec<String>,
     #[command(flatten)]
@@ -59,6 +60,7 @@ pub struct Convention {
 const EXAMPLES: &str = "\
 Examples:
   lugwheel identify measured.h5
+  lugwheel identify slip_01.h5 slip_02.h5 slip_04.h5
   lugwheel identify runs.h5 --class LEIS --run run_000003 --run run_000004
   lugwheel identify runs.h5 --cylinder lug-tips --out output/parameters --json
 
@@ -118,37 +120,65 @@ fn exit_angle(text: &str) -> Result<f64, String> {
     Err("it has to be in [-1, 0]".to_owned())
 }
 
-/// A file none of whose runs gives parameters.
+/// Files none of whose runs gives parameters.
 #[derive(Debug, thiserror::Error)]
-#[error("no terrain parameters from {}; {}", path.display(), text::reasons(left_out))]
+#[error("no terrain parameters from {files}; {}", text::reasons(left_out))]
 pub struct NothingIdentified {
-    path: PathBuf,
+    files: String,
     left_out: Vec<LeftOut>,
 }
 
 impl Identify {
     /// Identifies the parameters and says what they are.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let file = RunFile::open(&self.file)?;
-        let runs = chosen(&file, &self.run)?;
+        let runs = self.runs()?;
         let mut teller = Teller::new(self.class.given())?;
         let mut groups = Groups::default();
         let progress = Progress::of_runs(output, "identify", runs.len());
-        for id in &runs {
+        for run in &runs {
             interrupt::check()?;
-            groups.add(&file, id, &mut teller);
+            groups.add(run, &mut teller);
             progress.advance(1.0);
         }
         let (fits, left_out) = groups.fit(&self.convention);
         drop(progress);
         if fits.is_empty() {
-            let path = self.file.clone();
-            return Err(NothingIdentified { path, left_out }.into());
+            let files = self.file_names();
+            return Err(NothingIdentified { files, left_out }.into());
         }
         let figures = self.out.as_deref().map(|folder| draw(folder, &fits));
         let figures = figures.transpose()?.unwrap_or_default();
         let reports = fits.iter().map(Report::of).collect();
-        output.print(&Summary::new(file.path(), reports, left_out, figures))
+        output.print(&Summary::new(self.file_names(), reports, left_out, figures))
+    }
+
+    /// The runs asked for, file after file.
+    fn runs(&self) -> anyhow::Result<Vec<Run>> {
+        let mut runs = Vec::new();
+        for path in &self.files {
+            let file = Rc::new(RunFile::open(path)?);
+            let chosen = chosen(&file, &self.run)?.into_iter();
+            runs.extend(chosen.map(|id| Run {
+                name: match self.files.len() {
+                    1 => id.clone(),
+                    _ => format!("{}:{id}", path.display()),
+                },
+                file: Rc::clone(&file),
+                id,
+            }));
+        }
+        Ok(runs)
+    }
+
+    /// The files by name; the first and last of many.
+    fn file_names(&self) -> String {
+        let names: Vec<String> = self.files.iter().map(|f| f.display().to_string()).collect();
+        match &names[..] {
+            [first, .., last] if names.len() > 3 => {
+                format!("{} files from {first} to {last}", names.len())
+            }
+            few => few.join(", "),
+        }
     }
 }
 

@@ -11,11 +11,23 @@ use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::RunAttributes;
 use serde::Serialize;
 use std::fmt;
+use std::rc::Rc;
+
+/// A run of a file.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What it is called in results: its id, and the file's name where there are several.
+    pub name: String,
+    /// Its file.
+    pub file: Rc<RunFile>,
+    /// Its id there.
+    pub id: String,
+}
 
 /// A run that gives nothing, and why.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
-    /// Its id.
+    /// Its name.
     pub run: String,
     /// Why.
     pub reason: String,
@@ -92,7 +104,7 @@ impl fmt::Display for WheelOfRun {
 /// A run and its rows.
 #[derive(Debug, Clone)]
 pub struct Rows {
-    /// Its id.
+    /// Its name.
     pub run: String,
     /// Who told its class.
     pub told: Told,
@@ -139,23 +151,23 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Takes a run of `file`. One that cannot be read, classed or cut into rows is left out with
-    /// its reason.
-    pub fn add(&mut self, file: &RunFile, id: &str, teller: &mut Teller) {
-        if let Err(reason) = self.take(file, id, teller) {
-            let run = id.to_owned();
+    /// Takes a run. One that cannot be read, classed or cut into rows is left out with its reason.
+    pub fn add(&mut self, run: &Run, teller: &mut Teller) {
+        if let Err(reason) = self.take(run, teller) {
+            let run = run.name.clone();
             self.left_out.push(LeftOut { run, reason });
         }
     }
 
-    fn take(&mut self, file: &RunFile, id: &str, teller: &mut Teller) -> Result<(), String> {
-        let trace = file.read(id).map_err(|error| error.to_string())?;
+    fn take(&mut self, run: &Run, teller: &mut Teller) -> Result<(), String> {
+        let trace = run.file.read(&run.id);
+        let trace = trace.map_err(|error| error.to_string())?;
         let rows = steady_loads(&trace).map_err(|error| error.to_string())?;
         let told = teller.tell(&trace)?;
         let wheel = WheelOfRun::of(&trace.attributes);
         let class = told.class;
         let run = Rows {
-            run: id.to_owned(),
+            run: run.name.clone(),
             told,
             terrain: trace.attributes.terrain,
             rows,

@@ -10,7 +10,6 @@ use lugwheel::soil::wheel_load::WheelLoad;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use serde::{Serialize, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// The parameters in the order in which they are told.
 const ORDER: [Parameter; 8] = [
@@ -27,11 +26,11 @@ const ORDER: [Parameter; 8] = [
 /// Share of a run's windows [-] below which its rows may come from several grounds.
 const CLEAR: f64 = 0.9;
 
-/// What a file gave: for machines an object, or a list of several.
+/// What files gave: for machines an object, or a list of several.
 #[derive(Debug)]
 pub struct Summary {
-    /// The file.
-    pub file: String,
+    /// The files by name.
+    pub files: String,
     /// One for each class and wheel.
     pub reports: Vec<Report>,
     /// Runs that gave nothing, and why.
@@ -39,9 +38,9 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// What came of a file; `figures` in the order of the reports, or none.
+    /// What came of files; `figures` in the order of the reports, or none.
     pub fn new(
-        file: &Path,
+        files: String,
         reports: Vec<Report>,
         left_out: Vec<LeftOut>,
         figures: Vec<String>,
@@ -54,7 +53,7 @@ impl Summary {
             report.left_out.clone_from(&left_out);
         }
         Self {
-            file: file.display().to_string(),
+            files,
             reports,
             left_out,
         }
@@ -102,7 +101,7 @@ pub struct Report {
     pub chi_square: f64,
     /// Measured forces less directions that they fix.
     pub degrees_of_freedom: usize,
-    /// Runs of the file that are in no fit.
+    /// Runs that are in no fit.
     pub left_out: Vec<LeftOut>,
     /// The drawing, where one was asked for.
     pub figure: Option<String>,
@@ -120,7 +119,7 @@ pub struct SettingTold {
 /// A run used.
 #[derive(Debug, Serialize)]
 pub struct RunTold {
-    /// Its id.
+    /// Its name.
     pub run: String,
     /// Its ground, where the file says.
     pub terrain: Option<TerrainLabel>,

@@ -52,7 +52,7 @@ fn named(runs: &[&str]) -> String {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.file)?;
+        writeln!(f, "{}", self.files)?;
         for report in &self.reports {
             writeln!(f, "\n{report}")?;
         }
