@@ -26,8 +26,10 @@ mod estimate;
 mod fitted;
 mod force_error;
 mod joint;
+mod known;
 mod least_squares;
 mod model;
+mod observation;
 mod parameter;
 mod precision;
 mod profile;
@@ -40,6 +42,7 @@ mod weight;
 pub use combination::Combination;
 pub use estimate::{Estimate, Identified, Standing};
 pub use force_error::ForceErrors;
+pub use known::Known;
 pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
@@ -56,6 +59,7 @@ use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
+use stages::ANGLES;
 use weight::Scale;
 
 /// Why rows cannot be identified.
@@ -99,6 +103,18 @@ pub enum IdentifyError {
          it is known otherwise"
     )]
     UnknownClass,
+    /// No row has a torque, and there are fewer forces than parameters.
+    #[error(
+        "without driving torque {needed} rows or more are needed for class {class}, got {given}"
+    )]
+    TooFewPulls {
+        /// The class.
+        class: Wtic,
+        /// Rows needed.
+        needed: usize,
+        /// Rows given.
+        given: usize,
+    },
     /// The equations gave no finite number from any start.
     #[error("the equations give no finite loads for these rows: check their units")]
     NotFinite,
@@ -152,7 +168,8 @@ const START: TerrainParameters = TerrainParameters {
 impl Identification {
     /// # Errors
     /// `UnknownClass` for [`Wtic::Uwtic`]; `Setting` and `Row` for numbers out of range, the row
-    /// counted from 1; `TooFewRows` for a stage with fewer rows than parameters; `OneSlip`.
+    /// counted from 1; `TooFewRows` for a stage with fewer rows than parameters, `TooFewPulls`
+    /// without torques; `OneSlip`.
     pub fn new(rows: &[SteadyLoad], class: Wtic, setting: &Setting) -> Result<Self, IdentifyError> {
         if class == Wtic::Uwtic {
             return Err(IdentifyError::UnknownClass);
@@ -162,17 +179,10 @@ impl Identification {
             setting: *setting,
         };
         let rows = row::seen(rows, class, setting)?;
-        for stage in Stage::ALL {
-            let given = model.rows_of(stage, &rows).len();
-            let needed = model.moved_among(stage.parameters()).len();
-            if given < needed {
-                return Err(IdentifyError::TooFewRows {
-                    stage,
-                    class,
-                    needed,
-                    given,
-                });
-            }
+        if rows[0].has_torque() {
+            enough_for_stages(&model, &rows)?;
+        } else {
+            enough_without_torque(&model, &rows)?;
         }
         let slip = rows[0].slip;
         if rows.iter().all(|row| (row.slip - slip).abs() < SAME_SLIP) {
@@ -181,13 +191,17 @@ impl Identification {
         Ok(Self { model, rows })
     }
 
-    /// The paper's three stages, one after the other.
-    pub fn staged(&self) -> Staged {
-        let (at, terminations) = self.stages();
-        Staged {
-            parameters: TerrainParameters::at(&at),
-            terminations,
-        }
+    /// The paper's three stages, one after the other; `None` without torques, which all three
+    /// need.
+    pub fn staged(&self) -> Option<Staged> {
+        self.rows[0].has_torque().then(|| {
+            let mut at = self.start();
+            let terminations = Stage::ALL.map(|stage| self.advance(stage, &self.rows, &mut at));
+            Staged {
+                parameters: TerrainParameters::at(&at),
+                terminations,
+            }
+        })
     }
 
     /// The stages, then all rows and channels at once, with intervals from the covariance.
@@ -195,9 +209,11 @@ impl Identification {
     /// # Errors
     /// `NotFinite` where the equations give no finite loads.
     pub fn estimate(&self) -> Result<Estimate, IdentifyError> {
-        let (start, terminations) = self.stages();
-        let joint = Joint::new(self.model, &self.rows, &start);
-        let best = self.best(&joint, start).ok_or(IdentifyError::NotFinite)?;
+        let staged = self.staged();
+        let joint = Joint::new(self.model, &self.rows);
+        let starts = self.starts(staged.as_ref());
+        let best = minimise_from(&joint, starts, &self.model.moved());
+        let best = best.ok_or(IdentifyError::NotFinite)?;
         let directions = Directions::new(&joint, &best.at, &self.model.free());
         let precision = self.precision(&joint, &best, &directions);
         let soil = self.model.soil(&best.at);
@@ -205,13 +221,10 @@ impl Identification {
             class: self.model.class,
             terrain: TerrainParameters::at(&best.at),
             parameters: Parameter::ALL
-                .map(|parameter| identified(parameter, &best.at, &directions, precision)),
+                .map(|parameter| self.identified(parameter, &best.at, &directions, precision)),
             correlation: correlation(&directions),
             combinations: Vec::new(),
-            staged: Staged {
-                parameters: TerrainParameters::at(&start),
-                terminations,
-            },
+            staged,
             force_errors: ForceErrors::new(&self.model, &soil, &self.rows),
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
@@ -225,8 +238,7 @@ impl Identification {
     /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
     /// parameter whose profile says nothing useful is then no longer identified.
     pub fn profile(&self, estimate: &mut Estimate) {
-        let start = estimate.staged.parameters.coordinates();
-        let joint = Joint::new(self.model, &self.rows, &start);
+        let joint = Joint::new(self.model, &self.rows);
         let best = Minimum {
             at: estimate.terrain.coordinates(),
             chi_square: estimate.chi_square,
@@ -241,7 +253,7 @@ impl Identification {
             limit: precision.limit(),
         };
         for identified in &mut estimate.parameters {
-            if identified.standing != Standing::SetByClass {
+            if directions.free().contains(&identified.parameter) {
                 profile.complete(identified);
             }
         }
@@ -274,14 +286,8 @@ impl Identification {
         start
     }
 
-    fn stages(&self) -> (Coordinates, [Termination; 3]) {
-        let mut at = self.start();
-        let terminations = Stage::ALL.map(|stage| self.advance(stage, &mut at));
-        (at, terminations)
-    }
-
-    fn advance(&self, stage: Stage, at: &mut Coordinates) -> Termination {
-        match stages::run(stage, &self.model, &self.rows, *at) {
+    fn advance(&self, stage: Stage, rows: &[SteadyLoad], at: &mut Coordinates) -> Termination {
+        match stages::run(stage, &self.model, rows, *at) {
             Some(minimum) => {
                 *at = minimum.at;
                 minimum.termination
@@ -290,55 +296,109 @@ impl Identification {
         }
     }
 
-    /// The better of the fits from the stages' result, and from the later stages with the start's
-    /// angles: noise may lead the first stage far astray.
-    fn best(&self, joint: &Joint, staged: Coordinates) -> Option<Minimum> {
-        let mut usual = self.start();
-        for stage in [Stage::NormalStress, Stage::ShearStress] {
-            self.advance(stage, &mut usual);
+    /// Where the fit of all rows begins: at the stages' result, and at that of the later stages
+    /// with the usual angles, for noise may lead the first stage far astray. Without torques, at
+    /// the later stages' results for those torques that different angles leave.
+    fn starts(&self, staged: Option<&Staged>) -> Vec<Coordinates> {
+        let usual = self.start();
+        if let Some(staged) = staged {
+            let begun = staged.parameters.coordinates();
+            return vec![begun, self.later_stages(&self.rows, usual)];
         }
-        minimise_from(joint, [staged, usual], &self.model.moved())
+        let angles = ANGLES.map(|[c_1, c_2]| {
+            let mut at = usual;
+            at[Parameter::StressAngle as usize] = c_1;
+            at[Parameter::StressAngleSlip as usize] = c_2;
+            self.model.switch(&mut at);
+            at
+        });
+        let begun = angles.into_iter().chain([usual]).map(|at| {
+            let torque = |row| self.model.with_torque(&at, row);
+            let rows: Vec<SteadyLoad> = self.rows.iter().map(torque).collect();
+            self.later_stages(&rows, at)
+        });
+        begun.collect()
+    }
+
+    fn later_stages(&self, rows: &[SteadyLoad], mut at: Coordinates) -> Coordinates {
+        for stage in [Stage::NormalStress, Stage::ShearStress] {
+            self.advance(stage, rows, &mut at);
+        }
+        at
+    }
+
+    /// What the data say of one parameter.
+    fn identified(
+        &self,
+        parameter: Parameter,
+        at: &Coordinates,
+        directions: &Directions,
+        precision: Precision,
+    ) -> Identified {
+        let coordinate = at[parameter as usize];
+        let value = parameter.value(coordinate);
+        let told = |standing, standard_error, interval| Identified {
+            parameter,
+            value,
+            standing,
+            standard_error,
+            interval,
+            profile: None,
+        };
+        if let Some(standing) = self.model.standing(parameter) {
+            return told(standing, 0.0, [Some(value); 2]);
+        }
+        let unit = directions.function(unit(parameter));
+        let deviation = directions
+            .covariance(&unit, &unit)
+            .map_or(f64::INFINITY, libm::sqrt);
+        let half = precision.reach() * deviation;
+        let standard_error = precision.sigma * deviation;
+        if half <= parameter.uninformative() {
+            let ends = [coordinate - half, coordinate + half];
+            let interval = ends.map(|end| Some(parameter.value(end)));
+            told(Standing::Identified, standard_error, interval)
+        } else {
+            told(Standing::NotIdentifiable, standard_error, [None; 2])
+        }
     }
 
     fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {
-        let freedom = joint.observations().saturating_sub(directions.rank());
+        let freedom = joint.forces().saturating_sub(directions.rank());
         Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
     }
 }
 
-/// What the data say of one parameter.
-fn identified(
-    parameter: Parameter,
-    at: &Coordinates,
-    directions: &Directions,
-    precision: Precision,
-) -> Identified {
-    let coordinate = at[parameter as usize];
-    let value = parameter.value(coordinate);
-    let told = |standing, standard_error, interval| Identified {
-        parameter,
-        value,
-        standing,
-        standard_error,
-        interval,
-        profile: None,
-    };
-    if !directions.free().contains(&parameter) {
-        return told(Standing::SetByClass, 0.0, [Some(value); 2]);
+/// # Errors
+/// `TooFewRows` for the first stage that cannot be fitted.
+fn enough_for_stages(model: &Model, rows: &[SteadyLoad]) -> Result<(), IdentifyError> {
+    for stage in Stage::ALL {
+        let given = model.rows_of(stage, rows).len();
+        let needed = model.moved_among(stage.parameters()).len();
+        if given < needed {
+            return Err(IdentifyError::TooFewRows {
+                stage,
+                class: model.class,
+                needed,
+                given,
+            });
+        }
     }
-    let unit = directions.function(unit(parameter));
-    let deviation = directions
-        .covariance(&unit, &unit)
-        .map_or(f64::INFINITY, libm::sqrt);
-    let half = precision.reach() * deviation;
-    let standard_error = precision.sigma * deviation;
-    if half <= parameter.uninformative() {
-        let ends = [coordinate - half, coordinate + half];
-        let interval = ends.map(|end| Some(parameter.value(end)));
-        told(Standing::Identified, standard_error, interval)
-    } else {
-        told(Standing::NotIdentifiable, standard_error, [None; 2])
+    Ok(())
+}
+
+/// # Errors
+/// `TooFewPulls` where loads and pulls are fewer than parameters.
+fn enough_without_torque(model: &Model, rows: &[SteadyLoad]) -> Result<(), IdentifyError> {
+    let needed = model.moved().len().div_ceil(2);
+    if rows.len() >= needed {
+        return Ok(());
     }
+    Err(IdentifyError::TooFewPulls {
+        class: model.class,
+        needed,
+        given: rows.len(),
+    })
 }
 
 /// The linear function that is one parameter itself.
@@ -425,7 +485,7 @@ mod tests {
         let rows = sand(&SLIPS, &[60.0, 109.0, 200.0]);
         let identification = Identification::new(&rows, Wtic::Leis, &setting()).unwrap();
         let truth = identification.estimate().unwrap().terrain.coordinates();
-        let joint = Joint::new(identification.model, &identification.rows, &truth);
+        let joint = Joint::new(identification.model, &identification.rows);
         let mut rng = Seed(1).rng("starts", 0);
         let mut agree = 0;
         for _ in 0..100 {

@@ -387,7 +387,7 @@ fn the_papers_stages_alone_give_loads_without_noise_back() {
     for terrain in [HARD, GRAVEL, SAND] {
         let rows = terrain.rows(&LOADS[1..2]);
         let identification = Identification::new(&rows, terrain.class, &setting()).unwrap();
-        let staged = identification.staged();
+        let staged = identification.staged().unwrap();
         assert!(staged.terminations.iter().all(|t| t.is_minimum()));
         let phi = staged.parameters.friction_angle_deg;
         let error = phi / terrain.truth.friction_angle_deg - 1.0;

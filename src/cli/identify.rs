@@ -13,7 +13,8 @@ use clap::{Args, ValueEnum};
 use class::Teller;
 use group::{Fit, Groups, LeftOut, Run};
 use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::identification::Cylinder;
+use lugwheel::identification::{Cylinder, Known, Parameter};
+use lugwheel::quantity::RangeError;
 use lugwheel::report::force_curves;
 use lugwheel::terrain::class::Wtic;
 use std::path::{Path, PathBuf};
@@ -55,6 +56,21 @@ pub struct Convention {
     /// Exit angle coefficient c3 [-], from -1 to 0, which is stated and not fitted
     #[arg(long, value_name = "C3", default_value_t = 0.0, allow_negative_numbers = true, value_parser = exit_angle)]
     exit_angle: f64,
+    /// A parameter measured otherwise, which is not fitted: k_s, n0, n1, c1, c2, c, phi or K in the
+    /// unit of the result; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = known)]
+    known: Vec<(Parameter, f64)>,
+}
+
+impl Convention {
+    /// The parameters that are not fitted.
+    fn known(&self) -> Known {
+        let none = Known::default();
+        let known = self.known.iter();
+        known.fold(none, |known, (parameter, value)| {
+            known.with(*parameter, *value)
+        })
+    }
 }
 
 const EXAMPLES: &str = "\
@@ -62,6 +78,7 @@ Examples:
   lugwheel identify measured.h5
   lugwheel identify slip_01.h5 slip_02.h5 slip_04.h5
   lugwheel identify runs.h5 --class LEIS --run run_000003 --run run_000004
+  lugwheel identify measured.h5 --known phi=31.9 --known K=0.0114
   lugwheel identify runs.h5 --cylinder lug-tips --out output/parameters --json
 
 Classes: ALCT (all lugs touch: c = K = 0), SLCT (some do: c = 0), LEIS (lugs enter soil: all
@@ -118,6 +135,24 @@ fn exit_angle(text: &str) -> Result<f64, String> {
         return Ok(value);
     }
     Err("it has to be in [-1, 0]".to_owned())
+}
+
+fn known(text: &str) -> Result<(Parameter, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE")?;
+    let parameter = Parameter::ALL.into_iter().find(|of| of.name() == name);
+    let parameter = parameter.ok_or_else(|| {
+        let names = Parameter::ALL.map(Parameter::name).join(", ");
+        format!("there is no parameter {name:?}; there are {names}")
+    })?;
+    let value: f64 = value.parse().map_err(|_| {
+        format!(
+            "{value:?} is no number; give {name} in {}",
+            parameter.unit()
+        )
+    })?;
+    RangeError::check(parameter.name(), parameter.unit(), value, parameter.range())
+        .map(|value| (parameter, value))
+        .map_err(|error| error.to_string())
 }
 
 /// Files none of whose runs gives parameters.

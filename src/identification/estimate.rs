@@ -17,6 +17,8 @@ pub enum Standing {
     NotIdentifiable,
     /// The class sets it (Table 4).
     SetByClass,
+    /// It was [known](super::Known) before.
+    Given,
 }
 
 /// One parameter of an estimate.
@@ -69,8 +71,9 @@ pub struct Estimate {
     pub correlation: Vec<Vec<Option<f64>>>,
     /// What the rows fix of the parameters that they do not fix one by one.
     pub combinations: Vec<Combination>,
-    /// The paper's result from three stages, from which this one began.
-    pub staged: Staged,
+    /// The paper's result from three stages, from which this one began; `None` without torques,
+    /// which all three need.
+    pub staged: Option<Staged>,
     /// Errors of the loads predicted.
     pub force_errors: ForceErrors,
     /// Sum of squared weighted residuals [-].

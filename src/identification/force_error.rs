@@ -1,7 +1,7 @@
 //! Relative errors of the loads predicted (Table 7).
 
-use super::joint::measured;
 use super::model::Model;
+use super::observation::measured;
 use super::row::{self, SteadyLoad};
 use crate::soil::Soil;
 use crate::soil::closed_form;
@@ -12,7 +12,7 @@ use crate::soil::wheel_load::WheelLoad;
 /// The paper does not say how it computes Table 7. Here it is the mean size of the error over the
 /// mean size of the measured values, which a value near 0 does not upset; on hard ground (ALCT)
 /// without the rows at slip 0 for pull and torque, as in the paper's Fig. 25b. `None` where no
-/// row is left or all its values are 0.
+/// row is left, all its values are 0, or the channel was not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceErrors {
     /// Of the drawbar pull.
@@ -31,6 +31,9 @@ impl ForceErrors {
                 let at = (row.sinkage, row.slip);
                 let predicted = closed_form::loads(model.surface(), soil, at.0, at.1);
                 let value = channel(&measured(row));
+                if value.is_nan() {
+                    return None;
+                }
                 missed += (channel(&predicted) - value).abs();
                 size += value.abs();
             }

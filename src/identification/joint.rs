@@ -1,85 +1,44 @@
-//! All rows and three channels at once (Eq. 62-64).
+//! All rows and channels at once (Eq. 62-64).
 
 use super::least_squares::Residuals;
 use super::model::Model;
+use super::observation::Observation;
 use super::parameter::Coordinates;
 use super::row::SteadyLoad;
-use super::weight::{Scale, Whitener};
-use crate::soil::closed_form::gradient::LoadGradient;
-use crate::soil::wheel_load::WheelLoad;
+use super::weight::Scale;
 
-/// The rows' loads against Eq. (62)-(64).
+/// The rows' loads, slip and sinkage against Eq. (62)-(64).
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
     model: Model,
-    rows: Vec<(SteadyLoad, Whitener)>,
+    rows: Vec<Observation>,
 }
 
 impl Joint {
-    /// The uncertainties of slip and sinkage reach the forces by the model's slopes at `at`.
-    pub fn new(model: Model, rows: &[SteadyLoad], at: &Coordinates) -> Self {
+    pub fn new(model: Model, rows: &[SteadyLoad]) -> Self {
         let scale = Scale::of(rows);
-        let weighed = |row: &SteadyLoad| (*row, Whitener::new(&model, at, row, scale));
+        let observed = |row: &SteadyLoad| Observation::new(&model, row, scale.of_row(row));
         Self {
-            rows: rows.iter().map(weighed).collect(),
+            rows: rows.iter().map(observed).collect(),
             model,
         }
     }
 
     /// Number of measured forces that count.
-    pub fn observations(&self) -> usize {
-        let channels = self.rows.iter().map(|(_, whitener)| whitener.channels());
-        channels.sum()
+    pub fn forces(&self) -> usize {
+        self.rows.iter().map(Observation::forces).sum()
     }
 }
 
 impl Residuals for Joint {
     fn residuals(&self, at: &Coordinates) -> Vec<f64> {
-        let soil = self.model.soil(at);
-        let mut residuals = Vec::with_capacity(3 * self.rows.len());
-        for (row, whitener) in &self.rows {
-            let predicted = self.model.contact(at, row).loads(&soil);
-            residuals.extend(whitener.whiten(predicted + measured(row) * -1.0));
-        }
-        residuals
+        let rows = self.rows.iter();
+        rows.flat_map(|row| row.residuals(&self.model, at))
+            .collect()
     }
 
     fn gradient(&self, at: &Coordinates) -> Vec<Coordinates> {
-        let soil = self.model.soil(at);
-        let mut gradient = Vec::with_capacity(3 * self.rows.len());
-        for (row, whitener) in &self.rows {
-            let first = gradient.len();
-            gradient.resize(first + whitener.channels(), [0.0; 8]);
-            let by = in_order(self.model.contact(at, row).load_gradient(&soil));
-            for (coordinate, derivative) in by.into_iter().enumerate() {
-                for (channel, value) in whitener.whiten(derivative).enumerate() {
-                    gradient[first + channel][coordinate] = value;
-                }
-            }
-        }
-        gradient
+        let rows = self.rows.iter();
+        rows.flat_map(|row| row.gradient(&self.model, at)).collect()
     }
-}
-
-/// The loads of a row.
-pub(super) fn measured(row: &SteadyLoad) -> WheelLoad {
-    WheelLoad {
-        normal_force: row.load,
-        drawbar_pull: row.drawbar_pull,
-        driving_torque: row.driving_torque,
-    }
-}
-
-/// Derivatives in the order of the coordinates.
-fn in_order(gradient: LoadGradient) -> [WheelLoad; 8] {
-    [
-        gradient.stress_angle,
-        gradient.stress_angle_slip,
-        gradient.log_sinkage_modulus,
-        gradient.sinkage_exponent,
-        gradient.sinkage_exponent_slip,
-        gradient.log_cohesion,
-        gradient.friction_angle,
-        gradient.log_shear_modulus,
-    ]
 }

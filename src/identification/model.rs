@@ -1,9 +1,10 @@
 //! The terramechanics model switched by class (Table 4), in the coordinates of the fit.
 
+use super::estimate::Standing;
 use super::parameter::{Coordinates, Parameter, TerrainParameters};
 use super::row::{self, Setting, SteadyLoad};
 use super::stages::Stage;
-use crate::soil::closed_form::{Rim, RimContact};
+use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact};
 use crate::soil::contact::{ContactAngles, entry_angle};
 use crate::soil::{Soil, StressConvention};
 use crate::terrain::class::Wtic;
@@ -40,19 +41,30 @@ impl Model {
         self.setting.surface()
     }
 
-    /// The parameters that the class leaves free.
+    /// The parameters that are fitted: neither set by the class nor known.
     pub fn free(&self) -> Vec<Parameter> {
         self.free_among(&Parameter::ALL)
     }
 
     fn free_among(&self, parameters: &[Parameter]) -> Vec<Parameter> {
         let free = parameters.iter().copied();
-        free.filter(|parameter| parameter.is_free(self.class))
+        free.filter(|&parameter| self.standing(parameter).is_none())
             .collect()
     }
 
-    /// Sets what the class sets (Table 4): `c` and `K` to 0.
+    /// How a parameter that is not fitted came by its value; what the class sets comes before what
+    /// is known otherwise.
+    pub fn standing(&self, parameter: Parameter) -> Option<Standing> {
+        if !parameter.is_free(self.class) {
+            return Some(Standing::SetByClass);
+        }
+        let known = self.setting.known.get(parameter);
+        known.map(|_| Standing::Given)
+    }
+
+    /// Sets what is known otherwise, and what the class sets (Table 4): `c` and `K` to 0.
     pub fn switch(&self, at: &mut Coordinates) {
+        self.setting.known.put(at);
         for parameter in Parameter::ALL {
             if !parameter.is_free(self.class) {
                 at[parameter as usize] = f64::NEG_INFINITY;
@@ -83,6 +95,15 @@ impl Model {
     pub fn rows_of(&self, stage: Stage, rows: &[SteadyLoad]) -> Vec<SteadyLoad> {
         let used = |row: &&SteadyLoad| stage != Stage::ShearStress || row::slips(row, self.class);
         rows.iter().filter(used).copied().collect()
+    }
+
+    /// `row` with the torque that its pull and load leave, the peak being at `at` (Eq. 73).
+    pub fn with_torque(&self, at: &Coordinates, row: &SteadyLoad) -> SteadyLoad {
+        let arc = ArcCoefficients::from(self.contact(at, row).angles);
+        SteadyLoad {
+            driving_torque: self.surface().radius * arc.rim_force(row.load, row.drawbar_pull),
+            ..*row
+        }
     }
 
     /// The soil at `at`.

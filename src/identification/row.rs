@@ -1,6 +1,7 @@
 //! What the identification reads: one row of loads per steady interval, and on which wheel.
 
 use super::IdentifyError;
+use super::known::Known;
 use crate::quantity::RangeError;
 use crate::soil::closed_form::Rim;
 use crate::soil::wheel_load::Rolling;
@@ -26,7 +27,7 @@ pub struct SteadyLoad {
     pub drawbar_pull: f64,
     /// Vertical load `W` [N].
     pub load: f64,
-    /// Driving torque `T_D` [N·m].
+    /// Driving torque `T_D` [N·m]; not a number in every row where the rig does not measure it.
     pub driving_torque: f64,
     /// Standard uncertainties, where they are known.
     pub uncertainty: Option<Uncertainty>,
@@ -43,8 +44,15 @@ pub struct Uncertainty {
     pub drawbar_pull: f64,
     /// Of the load [N].
     pub load: f64,
-    /// Of the driving torque [N·m].
+    /// Of the driving torque [N·m]; any where the row has none.
     pub driving_torque: f64,
+}
+
+impl SteadyLoad {
+    /// Whether the row has a torque.
+    pub fn has_torque(&self) -> bool {
+        !self.driving_torque.is_nan()
+    }
 }
 
 /// Which cylinder stands for the lugged wheel.
@@ -69,6 +77,8 @@ pub struct Setting {
     /// Exit angle coefficient `c_3` [-], which the paper does not list: stated, not fitted. 0
     /// unless it is known better.
     pub exit_angle: f64,
+    /// Parameters measured otherwise, which are not fitted.
+    pub known: Known,
 }
 
 impl Setting {
@@ -79,6 +89,7 @@ impl Setting {
             lug_height: 0.0,
             cylinder: Cylinder::Rim,
             exit_angle: 0.0,
+            known: Known::default(),
         }
     }
 
@@ -114,7 +125,7 @@ impl Setting {
         RangeError::positive("wheel width", "m", self.rim.width)?;
         RangeError::check("lug height", "m", self.lug_height, [0.0, self.rim.radius])?;
         RangeError::check("exit angle coefficient", "-", self.exit_angle, [-1.0, 0.0])?;
-        Ok(())
+        self.known.checked()
     }
 
     /// `row` as the cylinder sees it, once it is known to be whole.
@@ -137,16 +148,19 @@ impl Setting {
         }
     }
 
-    fn check_row(&self, row: &SteadyLoad, class: Wtic) -> Result<(), RangeError> {
+    /// Checks a row of a set in which torques are `measured` or not.
+    fn check_row(&self, row: &SteadyLoad, class: Wtic, measured: bool) -> Result<(), RangeError> {
         RangeError::check("slip ratio", "-", row.slip, [-1.0, 1.0])?;
         if class == Wtic::Leis {
             self.check_sinkage(row.sinkage)?;
         }
         finite("drawbar pull", "N", row.drawbar_pull)?;
         RangeError::positive("load", "N", row.load)?;
-        finite("driving torque", "N·m", row.driving_torque)?;
+        if measured {
+            finite("driving torque", "N·m", row.driving_torque)?;
+        }
         let uncertainty = row.uncertainty.map(|u| u.of_seen(class));
-        uncertainty.map_or(Ok(()), |uncertainty| uncertainty.checked())
+        uncertainty.map_or(Ok(()), |uncertainty| uncertainty.checked(measured))
     }
 
     fn check_sinkage(&self, sinkage: f64) -> Result<(), RangeError> {
@@ -174,13 +188,15 @@ impl Uncertainty {
         Self { sinkage, ..self }
     }
 
-    fn checked(&self) -> Result<(), RangeError> {
+    fn checked(&self, torque: bool) -> Result<(), RangeError> {
         not_negative("uncertainty of the slip ratio", "-", self.slip)?;
         not_negative("uncertainty of the sinkage", "m", self.sinkage)?;
         RangeError::positive("uncertainty of the drawbar pull", "N", self.drawbar_pull)?;
         RangeError::positive("uncertainty of the load", "N", self.load)?;
-        let torque = self.driving_torque;
-        RangeError::positive("uncertainty of the driving torque", "N·m", torque)?;
+        if torque {
+            let sd = self.driving_torque;
+            RangeError::positive("uncertainty of the driving torque", "N·m", sd)?;
+        }
         Ok(())
     }
 }
@@ -221,8 +237,9 @@ pub(super) fn seen(
     setting: &Setting,
 ) -> Result<Vec<SteadyLoad>, IdentifyError> {
     setting.checked().map_err(IdentifyError::Setting)?;
+    let measured = rows.iter().any(SteadyLoad::has_torque);
     let seen = rows.iter().enumerate().map(|(index, row)| {
-        let checked = setting.check_row(row, class);
+        let checked = setting.check_row(row, class, measured);
         checked.map_err(|reason| IdentifyError::Row {
             row: index + 1,
             reason,

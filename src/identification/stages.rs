@@ -49,6 +49,9 @@ impl Stage {
     }
 }
 
+/// The maximum-stress angles `[c_1, c_2]` [-] among which the first stage begins.
+pub(super) const ANGLES: [[f64; 2]; 3] = [[0.2, 0.2], [0.4, -0.5], [0.7, 0.0]];
+
 /// What the three stages, one after the other, make of the rows: the paper's result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Staged {
@@ -88,7 +91,7 @@ impl Equation<'_> {
     /// Where the stage begins, `at` first.
     fn starts(&self, at: Coordinates) -> Vec<Coordinates> {
         let others = match self.stage {
-            Stage::Angles => [[0.2, 0.2, 0.0], [0.4, -0.5, 0.0], [0.7, 0.0, 0.0]],
+            Stage::Angles => ANGLES.map(|[c_1, c_2]| [c_1, c_2, 0.0]),
             Stage::NormalStress => return vec![self.logarithmic_solution(at).unwrap_or(at)],
             // c [Pa], φ [°], K [m]: sands from loose to crusted.
             Stage::ShearStress => [
@@ -114,7 +117,7 @@ impl Equation<'_> {
     fn logarithmic_solution(&self, at: Coordinates) -> Option<Coordinates> {
         let points = self.pressures(&at);
         let moved = self.model.moved_among(Stage::NormalStress.parameters());
-        if points.len() < moved.len() {
+        if points.len() < moved.len() || moved.is_empty() {
             return None;
         }
         let slope = |point: &LogPressure, parameter: Parameter| match parameter {
@@ -122,19 +125,15 @@ impl Equation<'_> {
             Parameter::SinkageExponent => point.sinkage,
             _ => point.sinkage * point.slip,
         };
+        let kept = |point: &LogPressure| -> f64 {
+            let parameters = Stage::NormalStress.parameters().iter();
+            let kept = parameters.filter(|parameter| !moved.contains(parameter));
+            kept.map(|&p| at[p as usize] * slope(point, p)).sum()
+        };
         let design = DMatrix::from_fn(points.len(), moved.len(), |row, column| {
             slope(&points[row], moved[column])
         });
-        // One sinkage for all rows does not split k_s z^n0: the exponent then stays where it is.
-        let exponent = Parameter::SinkageExponent;
-        let kept = if moved.contains(&exponent) {
-            0.0
-        } else {
-            at[exponent as usize]
-        };
-        let target = points
-            .iter()
-            .map(|point| point.pressure - kept * point.sinkage);
+        let target = points.iter().map(|point| point.pressure - kept(point));
         let target = DVector::from_iterator(points.len(), target);
         let solution = design.svd(true, true).solve(&target, 1e-10).ok()?;
         let mut found = at;

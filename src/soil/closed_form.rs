@@ -83,6 +83,13 @@ impl ArcCoefficients {
         (a * a + b * b) / (a * c) * rim_force - b / a * normal_force
     }
 
+    /// Tangential force at the rim `M_R/r` [N] that goes with a `normal_force` and a
+    /// `drawbar_pull` [N], whatever the soil's strength (Eq. 73 solved for it).
+    pub fn rim_force(&self, normal_force: f64, drawbar_pull: f64) -> f64 {
+        let Self { a, b, c } = *self;
+        (a * drawbar_pull + b * normal_force) * c / (a * a + b * b)
+    }
+
     /// Normal force [N] from the pressure force `r b k_s zᴺ` [N] and the tangential force at the
     /// rim `M_R/r` [N] (Eq. 74).
     pub fn normal_force(&self, pressure_force: f64, rim_force: f64) -> f64 {

@@ -80,6 +80,7 @@ impl WheelOfRun {
             lug_height: self.lug_height_m,
             cylinder: convention.cylinder.cylinder(),
             exit_angle: convention.exit_angle,
+            known: convention.known(),
             ..Setting::new(lugwheel::soil::closed_form::Rim {
                 radius: self.radius_m,
                 width: self.width_m,
@@ -247,7 +248,7 @@ impl Group {
     fn refusal(&self, error: &IdentifyError) -> String {
         let way_out = match error {
             IdentifyError::Setting(_) => "; state the wheel in the campaign and import it again",
-            IdentifyError::TooFewRows { .. } => {
+            IdentifyError::TooFewRows { .. } | IdentifyError::TooFewPulls { .. } => {
                 "; a row is a stretch of steady slip: add runs at other slips or loads"
             }
             _ => "",

@@ -93,8 +93,8 @@ pub struct Report {
     pub correlation: Correlation,
     /// Errors of the forces that the parameters give back.
     pub force_error_percent: Forces<Option<f64>>,
-    /// What the paper's three stages gave.
-    pub staged: StagedTold,
+    /// What the paper's three stages gave; none without torques.
+    pub staged: Option<StagedTold>,
     /// Why the fit stopped.
     pub termination: &'static str,
     /// Sum of squared weighted residuals [-].
@@ -273,10 +273,10 @@ impl Report {
                 load: estimate.force_errors.load,
                 driving_torque: estimate.force_errors.driving_torque,
             },
-            staged: StagedTold {
-                parameters: estimate.staged.parameters,
-                terminations: estimate.staged.terminations.map(termination),
-            },
+            staged: estimate.staged.map(|staged| StagedTold {
+                parameters: staged.parameters,
+                terminations: staged.terminations.map(termination),
+            }),
             termination: termination(estimate.termination),
             chi_square: estimate.chi_square,
             degrees_of_freedom: estimate.degrees_of_freedom,
@@ -324,6 +324,7 @@ fn parameter_told(identified: &Identified) -> ParameterTold {
             Standing::Identified => "identified",
             Standing::NotIdentifiable => "not_identifiable",
             Standing::SetByClass => "set_by_class",
+            Standing::Given => "given",
         },
     }
 }

@@ -250,7 +250,7 @@ fn counted(count: usize, what: &str) -> String {
 
 fn interval(told: &ParameterTold) -> String {
     match told.standing {
-        "set_by_class" => "-".to_owned(),
+        "set_by_class" | "given" => "-".to_owned(),
         _ => match told.ci95 {
             [None, None] => "unbounded".to_owned(),
             ends => {

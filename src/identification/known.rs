@@ -1,0 +1,54 @@
+//! Parameters that are measured otherwise than by the rows.
+
+use super::parameter::{Coordinates, Parameter};
+use crate::quantity::RangeError;
+
+/// Values of parameters that are not fitted: from plates, a shear box, or another wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Known([Option<f64>; Parameter::ALL.len()]);
+
+impl Known {
+    /// These and `parameter` at `value`, in its [`unit`](Parameter::unit).
+    #[must_use]
+    pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
+        self.0[parameter as usize] = Some(value);
+        self
+    }
+
+    /// The value of `parameter`, in its [`unit`](Parameter::unit), where it is known.
+    pub fn get(&self, parameter: Parameter) -> Option<f64> {
+        self.0[parameter as usize]
+    }
+
+    /// # Errors
+    /// `RangeError` for the first value outside the [range](Parameter::range) of its parameter.
+    pub(super) fn checked(&self) -> Result<(), RangeError> {
+        for parameter in Parameter::ALL {
+            if let Some(value) = self.get(parameter) {
+                RangeError::check(parameter.name(), parameter.unit(), value, parameter.range())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the known values at their coordinates.
+    pub(super) fn put(&self, at: &mut Coordinates) {
+        for parameter in Parameter::ALL {
+            if let Some(value) = self.get(parameter) {
+                at[parameter as usize] = parameter.coordinate(value);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_out_of_its_range_is_refused_by_name() {
+        let known = Known::default().with(Parameter::ShearModulus, 11.4);
+        let message = known.checked().unwrap_err().to_string();
+        assert!(message.starts_with("K [m] must be in"), "{message}");
+    }
+}
