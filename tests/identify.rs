@@ -12,6 +12,7 @@ use lugwheel::trace::{Channel, Mean, RunAttributes, Trace, unit_of};
 use lugwheel::wheel::Wheel;
 use serde_json::Value;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 use tempfile::TempDir;
@@ -94,13 +95,16 @@ fn mean<'t>(trace: &'t mut Trace, name: &str) -> &'t mut f64 {
 /// A folder with these runs in `runs.h5`.
 fn folder(runs: &[(String, Trace)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("runs.h5");
-    let mut file = RunFileWriter::create(&path, &Provenance::measured()).unwrap();
+    write(&folder.path().join("runs.h5"), runs);
+    folder
+}
+
+fn write(path: &Path, runs: &[(String, Trace)]) {
+    let mut file = RunFileWriter::create(path, &Provenance::measured()).unwrap();
     for (id, trace) in runs {
         file.add(id, trace).unwrap();
     }
     file.finish().unwrap();
-    folder
 }
 
 fn lugwheel(folder: &TempDir, command: &str, words: &str) -> Output {
@@ -220,6 +224,14 @@ fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() 
             );
         }
         assert!(warned(one, "at_bound"), "{}", one["warnings"]);
+        let combinations = one["combinations"].as_array().unwrap();
+        let pressure = combinations
+            .iter()
+            .find(|combination| combination["name"] == "k_s z^(n0 + n1 s)")
+            .unwrap();
+        let high = pressure["ci95"][1].as_f64().unwrap() / pressure["value"].as_f64().unwrap();
+        // The README says "to a tenth".
+        assert!((1.0..1.13).contains(&high), "{pressure}");
     }
     let said = done(identify(&folder, ""));
     let [warning, table, errors] =
@@ -275,6 +287,59 @@ fn the_circle_through_the_lugs_and_an_exit_angle_change_the_answer_and_are_told(
     assert_eq!(tips["setting"]["exit_angle"], -0.2);
     let k_s = [&rim, &tips].map(|found| found["parameters"]["k_s"]["value"].as_f64().unwrap());
     assert!((k_s[1] / k_s[0] - 1.0).abs() > 0.01, "{k_s:?}");
+}
+
+#[test]
+fn a_known_parameter_is_not_fitted_and_fixes_what_it_was_mixed_up_with() {
+    // One load leaves k_s, n0, n1 and c open.
+    let folder = folder(&campaign()[8..16]);
+    let standing = |found: &Value, name: &str| found["parameters"][name]["standing"].clone();
+    let alone = json(&folder, "");
+    assert_eq!(standing(&alone, "k_s"), "not_identifiable");
+    let found = json(&folder, "--known n0=0.8169 --known c=308.6");
+    assert_eq!(found["parameters"]["n0"]["value"], 0.8169);
+    assert_eq!(standing(&found, "n0"), "given");
+    assert_eq!(standing(&found, "c"), "given");
+    assert_eq!(standing(&found, "k_s"), "identified");
+    let k_s = found["parameters"]["k_s"]["value"].as_f64().unwrap();
+    assert!((k_s / 2.4904e6 - 1.0).abs() < 1e-3, "{k_s}");
+    let hard = json(&folder, "--class ALCT --known c=308.6");
+    assert_eq!(standing(&hard, "c"), "set_by_class");
+    assert!(warned(&hard, "known_not_used"), "{}", hard["warnings"]);
+}
+
+#[test]
+fn runs_of_several_files_are_fitted_together_and_named_with_their_file() {
+    let runs = campaign();
+    let folder = folder(&runs[..12]);
+    let path = folder.path().join("more.h5");
+    write(&path, &runs[12..]);
+    let text = done(identify(&folder, "more.h5 --json"));
+    let found: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(found["runs"].as_array().unwrap().len(), 24);
+    assert_eq!(found["runs"][0]["run"], "runs.h5:p00");
+    assert_eq!(found["runs"][12]["run"], "more.h5:p12");
+    let together = json(&self::folder(&runs), "");
+    assert_eq!(found["parameters"], together["parameters"]);
+    refused(&folder, "none.h5", 3, &["none.h5"]);
+}
+
+#[test]
+fn the_commands_of_the_readme_work() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let after = readme.split("<!-- identify -->\n```sh\n").nth(1).unwrap();
+    let commands = after.split("```").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for command in commands.lines() {
+        let words = command.strip_prefix("lugwheel ").unwrap();
+        let data = root.join("tests/data").display().to_string();
+        let words = words.replace("tests/data", &data);
+        let (name, words) = words.split_once(' ').unwrap();
+        done(lugwheel(&folder, name, words));
+    }
+    assert_eq!(commands.lines().count(), 3);
+    assert!(folder.path().join("figures/forces_LEIS_2.svg").exists());
 }
 
 /// What is wrong with a run, and what is said of it.
@@ -406,6 +471,25 @@ fn wrong_usage_exits_with_2_and_no_runs_with_3() {
     refused(&folder, "--cylinder square", 2, &["lug-tips"]);
     refused(&folder, "--exit-angle 0.2", 2, &["in [-1, 0]"]);
     refused(&folder, "--exit-angle x", 2, &["give a number"]);
+    refused(&folder, "--known phi", 2, &["NAME=VALUE"]);
+    refused(
+        &folder,
+        "--known psi=30",
+        2,
+        &["\"psi\"", "c1, c2, k_s, n0, n1, c, phi, K"],
+    );
+    refused(
+        &folder,
+        "--known phi=steep",
+        2,
+        &["\"steep\" is no number", "in deg"],
+    );
+    refused(
+        &folder,
+        "--known K=11.4",
+        2,
+        &["K [m] must be in", "got 11.4"],
+    );
     refused(&folder, "", 3, &["has no runs"]);
     refused(&folder, "--run x", 3, &["has no runs"]);
 }

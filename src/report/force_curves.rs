@@ -2,7 +2,7 @@
 
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
-use crate::identification::{Estimate, STATIC_SLIP, Setting, SteadyLoad};
+use crate::identification::{Estimate, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
 
@@ -74,7 +74,7 @@ const QUANTITIES: [Quantity; 4] = [
 /// the estimate gives them back at the sinkage measured (lines), one colour a load; where lugs
 /// enter soil, the sinkage too. One SVG 1200 px wide.
 ///
-/// Between rows a line takes the sinkage between theirs. Rows of hard ground that static friction
+/// Between rows a line takes the sinkage between theirs, or the one that the class sets. Rows of hard ground that static friction
 /// holds are hollow: no shear law says their pull and torque.
 pub fn force_curves(
     title: &str,
@@ -122,8 +122,15 @@ impl Curves<'_> {
         let mut top = MARGIN + 14.0;
         let fitted = Font::TITLE.fit(title, WIDTH - 2.0 * MARGIN);
         canvas.text([MARGIN, top], Anchor::Start, Font::TITLE, &fitted);
-        let remark = "Marks: measured, bars one standard uncertainty. Lines: by the parameters \
-                      identified, at the sinkage measured.";
+        let sinkage = if self.estimate.class == Wtic::Leis {
+            "the sinkage measured".to_owned()
+        } else {
+            format!("a sinkage of {} mm", 1.0e3 * RIGID_SINKAGE)
+        };
+        let remark = format!(
+            "Marks: measured, bars one standard uncertainty. Lines: by the parameters identified, \
+             at {sinkage}."
+        );
         let held = if self.holds_any() {
             " Hollow: held by static friction, pull and torque not fitted."
         } else {
@@ -355,7 +362,9 @@ mod tests {
             2,
             "{svg}"
         );
-        assert!(svg.contains("Hollow") && !svg.contains("Sinkage of the rim"));
+        assert!(
+            svg.contains("at a sinkage of 0.01 mm. Hollow") && !svg.contains("Sinkage of the rim")
+        );
         let sunk = [0.0, 0.1, 0.2, 0.4].map(|slip| row(slip, 100.0));
         let estimate = identify(&sunk, Wtic::Leis, &setting).unwrap();
         let svg = force_curves("soil", &estimate, &setting, &sunk);

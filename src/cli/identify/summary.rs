@@ -248,6 +248,7 @@ impl Report {
         let runs: Vec<RunTold> = runs.collect();
         let mut warnings: Vec<WarningTold> = estimate.warnings.iter().map(warning).collect();
         warnings.extend(mixed(&runs));
+        warnings.extend(unused(fit));
         Self {
             class: estimate.class,
             wheel: fit.wheel,
@@ -431,6 +432,25 @@ fn mixed(runs: &[RunTold]) -> Vec<WarningTold> {
         });
     }
     warnings
+}
+
+/// Known parameters that the class sets otherwise.
+fn unused(fit: &Fit) -> Vec<WarningTold> {
+    let is_unused = |parameter: &Parameter| {
+        let set = fit.estimate.of(*parameter).standing == Standing::SetByClass;
+        set && fit.setting.known.get(*parameter).is_some()
+    };
+    let unused = ORDER.into_iter().filter(is_unused);
+    let told = unused.map(|parameter| WarningTold {
+        kind: "known_not_used",
+        message: format!(
+            "{} is not as given with --known: class {} sets it to 0",
+            parameter.name(),
+            fit.estimate.class
+        ),
+        meaning: "the forces are explained without it",
+    });
+    told.collect()
 }
 
 fn by_name<S: Serializer>(

@@ -93,24 +93,13 @@ impl Report {
             "  taken by {cylinder}, c3 = {}",
             four_digits(self.setting.exit_angle)
         )?;
-        let range = |of: &dyn Fn(usize) -> f64, decimals: usize| {
-            let values = || (0..self.rows.len()).map(of);
-            let least = values().fold(f64::INFINITY, f64::min);
-            let most = values().fold(f64::NEG_INFINITY, f64::max);
-            let [least, most] = [least, most].map(|value| format!("{value:.decimals$}"));
-            if least == most {
-                least
-            } else {
-                format!("{least} to {most}")
-            }
-        };
         writeln!(
             f,
             "  {} of {}, slip {}, load {} N",
             counted(self.rows.len(), "row"),
             counted(self.runs.len(), "run"),
-            range(&|i| self.rows[i].slip, 2),
-            range(&|i| self.rows[i].measured.load, 1),
+            range(self.rows.iter().map(|row| row.slip), 2),
+            range(self.rows.iter().map(|row| row.measured.load), 1),
         )
     }
 
@@ -239,6 +228,25 @@ fn who_told(origin: &Origin, runs: &[&RunTold]) -> String {
         Origin::Other(_) => "given with --class".to_owned(),
     };
     format!("{}: {by}", counted(runs.len(), "run"))
+}
+
+/// Least and greatest of `values`, or the one they are.
+fn range(values: impl Iterator<Item = f64> + Clone, decimals: usize) -> String {
+    let least = values.clone().fold(f64::INFINITY, f64::min);
+    let most = values.fold(f64::NEG_INFINITY, f64::max);
+    let zero = format!("{:.decimals$}", 0.0);
+    let shown = [least, most].map(|value| {
+        let text = format!("{value:.decimals$}");
+        if text.trim_start_matches('-') == zero {
+            zero.clone()
+        } else {
+            text.replace('-', "−")
+        }
+    });
+    match shown {
+        [least, most] if least == most => least,
+        [least, most] => format!("{least} to {most}"),
+    }
 }
 
 fn counted(count: usize, what: &str) -> String {
