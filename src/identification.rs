@@ -23,6 +23,7 @@
 mod combination;
 mod directions;
 mod estimate;
+mod fitted;
 mod force_error;
 mod joint;
 mod known;

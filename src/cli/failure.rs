@@ -1,5 +1,6 @@
 //! What went wrong, in words and as an exit code.
 
+use super::identify::NothingIdentified;
 use super::interrupt::Interrupted;
 use super::recognize::Unfit;
 use super::scenario_args::NoScenario;
@@ -65,6 +66,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || cause.is::<NoScenario>()
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()
+        || cause.is::<NothingIdentified>()
         || matches!(
             cause.downcast_ref::<StudyError>(),
             Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))

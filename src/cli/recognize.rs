@@ -120,7 +120,7 @@ impl Recognize {
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let settings = self.settings();
         let file = RunFile::open(&self.file)?;
-        let runs = self.runs(&file)?;
+        let runs = chosen(&file, &self.run)?;
         let mut figures = self.out.as_deref().map(Figures::new).transpose()?;
         let reference = match &self.reference {
             Some(path) => reference::measured(path, settings)?,
@@ -156,21 +156,6 @@ impl Recognize {
         }
     }
 
-    /// The runs asked for, all of which there are.
-    fn runs(&self, file: &RunFile) -> anyhow::Result<Vec<String>> {
-        if file.runs().is_empty() {
-            let path = self.file.clone();
-            return Err(Unfit::NoRuns { path }.into());
-        }
-        if self.run.is_empty() {
-            return Ok(file.runs().to_vec());
-        }
-        for id in &self.run {
-            file.attributes(id)?;
-        }
-        Ok(self.run.clone())
-    }
-
     /// # Errors
     /// `Interrupted` when somebody asked the program to stop, with what that leaves behind.
     fn go_on(&self) -> Result<(), Interrupted> {
@@ -183,8 +168,30 @@ impl Recognize {
     }
 }
 
+/// The runs asked for, all of which there are, each once; every run where none is asked for.
+///
+/// # Errors
+/// `Unfit` for a file without runs; those of reading a run's attributes.
+pub fn chosen(file: &RunFile, asked: &[String]) -> anyhow::Result<Vec<String>> {
+    if file.runs().is_empty() {
+        let path = file.path().to_owned();
+        return Err(Unfit::NoRuns { path }.into());
+    }
+    if asked.is_empty() {
+        return Ok(file.runs().to_vec());
+    }
+    let mut chosen: Vec<String> = Vec::new();
+    for id in asked {
+        file.attributes(id)?;
+        if !chosen.contains(id) {
+            chosen.push(id.clone());
+        }
+    }
+    Ok(chosen)
+}
+
 /// Writes a figure and notes its name.
-fn write_figure(folder: &Path, name: &str, svg: &str) -> anyhow::Result<String> {
+pub fn write_figure(folder: &Path, name: &str, svg: &str) -> anyhow::Result<String> {
     let path = folder.join(name);
     output::write_file(&path, svg)?;
     Ok(path.display().to_string())

@@ -138,7 +138,7 @@ impl Setting {
     }
 
     /// `row` as the cylinder sees it, once it is known to be whole.
-    fn seen(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
+    pub(super) fn seen(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
         let slip = self.slip_seen(row.slip);
         let sinkage = match class {
             Wtic::Leis => row.sinkage + self.offset(),
@@ -193,9 +193,8 @@ impl Uncertainty {
     }
 
     fn checked(&self, torque: bool) -> Result<(), RangeError> {
-        let limits = [0.0, f64::MAX];
-        RangeError::check("uncertainty of the slip ratio", "-", self.slip, limits)?;
-        RangeError::check("uncertainty of the sinkage", "m", self.sinkage, limits)?;
+        not_negative("uncertainty of the slip ratio", "-", self.slip)?;
+        not_negative("uncertainty of the sinkage", "m", self.sinkage)?;
         RangeError::positive("uncertainty of the drawbar pull", "N", self.drawbar_pull)?;
         RangeError::positive("uncertainty of the load", "N", self.load)?;
         if torque {
@@ -207,7 +206,29 @@ impl Uncertainty {
 }
 
 fn finite(quantity: &'static str, unit: &'static str, value: f64) -> Result<f64, RangeError> {
-    RangeError::check(quantity, unit, value, [-f64::MAX, f64::MAX])
+    within(quantity, unit, value, ("finite", -f64::MAX))
+}
+
+fn not_negative(quantity: &'static str, unit: &'static str, value: f64) -> Result<f64, RangeError> {
+    within(quantity, unit, value, ("0 or above and finite", 0.0))
+}
+
+/// Passes a finite `value` from `least` on, which `range` tells.
+fn within(
+    quantity: &'static str,
+    unit: &'static str,
+    value: f64,
+    (range, least): (&str, f64),
+) -> Result<f64, RangeError> {
+    if value.is_finite() && value >= least {
+        return Ok(value);
+    }
+    Err(RangeError {
+        quantity,
+        unit,
+        range: range.to_owned(),
+        value,
+    })
 }
 
 /// Rows as the cylinder sees them, sinkage set where the class sets it.

@@ -1,0 +1,235 @@
+//! `identify`: terrain parameters from the runs of a file.
+
+mod class;
+mod group;
+mod summary;
+mod text;
+
+use super::interrupt;
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::recognize::{chosen, write_figure};
+use clap::{Args, ValueEnum};
+use class::Teller;
+use group::{Fit, Groups, LeftOut, Run};
+use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::identification::{Cylinder, Known, Parameter};
+use lugwheel::quantity::RangeError;
+use lugwheel::report::force_curves;
+use lugwheel::terrain::class::Wtic;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use summary::{Report, Summary};
+
+/// Find the terrain's parameters from steady loads, slip and sinkage
+///
+/// Every run gives a row for each stretch of steady slip, from time series or means of
+/// drawbar_pull, driving_torque, normal_force (or the commanded load), slip_ratio (or the commanded
+/// one) and, where lugs enter soil, sinkage. Runs of one class and wheel are fitted together; slip
+/// has to differ among them. Simulated and measured runs alike.
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Identify {
+    /// Run files, simulated or measured; runs of several are fitted together
+    #[arg(value_name = "FILE.h5", required = true)]
+    files: Vec<PathBuf>,
+    /// How the lugs met the ground, which chooses the model; auto recognises it run by run, or
+    /// takes the run's label where that fails
+    #[arg(long, value_enum, default_value_t = ClassName::Auto, ignore_case = true)]
+    class: ClassName,
+    /// Only this run of every file; may be given several times
+    #[arg(long, value_name = "ID")]
+    run: Vec<String>,
+    #[command(flatten)]
+    convention: Convention,
+    /// Folder for figures: measured and fitted forces against slip
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// How wheel and contact are taken.
+#[derive(Debug, Clone, Args)]
+pub struct Convention {
+    /// Cylinder that stands for the lugged wheel
+    #[arg(long, value_enum, default_value_t = CylinderName::Rim)]
+    cylinder: CylinderName,
+    /// Exit angle coefficient c3 [-], from -1 to 0, which is stated and not fitted
+    #[arg(long, value_name = "C3", default_value_t = 0.0, allow_negative_numbers = true, value_parser = exit_angle)]
+    exit_angle: f64,
+    /// A parameter measured otherwise, which is not fitted: k_s, n0, n1, c1, c2, c, phi or K in the
+    /// unit of the result; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = known)]
+    known: Vec<(Parameter, f64)>,
+}
+
+impl Convention {
+    /// The parameters that are not fitted.
+    fn known(&self) -> Known {
+        let none = Known::default();
+        let known = self.known.iter();
+        known.fold(none, |known, (parameter, value)| {
+            known.with(*parameter, *value)
+        })
+    }
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel identify measured.h5
+  lugwheel identify slip_01.h5 slip_02.h5 slip_04.h5
+  lugwheel identify runs.h5 --class LEIS --run run_000003 --run run_000004
+  lugwheel identify measured.h5 --known phi=31.9 --known K=0.0114
+  lugwheel identify runs.h5 --cylinder lug-tips --out output/parameters --json
+
+Classes: ALCT (all lugs touch: c = K = 0), SLCT (some do: c = 0), LEIS (lugs enter soil: all
+parameters). Every interval presumes the model: read the warnings first.";
+
+/// Which class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ClassName {
+    /// As recognised
+    Auto,
+    /// All lugs contact the surface
+    #[value(name = "ALCT")]
+    Alct,
+    /// Some do
+    #[value(name = "SLCT")]
+    Slct,
+    /// Lugs enter the soil
+    #[value(name = "LEIS")]
+    Leis,
+}
+
+impl ClassName {
+    fn given(self) -> Option<Wtic> {
+        match self {
+            Self::Auto => None,
+            Self::Alct => Some(Wtic::Alct),
+            Self::Slct => Some(Wtic::Slct),
+            Self::Leis => Some(Wtic::Leis),
+        }
+    }
+}
+
+/// Which cylinder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CylinderName {
+    /// The rim, as in the paper
+    Rim,
+    /// The circle through the lugs' edges
+    LugTips,
+}
+
+impl CylinderName {
+    fn cylinder(self) -> Cylinder {
+        match self {
+            Self::Rim => Cylinder::Rim,
+            Self::LugTips => Cylinder::LugTips,
+        }
+    }
+}
+
+fn exit_angle(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "give a number".to_owned())?;
+    if (-1.0..=0.0).contains(&value) {
+        return Ok(value);
+    }
+    Err("it has to be in [-1, 0]".to_owned())
+}
+
+fn known(text: &str) -> Result<(Parameter, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE")?;
+    let parameter = Parameter::ALL.into_iter().find(|of| of.name() == name);
+    let parameter = parameter.ok_or_else(|| {
+        let names = Parameter::ALL.map(Parameter::name).join(", ");
+        format!("there is no parameter {name:?}; there are {names}")
+    })?;
+    let value: f64 = value.parse().map_err(|_| {
+        format!(
+            "{value:?} is no number; give {name} in {}",
+            parameter.unit()
+        )
+    })?;
+    RangeError::check(parameter.name(), parameter.unit(), value, parameter.range())
+        .map(|value| (parameter, value))
+        .map_err(|error| error.to_string())
+}
+
+/// Files none of whose runs gives parameters.
+#[derive(Debug, thiserror::Error)]
+#[error("no terrain parameters from {files}; {}", text::reasons(left_out))]
+pub struct NothingIdentified {
+    files: String,
+    left_out: Vec<LeftOut>,
+}
+
+impl Identify {
+    /// Identifies the parameters and says what they are.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let runs = self.runs()?;
+        let mut teller = Teller::new(self.class.given())?;
+        let mut groups = Groups::default();
+        let progress = Progress::of_runs(output, "identify", runs.len());
+        for run in &runs {
+            interrupt::check()?;
+            groups.add(run, &mut teller);
+            progress.advance(1.0);
+        }
+        let (fits, left_out) = groups.fit(&self.convention);
+        drop(progress);
+        if fits.is_empty() {
+            let files = self.file_names();
+            return Err(NothingIdentified { files, left_out }.into());
+        }
+        let figures = self.out.as_deref().map(|folder| draw(folder, &fits));
+        let figures = figures.transpose()?.unwrap_or_default();
+        let reports = fits.iter().map(Report::of).collect();
+        output.print(&Summary::new(self.file_names(), reports, left_out, figures))
+    }
+
+    /// The runs asked for, file after file.
+    fn runs(&self) -> anyhow::Result<Vec<Run>> {
+        let mut runs = Vec::new();
+        for path in &self.files {
+            let file = Rc::new(RunFile::open(path)?);
+            let chosen = chosen(&file, &self.run)?.into_iter();
+            runs.extend(chosen.map(|id| Run {
+                name: match self.files.len() {
+                    1 => id.clone(),
+                    _ => format!("{}:{id}", path.display()),
+                },
+                file: Rc::clone(&file),
+                id,
+            }));
+        }
+        Ok(runs)
+    }
+
+    /// The files by name; the first and last of many.
+    fn file_names(&self) -> String {
+        let names: Vec<String> = self.files.iter().map(|f| f.display().to_string()).collect();
+        match &names[..] {
+            [first, .., last] if names.len() > 3 => {
+                format!("{} files from {first} to {last}", names.len())
+            }
+            few => few.join(", "),
+        }
+    }
+}
+
+/// Draws every fit into a folder, which is made if need be; the names of the figures.
+fn draw(folder: &Path, fits: &[Fit]) -> anyhow::Result<Vec<String>> {
+    output::make_folder(folder)?;
+    let figures = fits.iter().enumerate().map(|(number, fit)| {
+        let class = fit.estimate.class;
+        let before = fits[..number].iter();
+        let name = match before.filter(|fit| fit.estimate.class == class).count() {
+            0 => format!("forces_{class}.svg"),
+            count => format!("forces_{class}_{}.svg", count + 1),
+        };
+        let title = format!("{class}: {}", fit.wheel);
+        let svg = force_curves(&title, &fit.estimate, &fit.setting, &fit.rows());
+        write_figure(folder, &name, &svg)
+    });
+    figures.collect()
+}

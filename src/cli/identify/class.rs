@@ -1,0 +1,121 @@
+//! Which class a run is fitted as, and who says so.
+
+use lugwheel::features::Settings;
+use lugwheel::features::reference::Reference;
+use lugwheel::quantity::RangeError;
+use lugwheel::recognition::confusion::CLASSES;
+use lugwheel::recognition::known::{Source, known_class};
+use lugwheel::recognition::{Method, Recognizer};
+use lugwheel::terrain::class::Wtic;
+use lugwheel::trace::Trace;
+use serde::Serialize;
+
+/// The class of a run, and who says so.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Told {
+    /// The class; never UWTIC.
+    pub class: Wtic,
+    /// Who says so.
+    pub by: ToldBy,
+}
+
+/// Who says what class a run has.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(tag = "class_by", rename_all = "snake_case")]
+pub enum ToldBy {
+    /// The caller.
+    Given,
+    /// The vibration of most windows.
+    Recognized {
+        /// Windows of this class.
+        windows: usize,
+        /// All windows of the run.
+        of_windows: usize,
+    },
+    /// The run's file.
+    Known {
+        /// What in it.
+        source: Source,
+        /// Why the class was not recognised.
+        because: String,
+    },
+}
+
+/// Tells the classes of runs.
+pub struct Teller {
+    given: Option<Wtic>,
+    recognizer: Recognizer,
+}
+
+impl Teller {
+    /// By the class `given`, else by recognition lug by lug, which takes nothing over a reference.
+    ///
+    /// # Errors
+    /// Those of the recogniser's settings.
+    pub fn new(given: Option<Wtic>) -> Result<Self, RangeError> {
+        let settings = Settings::default();
+        let recognizer = Recognizer::new(settings, Reference::computed(), &[Method::Improved])?;
+        Ok(Self { given, recognizer })
+    }
+
+    /// The class of a run.
+    ///
+    /// # Errors
+    /// Why none is told, with the way out.
+    pub fn tell(&mut self, trace: &Trace) -> Result<Told, String> {
+        if let Some(class) = self.given {
+            let by = ToldBy::Given;
+            return Ok(Told { class, by });
+        }
+        self.recognized(trace).or_else(|because| {
+            let known = known_class(trace, [0.0, trace.duration()]);
+            match known.filter(|known| known.class != Wtic::Uwtic) {
+                Some(known) => Ok(Told {
+                    class: known.class,
+                    by: ToldBy::Known {
+                        source: known.source,
+                        because,
+                    },
+                }),
+                None => Err(format!(
+                    "the class is neither recognised nor in the file ({because}); give it with \
+                     --class"
+                )),
+            }
+        })
+    }
+
+    /// The class of more than half of the windows.
+    fn recognized(&mut self, trace: &Trace) -> Result<Told, String> {
+        let windows = self.recognizer.recognize(trace);
+        let windows = windows.map_err(|error| error.to_string())?;
+        let answers: Vec<_> = windows.iter().flat_map(|window| &window.answers).collect();
+        let counts = CLASSES.map(|class| {
+            let of_class = answers.iter().filter(|answer| answer.class == class);
+            (class, of_class.count())
+        });
+        let [(class, windows), ..] = sorted(counts);
+        let of_windows = answers.len();
+        if class != Wtic::Uwtic && 2 * windows > of_windows {
+            let by = ToldBy::Recognized {
+                windows,
+                of_windows,
+            };
+            return Ok(Told { class, by });
+        }
+        let unknown = answers.iter().find(|answer| answer.class == Wtic::Uwtic);
+        let why = unknown.map_or(String::new(), |answer| format!(": {}", answer.reason));
+        let found = counts.iter().filter(|(_, count)| *count > 0);
+        let found: Vec<String> = found
+            .map(|(class, count)| format!("{class} in {count}"))
+            .collect();
+        let found = found.join(", ");
+        Err(format!("read as {found} of {of_windows} windows{why}"))
+    }
+}
+
+/// Most windows first.
+fn sorted<const N: usize>(mut counts: [(Wtic, usize); N]) -> [(Wtic, usize); N] {
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    counts
+}

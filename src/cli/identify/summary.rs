@@ -1,0 +1,495 @@
+//! What was identified, for machines.
+
+use super::class::ToldBy;
+use super::group::{Fit, LeftOut, WheelOfRun};
+use lugwheel::identification::{
+    Combination, Cylinder, Estimate, Identified, Parameter, Setting, Standing, SteadyLoad,
+    Termination, TerrainParameters, Warning,
+};
+use lugwheel::soil::wheel_load::WheelLoad;
+use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use serde::{Serialize, Serializer};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The parameters in the order in which they are told.
+const ORDER: [Parameter; 8] = [
+    Parameter::SinkageModulus,
+    Parameter::SinkageExponent,
+    Parameter::SinkageExponentSlip,
+    Parameter::StressAngle,
+    Parameter::StressAngleSlip,
+    Parameter::Cohesion,
+    Parameter::FrictionAngle,
+    Parameter::ShearModulus,
+];
+
+/// Share of a run's windows [-] below which its rows may come from several grounds.
+const CLEAR: f64 = 0.9;
+
+/// What files gave: for machines an object, or a list of several.
+#[derive(Debug)]
+pub struct Summary {
+    /// The files by name.
+    pub files: String,
+    /// One for each class and wheel.
+    pub reports: Vec<Report>,
+    /// Runs that gave nothing, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Summary {
+    /// What came of files; `figures` in the order of the reports, or none.
+    pub fn new(
+        files: String,
+        reports: Vec<Report>,
+        left_out: Vec<LeftOut>,
+        figures: Vec<String>,
+    ) -> Self {
+        let mut reports = reports;
+        for (report, figure) in reports.iter_mut().zip(figures) {
+            report.figure = Some(figure);
+        }
+        for report in &mut reports {
+            report.left_out.clone_from(&left_out);
+        }
+        Self {
+            files,
+            reports,
+            left_out,
+        }
+    }
+}
+
+impl Serialize for Summary {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.reports[..] {
+            [one] => one.serialize(serializer),
+            several => several.serialize(serializer),
+        }
+    }
+}
+
+/// What one class and wheel gave.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// The class.
+    pub class: Wtic,
+    /// The wheel.
+    pub wheel: WheelOfRun,
+    /// How the equations take it.
+    pub setting: SettingTold,
+    /// The runs used.
+    pub runs: Vec<RunTold>,
+    /// The rows used.
+    pub rows: Vec<RowTold>,
+    /// What to know before using a number.
+    pub warnings: Vec<WarningTold>,
+    /// The parameters by name.
+    #[serde(serialize_with = "by_name")]
+    pub parameters: Vec<(Parameter, ParameterTold)>,
+    /// What is known of parameters that are not identified one by one.
+    pub combinations: Vec<CombinationTold>,
+    /// How estimates go together.
+    pub correlation: Correlation,
+    /// Errors of the forces that the parameters give back.
+    pub force_error_percent: Forces<Option<f64>>,
+    /// What the paper's three stages gave; none without torques.
+    pub staged: Option<StagedTold>,
+    /// Why the fit stopped.
+    pub termination: &'static str,
+    /// Sum of squared weighted residuals [-].
+    pub chi_square: f64,
+    /// Measured forces less directions that they fix.
+    pub degrees_of_freedom: usize,
+    /// Runs that are in no fit.
+    pub left_out: Vec<LeftOut>,
+    /// The drawing, where one was asked for.
+    pub figure: Option<String>,
+}
+
+/// How the equations take the wheel.
+#[derive(Debug, Serialize)]
+pub struct SettingTold {
+    /// `rim` or `lug_tips`.
+    pub cylinder: &'static str,
+    /// `c_3` [-].
+    pub exit_angle: f64,
+}
+
+/// A run used.
+#[derive(Debug, Serialize)]
+pub struct RunTold {
+    /// Its name.
+    pub run: String,
+    /// Its ground, where the file says.
+    pub terrain: Option<TerrainLabel>,
+    /// Who told its class.
+    #[serde(flatten)]
+    pub class_by: ToldBy,
+}
+
+/// Three forces, or something of each.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Forces<T> {
+    /// Drawbar pull [N].
+    pub drawbar_pull: T,
+    /// Vertical load [N].
+    pub load: T,
+    /// Driving torque [N·m].
+    pub driving_torque: T,
+}
+
+/// A row as measured, and what the parameters give there.
+#[derive(Debug, Serialize)]
+pub struct RowTold {
+    /// Its run.
+    pub run: String,
+    /// Slip ratio [-].
+    pub slip: f64,
+    /// Sinkage [m] of the rim; none where it was not measured.
+    pub sinkage: f64,
+    /// The forces measured.
+    #[serde(flatten)]
+    pub measured: Forces<f64>,
+    /// Their standard uncertainties, where they are known.
+    pub uncertainty: Option<Forces<f64>>,
+    /// The forces fitted.
+    pub fitted: Forces<f64>,
+}
+
+/// A warning.
+#[derive(Debug, Serialize)]
+pub struct WarningTold {
+    /// Its name.
+    pub kind: &'static str,
+    /// What is the case.
+    pub message: String,
+    /// What not to believe.
+    pub meaning: &'static str,
+}
+
+/// A parameter.
+#[derive(Debug, Serialize)]
+pub struct ParameterTold {
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval; `None` where it is unbounded.
+    pub ci95: [Option<f64>; 2],
+    /// Its unit.
+    pub unit: &'static str,
+    /// Whether the data fix it.
+    pub identifiable: bool,
+    /// How it came by its value.
+    pub standing: &'static str,
+}
+
+/// A combination of parameters.
+#[derive(Debug, Serialize)]
+pub struct CombinationTold {
+    /// What it is.
+    pub name: &'static str,
+    /// Where it was taken.
+    pub at: String,
+    /// Its value.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// How estimates go together.
+#[derive(Debug, Serialize)]
+pub struct Correlation {
+    /// The free parameters.
+    pub parameters: Vec<&'static str>,
+    /// Their correlation; none with a parameter that the data do not fix at all.
+    pub matrix: Vec<Vec<Option<f64>>>,
+}
+
+impl Correlation {
+    /// Pairs that correlate by more than `limit`, the strongest first.
+    pub fn above(&self, limit: f64) -> Vec<(&'static str, &'static str, f64)> {
+        let names = &self.parameters;
+        let rows = self.matrix.iter().enumerate();
+        let pairs = rows.flat_map(|(i, row)| {
+            let before = row.iter().take(i).enumerate();
+            before.filter_map(move |(j, entry)| Some((names[j], names[i], (*entry)?)))
+        });
+        let mut pairs: Vec<_> = pairs.filter(|(.., value)| value.abs() > limit).collect();
+        pairs.sort_by(|one, other| other.2.abs().total_cmp(&one.2.abs()));
+        pairs
+    }
+}
+
+/// What the paper's three stages gave.
+#[derive(Debug, Serialize)]
+pub struct StagedTold {
+    /// Values by name.
+    #[serde(serialize_with = "values_by_name")]
+    pub parameters: TerrainParameters,
+    /// Why each stage stopped.
+    pub terminations: [&'static str; 3],
+}
+
+impl Report {
+    /// What a fit gave.
+    pub fn of(fit: &Fit) -> Self {
+        let estimate = &fit.estimate;
+        let rows = fit.runs.iter().flat_map(|run| {
+            let rows = run.rows.iter();
+            rows.map(|row| row_told(&run.run, row, (estimate, &fit.setting)))
+        });
+        let runs = fit.runs.iter().map(|run| RunTold {
+            run: run.run.clone(),
+            terrain: run.terrain,
+            class_by: run.told.by.clone(),
+        });
+        let runs: Vec<RunTold> = runs.collect();
+        let mut warnings: Vec<WarningTold> = estimate.warnings.iter().map(warning).collect();
+        warnings.extend(mixed(&runs));
+        warnings.extend(unused(fit));
+        Self {
+            class: estimate.class,
+            wheel: fit.wheel,
+            setting: SettingTold {
+                cylinder: match fit.setting.cylinder {
+                    Cylinder::Rim => "rim",
+                    Cylinder::LugTips => "lug_tips",
+                },
+                exit_angle: fit.setting.exit_angle,
+            },
+            rows: rows.collect(),
+            warnings,
+            parameters: ORDER
+                .map(|parameter| (parameter, parameter_told(estimate.of(parameter))))
+                .into(),
+            combinations: estimate.combinations.iter().map(combination).collect(),
+            correlation: Correlation {
+                parameters: free(estimate),
+                matrix: estimate.correlation.clone(),
+            },
+            force_error_percent: Forces {
+                drawbar_pull: estimate.force_errors.drawbar_pull,
+                load: estimate.force_errors.load,
+                driving_torque: estimate.force_errors.driving_torque,
+            },
+            staged: estimate.staged.map(|staged| StagedTold {
+                parameters: staged.parameters,
+                terminations: staged.terminations.map(termination),
+            }),
+            termination: termination(estimate.termination),
+            chi_square: estimate.chi_square,
+            degrees_of_freedom: estimate.degrees_of_freedom,
+            left_out: Vec::new(),
+            figure: None,
+            runs,
+        }
+    }
+}
+
+fn row_told(run: &str, row: &SteadyLoad, (estimate, setting): (&Estimate, &Setting)) -> RowTold {
+    RowTold {
+        run: run.to_owned(),
+        slip: row.slip,
+        sinkage: row.sinkage,
+        measured: Forces {
+            drawbar_pull: row.drawbar_pull,
+            load: row.load,
+            driving_torque: row.driving_torque,
+        },
+        uncertainty: row.uncertainty.map(|uncertainty| Forces {
+            drawbar_pull: uncertainty.drawbar_pull,
+            load: uncertainty.load,
+            driving_torque: uncertainty.driving_torque,
+        }),
+        fitted: forces(estimate.loads_at(setting, row.slip, row.sinkage)),
+    }
+}
+
+fn forces(load: WheelLoad) -> Forces<f64> {
+    Forces {
+        drawbar_pull: load.drawbar_pull,
+        load: load.normal_force,
+        driving_torque: load.driving_torque,
+    }
+}
+
+fn parameter_told(identified: &Identified) -> ParameterTold {
+    ParameterTold {
+        value: identified.value,
+        ci95: identified.ci95(),
+        unit: identified.parameter.unit(),
+        identifiable: identified.is_identifiable(),
+        standing: match identified.standing {
+            Standing::Identified => "identified",
+            Standing::NotIdentifiable => "not_identifiable",
+            Standing::SetByClass => "set_by_class",
+            Standing::Given => "given",
+        },
+    }
+}
+
+fn combination(combination: &Combination) -> CombinationTold {
+    CombinationTold {
+        name: combination.name,
+        at: combination.place.clone(),
+        value: combination.value,
+        ci95: combination.interval,
+        unit: combination.unit,
+    }
+}
+
+/// Names of the parameters that the fit leaves free, in the order of their correlation.
+fn free(estimate: &Estimate) -> Vec<&'static str> {
+    let free = estimate.parameters.iter().filter(|identified| {
+        matches!(
+            identified.standing,
+            Standing::Identified | Standing::NotIdentifiable
+        )
+    });
+    free.map(|identified| identified.parameter.name()).collect()
+}
+
+fn termination(termination: Termination) -> &'static str {
+    match termination {
+        Termination::Converged => "converged",
+        Termination::PrecisionReached => "precision_reached",
+        Termination::OutOfPatience => "out_of_patience",
+        Termination::NotFinite => "not_finite",
+    }
+}
+
+fn warning(warning: &Warning) -> WarningTold {
+    let (kind, meaning) = match warning {
+        Warning::AtBound { .. } => (
+            "at_bound",
+            "this value is where the search ends, not what the ground is: do not use it or its \
+             interval, and take the others as given with it",
+        ),
+        Warning::PeakOutsideContact { .. } => (
+            "peak_outside_contact",
+            "c1 and c2 only serve to give these forces back: they say nothing of where the stress \
+             peaks, here or at other slips",
+        ),
+        Warning::Misfit { .. } => (
+            "misfit",
+            "the model does not describe these loads: no parameter is known as well as its \
+             interval says, however narrow it is; trust the force errors instead",
+        ),
+        Warning::UncertaintiesIgnored => (
+            "uncertainties_ignored",
+            "rows of great and of small uncertainty count alike",
+        ),
+        Warning::NoFreedom => (
+            "no_freedom",
+            "the values go through the rows exactly, whatever is wrong with these: they are \
+             untested",
+        ),
+        Warning::LoadsDiffer { .. } => (
+            "loads_differ",
+            "k_s and what is told of k_s z^n0 belong to none of the loads",
+        ),
+        Warning::NotAMinimum(_) => (
+            "not_a_minimum",
+            "no value and no interval below is an estimate: do not use them",
+        ),
+    };
+    WarningTold {
+        kind,
+        message: warning.to_string(),
+        meaning,
+    }
+}
+
+/// Runs that may not be of one ground.
+fn mixed(runs: &[RunTold]) -> Vec<WarningTold> {
+    let mut warnings = Vec::new();
+    for run in runs {
+        if let ToldBy::Recognized {
+            windows,
+            of_windows,
+        } = run.class_by
+            && (windows as f64) < CLEAR * of_windows as f64
+        {
+            warnings.push(WarningTold {
+                kind: "mixed_windows",
+                message: format!(
+                    "run {} has this class in {windows} of its {of_windows} windows only",
+                    run.run
+                ),
+                meaning: "rows from other ground may be among its rows",
+            });
+        }
+    }
+    let terrains: BTreeSet<TerrainLabel> = runs.iter().filter_map(|run| run.terrain).collect();
+    if terrains.len() > 1 {
+        let names: Vec<&str> = terrains.iter().map(|terrain| terrain.as_str()).collect();
+        warnings.push(WarningTold {
+            kind: "mixed_terrains",
+            message: format!("the runs are labelled {}", names.join(" and ")),
+            meaning: "one set of parameters stands for several grounds; choose runs with --run",
+        });
+    }
+    warnings
+}
+
+/// Known parameters that the class sets otherwise.
+fn unused(fit: &Fit) -> Vec<WarningTold> {
+    let is_unused = |parameter: &Parameter| {
+        let set = fit.estimate.of(*parameter).standing == Standing::SetByClass;
+        set && fit.setting.known.get(*parameter).is_some()
+    };
+    let unused = ORDER.into_iter().filter(is_unused);
+    let told = unused.map(|parameter| WarningTold {
+        kind: "known_not_used",
+        message: format!(
+            "{} is not as given with --known: class {} sets it to 0",
+            parameter.name(),
+            fit.estimate.class
+        ),
+        meaning: "the forces are explained without it",
+    });
+    told.collect()
+}
+
+fn by_name<S: Serializer>(
+    parameters: &[(Parameter, ParameterTold)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(parameters.iter().map(|(of, told)| (of.name(), told)))
+}
+
+fn values_by_name<S: Serializer>(
+    parameters: &TerrainParameters,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(ORDER.map(|of| (of.name(), parameters.get(of))))
+}
+
+/// Runs of each origin of the class, in the order of the origins.
+pub fn by_origin(runs: &[RunTold]) -> BTreeMap<Origin<'_>, Vec<&RunTold>> {
+    let mut origins: BTreeMap<Origin, Vec<&RunTold>> = BTreeMap::new();
+    for run in runs {
+        origins.entry(Origin::of(run)).or_default().push(run);
+    }
+    origins
+}
+
+/// Who told the classes of several runs.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Origin<'r> {
+    /// Their vibration.
+    Recognized,
+    /// Others, for one reason.
+    Other(&'r ToldBy),
+}
+
+impl<'r> Origin<'r> {
+    fn of(run: &'r RunTold) -> Self {
+        match &run.class_by {
+            ToldBy::Recognized { .. } => Self::Recognized,
+            other => Self::Other(other),
+        }
+    }
+}

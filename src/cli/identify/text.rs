@@ -1,0 +1,307 @@
+//! What was identified, for people.
+
+use super::class::ToldBy;
+use super::group::LeftOut;
+use super::summary::{Origin, ParameterTold, Report, RunTold, Summary, by_origin};
+use lugwheel::recognition::known::Source;
+use lugwheel::report::page::four_digits;
+use lugwheel::terrain::class::Wtic;
+use std::fmt;
+
+/// Correlation [-] from which two estimates are told to go together.
+const STRONG: f64 = 0.95;
+
+/// Width of a line of text.
+const LINE: usize = 96;
+
+/// Errors [%] of pull, load and torque in Table 7 of the paper, and its ground.
+fn published(class: Wtic) -> Option<(&'static str, [f64; 3])> {
+    match class {
+        Wtic::Alct => Some(("HT", [15.2, 11.68, 15.52])),
+        Wtic::Slct => Some(("GT", [11.85, 6.67, 8.46])),
+        Wtic::Leis => Some(("ST", [8.11, 7.64, 7.75])),
+        Wtic::Uwtic => None,
+    }
+}
+
+/// The runs left out, those of one reason together.
+pub fn reasons(left_out: &[LeftOut]) -> String {
+    let mut together: Vec<(&str, Vec<&str>)> = Vec::new();
+    for LeftOut { run, reason } in left_out {
+        match together.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, runs)) => runs.push(run),
+            None => together.push((reason, vec![run])),
+        }
+    }
+    let told = together
+        .iter()
+        .map(|(reason, runs)| format!("{}: {reason}", named(runs)));
+    told.collect::<Vec<_>>().join("\n")
+}
+
+/// Runs by name; the first and last of many.
+fn named(runs: &[&str]) -> String {
+    match runs {
+        [run] => format!("run {run}"),
+        [first, .., last] if runs.len() > 6 => {
+            format!("{} runs from {first} to {last}", runs.len())
+        }
+        runs => format!("runs {}", runs.join(", ")),
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.files)?;
+        for report in &self.reports {
+            writeln!(f, "\n{report}")?;
+        }
+        if !self.left_out.is_empty() {
+            writeln!(f, "Left out\n{}", reasons(&self.left_out))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_what(f)?;
+        self.write_warnings(f)?;
+        self.write_parameters(f)?;
+        self.write_correlation(f)?;
+        self.write_errors(f)?;
+        match &self.figure {
+            Some(figure) => writeln!(f, "drawn: {figure}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Report {
+    fn write_what(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "Class {}", self.class)?;
+        for (origin, runs) in by_origin(&self.runs) {
+            write_item(f, "  ", &who_told(&origin, &runs))?;
+        }
+        let cylinder = match self.setting.cylinder {
+            "rim" => "the rim's radius",
+            _ => "the radius of the lugs' tips",
+        };
+        writeln!(f, "  wheel: {}", self.wheel)?;
+        writeln!(
+            f,
+            "  taken by {cylinder}, c3 = {}",
+            four_digits(self.setting.exit_angle)
+        )?;
+        writeln!(
+            f,
+            "  {} of {}, slip {}, load {} N",
+            counted(self.rows.len(), "row"),
+            counted(self.runs.len(), "run"),
+            range(self.rows.iter().map(|row| row.slip), 2),
+            range(self.rows.iter().map(|row| row.measured.load), 1),
+        )
+    }
+
+    fn write_warnings(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.warnings.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\nWARNING, before any number is used")?;
+        for warning in &self.warnings {
+            let text = format!("{}: {}", warning.message, warning.meaning);
+            write_item(f, "  ! ", &text)?;
+        }
+        Ok(())
+    }
+
+    fn write_parameters(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "\n{:<10}{:>12}  {:<26}{:<12}standing",
+            "parameter", "value", "95 % interval", "unit"
+        )?;
+        for (parameter, told) in &self.parameters {
+            let (name, value) = (parameter.name(), four_digits(told.value));
+            let unit = shown_unit(told.unit);
+            let interval = interval(told);
+            let standing = told.standing.replace('_', " ");
+            writeln!(
+                f,
+                "{name:<10}{value:>12}  {interval:<26}{unit:<12}{standing}"
+            )?;
+        }
+        for combination in &self.combinations {
+            let value = four_digits(combination.value);
+            let [low, high] = combination.ci95.map(four_digits);
+            let unit = match shown_unit(combination.unit) {
+                "-" => String::new(),
+                unit => format!(" {unit}"),
+            };
+            let place = match combination.at.as_str() {
+                "" => String::new(),
+                place => format!(" at {place}"),
+            };
+            writeln!(
+                f,
+                "known of them together: {} = {value} [{low}, {high}]{unit}{place}",
+                combination.name
+            )?;
+        }
+        Ok(())
+    }
+
+    fn write_correlation(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let pairs = self.correlation.above(STRONG);
+        let told: Vec<String> = pairs
+            .iter()
+            .take(5)
+            .map(|(one, other, value)| {
+                let way = if *value > 0.0 { "with" } else { "against" };
+                format!("{one} {way} {other} ({})", value_of(*value))
+            })
+            .collect();
+        if told.is_empty() {
+            return Ok(());
+        }
+        let text = format!(
+            "hardly told apart: {}; a change of one is made up by the other",
+            told.join(", ")
+        );
+        for line in wrapped(&text, LINE) {
+            writeln!(f, "{line}")?;
+        }
+        Ok(())
+    }
+
+    fn write_errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let errors = &self.force_error_percent;
+        let here = [errors.drawbar_pull, errors.load, errors.driving_torque];
+        let table_7 = published(self.class);
+        let title = "error of forces given back";
+        match table_7 {
+            Some((ground, _)) => {
+                writeln!(f, "\n{title:<28}{:>9}   Table 7, {ground}", "here")?;
+            }
+            None => writeln!(f, "\n{title:<28}{:>9}", "here")?,
+        }
+        let names = ["drawbar pull F_DP", "load W", "driving torque T_D"];
+        for (channel, name) in names.iter().enumerate() {
+            let here = here[channel].map_or("-".to_owned(), |error| format!("{error:.2} %"));
+            write!(f, "{name:<28}{here:>9}")?;
+            match table_7 {
+                Some((_, errors)) => writeln!(f, "{:>11.2} %", errors[channel])?,
+                None => writeln!(f)?,
+            }
+        }
+        match table_7 {
+            Some(_) => writeln!(
+                f,
+                "(Table 7 of Lv et al. 2023 is of another rig and ground)"
+            ),
+            None => Ok(()),
+        }
+    }
+}
+
+fn who_told(origin: &Origin, runs: &[&RunTold]) -> String {
+    let by = match origin {
+        Origin::Recognized => {
+            let windows = |run: &&RunTold| match run.class_by {
+                ToldBy::Recognized {
+                    windows,
+                    of_windows,
+                } => [windows, of_windows],
+                _ => [0; 2],
+            };
+            let sum = |i: usize| -> usize { runs.iter().map(|run| windows(run)[i]).sum() };
+            format!("recognised in {} of {}", sum(0), counted(sum(1), "window"))
+        }
+        Origin::Other(ToldBy::Known { source, because }) => {
+            let source = match source {
+                Source::GroundTruth => "what the simulation saw the lugs do",
+                Source::RunClass => "the class in the run file",
+                Source::Terrain => "the class the paper gives the terrain",
+            };
+            format!("by {source}, for it is not recognised ({because})")
+        }
+        Origin::Other(_) => "given with --class".to_owned(),
+    };
+    format!("{}: {by}", counted(runs.len(), "run"))
+}
+
+/// Least and greatest of `values`, or the one they are.
+fn range(values: impl Iterator<Item = f64> + Clone, decimals: usize) -> String {
+    let least = values.clone().fold(f64::INFINITY, f64::min);
+    let most = values.fold(f64::NEG_INFINITY, f64::max);
+    let zero = format!("{:.decimals$}", 0.0);
+    let shown = [least, most].map(|value| {
+        let text = format!("{value:.decimals$}");
+        if text.trim_start_matches('-') == zero {
+            zero.clone()
+        } else {
+            text.replace('-', "−")
+        }
+    });
+    match shown {
+        [least, most] if least == most => least,
+        [least, most] => format!("{least} to {most}"),
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        count => format!("{count} {what}s"),
+    }
+}
+
+fn interval(told: &ParameterTold) -> String {
+    match told.standing {
+        "set_by_class" | "given" => "-".to_owned(),
+        _ => match told.ci95 {
+            [None, None] => "unbounded".to_owned(),
+            ends => {
+                let [low, high] = ends.map(|end| end.map_or("unbounded".to_owned(), four_digits));
+                format!("[{low}, {high}]")
+            }
+        },
+    }
+}
+
+/// A unit as people read it.
+fn shown_unit(unit: &'static str) -> &'static str {
+    match unit {
+        "1" => "-",
+        "deg" => "°",
+        unit => unit,
+    }
+}
+
+/// A correlation with its sign.
+fn value_of(correlation: f64) -> String {
+    format!("{correlation:+.3}").replace('-', "−")
+}
+
+/// A point of a list: lines after the first stand below its text.
+fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Result {
+    let width = lead.chars().count();
+    let lines = wrapped(text, LINE - width);
+    let indented = lines.join(&format!("\n{:width$}", ""));
+    writeln!(f, "{lead}{indented}")
+}
+
+/// `text` broken between words into lines of at most `width` letters, where words are no longer.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

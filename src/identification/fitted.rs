@@ -1,0 +1,29 @@
+//! Loads that an estimate gives back.
+
+use super::estimate::Estimate;
+use super::model::Model;
+use super::row::{Setting, SteadyLoad};
+use crate::soil::closed_form;
+use crate::soil::wheel_load::WheelLoad;
+
+impl Estimate {
+    /// Loads [N, N·m] by Eq. (62)-(64) at a `slip` [-] and `sinkage` [m] of the rim, with the
+    /// setting of the fit. Where the class sets the sinkage, the one given does not matter.
+    pub fn loads_at(&self, setting: &Setting, slip: f64, sinkage: f64) -> WheelLoad {
+        let model = Model {
+            class: self.class,
+            setting: *setting,
+        };
+        let measured = SteadyLoad {
+            slip,
+            sinkage,
+            drawbar_pull: f64::NAN,
+            load: f64::NAN,
+            driving_torque: f64::NAN,
+            uncertainty: None,
+        };
+        let seen = setting.seen(&measured, self.class);
+        let soil = model.soil(&self.terrain.coordinates());
+        closed_form::loads(model.surface(), &soil, seen.sinkage, seen.slip)
+    }
+}
