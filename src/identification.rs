@@ -233,6 +233,7 @@ impl Identification {
             termination: best.termination,
             warnings: warning::all(&self.model, &self.rows, &best, (&directions, precision)),
         };
+        self.demote(&mut estimate, &best.at);
         self.combine(&mut estimate, &best.at, &directions, precision);
         Ok(estimate)
     }
@@ -260,6 +261,27 @@ impl Identification {
             }
         }
         self.combine(estimate, &best.at, &directions, precision);
+    }
+
+    /// Identifies no parameter that goes with one which the end of its range holds: it would be
+    /// elsewhere if that one could go on.
+    fn demote(&self, estimate: &mut Estimate, at: &Coordinates) {
+        const TOGETHER: f64 = 0.9;
+        let free = self.model.free();
+        let moved = self.model.moved();
+        let held = |p: Parameter| moved.contains(&p) && p.is_at_bound(at[p as usize]);
+        for (row, parameter) in free.iter().enumerate() {
+            let goes_with = |column: usize| {
+                let correlation = estimate.correlation[row][column];
+                column != row && correlation.is_none_or(|c| c.abs() > TOGETHER)
+            };
+            let leans = (0..free.len()).any(|column| held(free[column]) && goes_with(column));
+            let identified = &mut estimate.parameters[*parameter as usize];
+            if held(*parameter) || leans {
+                identified.standing = Standing::NotIdentifiable;
+                identified.interval = [None; 2];
+            }
+        }
     }
 
     /// Names what is known of the parameters that are not identified.

@@ -29,7 +29,8 @@ const TOLERANCE: f64 = 0.01;
 const BLOCKS: usize = 8;
 
 /// Part of a force [-] that its calibration leaves open and no scatter shows; a rig that holds its
-/// load to a thousandth does not measure it so well.
+/// load to a thousandth does not measure it so well. Of pull, and of torque over the wheel's
+/// radius, at least that of a tenth of the load.
 pub const CALIBRATION: f64 = 0.01;
 
 /// One row for each steady interval of a run: the middle half of every stretch, a tenth of the
@@ -79,8 +80,11 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
         None if trace.attributes.load > 0.0 => commanded(trace.attributes.load),
         None => return Err(SteadyError::Missing("normal_force")),
     };
-    let [pull_sd, load_sd, torque_sd] = [drawbar_pull, load, driving_torque].map(Value::as_force);
-    // A force of exactly 0 has none. The least of numbers leaves a torque out that is none.
+    let tenth = 0.1 * load.mean.abs();
+    let pull_sd = drawbar_pull.as_force(tenth);
+    let load_sd = load.as_force(0.0);
+    let torque_sd = driving_torque.as_force(tenth * trace.attributes.wheel_radius);
+    // A load of 0 has none. The least of numbers leaves a torque out that is none.
     let uncertainty = (pull_sd.min(load_sd).min(torque_sd) > 0.0).then_some(Uncertainty {
         slip: slip.sd,
         sinkage: sinkage.sd,
@@ -106,9 +110,12 @@ struct Value {
 }
 
 impl Value {
-    /// Standard uncertainty of a force of this mean.
-    fn as_force(self) -> f64 {
-        libm::hypot(self.sd, CALIBRATION * self.mean)
+    /// Standard uncertainty of a force of this mean: a sensor that carries the load is calibrated
+    /// no better for forces below `least`.
+    fn as_force(self, least: f64) -> f64 {
+        let size = self.mean.abs();
+        let size = if size < least { least } else { size };
+        libm::hypot(self.sd, CALIBRATION * size)
     }
 }
 
