@@ -5,6 +5,7 @@
 
 mod dataset;
 mod demo;
+mod effects;
 pub mod failure;
 mod import;
 mod inspect;
@@ -43,6 +44,7 @@ Examples:
   lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
   lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
+  lugwheel effects                                    what a simulation can be given beyond the ideal
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 4 study finished with failed runs, 130 interrupted.";
@@ -57,6 +59,7 @@ enum Command {
     Inspect(inspect::Inspect),
     Plot(plot::Plot),
     Recognize(recognize::Recognize),
+    Effects(effects::Effects),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -80,5 +83,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Inspect(command) => command.run(output),
         Command::Plot(command) => command.run(output),
         Command::Recognize(command) => command.run(output),
+        Command::Effects(command) => command.run(output),
     }
 }

@@ -19,7 +19,9 @@
 
 mod application;
 mod prior;
+mod rig;
 mod sensing;
+mod wheel_and_drive;
 
 pub(crate) use application::ApplicationTable;
 pub use application::{Application, Form};
@@ -91,6 +93,8 @@ pub struct Seated {
 pub struct OtherForm {
     /// What is different.
     pub description: &'static str,
+    /// Channels on which it has no meaning.
+    pub not_on: &'static [&'static str],
     /// How it acts.
     #[serde(skip)]
     pub law: Law,
@@ -201,6 +205,12 @@ pub enum EffectError {
         /// What is missing.
         what: &'static str,
     },
+    /// The effect acts in one way only.
+    #[error("the effect `{effect}` has one form only; leave `form` out")]
+    OneForm {
+        /// The effect, with its channel.
+        effect: String,
+    },
     /// A text is no `name=magnitude`.
     #[error(
         "`{text}` is no effect; write name=magnitude, for example gain_error.drawbar_pull=0.05"
@@ -221,7 +231,9 @@ fn quoted(names: &[&str]) -> String {
 
 /// Every effect, by subject.
 pub fn catalogue() -> impl Iterator<Item = &'static Effect> {
-    [sensing::EFFECTS].into_iter().flatten()
+    [wheel_and_drive::EFFECTS, rig::EFFECTS, sensing::EFFECTS]
+        .into_iter()
+        .flatten()
 }
 
 /// The effect of that name, without a channel.
@@ -237,12 +249,50 @@ pub fn find(name: &str) -> Result<&'static Effect, EffectError> {
         })
 }
 
+/// The name of an effect with the channel that it sits on where none is named; as it is where no
+/// effect has it.
+pub(crate) fn full_name(name: &str) -> String {
+    let (stem, channel) = split(name);
+    let seat = find(stem).and_then(|effect| effect.seat(channel));
+    match seat {
+        Ok(seat) if !seat.channel.is_empty() => format!("{stem}.{}", seat.channel),
+        _ => name.to_owned(),
+    }
+}
+
+/// The effect's name and the channel's.
+fn split(name: &str) -> (&str, Option<&str>) {
+    match name.split_once('.') {
+        Some((name, channel)) => (name, Some(channel)),
+        None => (name, None),
+    }
+}
+
 /// The three names most like this one.
 fn names_like(name: &str) -> Vec<&'static str> {
     let mut names: Vec<&'static str> = catalogue().map(|effect| effect.name).collect();
     names.sort_by(|a, b| strsim::jaro_winkler(name, b).total_cmp(&strsim::jaro_winkler(name, a)));
     names.truncate(3);
     names
+}
+
+impl Seat {
+    /// A seat without a choice of channel.
+    const fn new(unit: &'static str, range: [f64; 2], levels: [f64; 3], prior: Prior) -> Self {
+        Self {
+            channel: "",
+            unit,
+            neutral: 0.0,
+            range,
+            levels,
+            prior,
+        }
+    }
+
+    /// The same on a channel.
+    const fn on(self, channel: &'static str) -> Self {
+        Self { channel, ..self }
+    }
 }
 
 impl Effect {

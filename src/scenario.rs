@@ -12,9 +12,10 @@
 //! ```
 
 pub mod experiment;
+pub mod recording;
 
 use crate::document::{Document, Fault, Misfit, check_version};
-use crate::effects::{Application, ApplicationTable};
+use crate::effects::{Application, ApplicationTable, full_name};
 use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SampleRate};
 use crate::sensors::Sensors;
@@ -487,7 +488,7 @@ fn with_magnitude(
     value: &str,
 ) -> Result<String, String> {
     let is_it = |index: usize| match document.value(&format!("effect.{index}.name")) {
-        Some(found) => Some(found.get_ref().as_str() == Some(name)),
+        Some(found) => Some(found.get_ref().as_str().map(full_name) == Some(full_name(name))),
         None => document.value(&format!("effect.{index}")).map(|_| false),
     };
     match (0..).map_while(is_it).position(|is_it| is_it) {

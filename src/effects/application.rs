@@ -1,6 +1,6 @@
 //! An effect at a magnitude.
 
-use super::{Effect, EffectError, Seat, Seated, Setup, find};
+use super::{Effect, EffectError, Seat, Seated, Setup, find, split};
 use crate::quantity::RangeError;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
@@ -42,10 +42,7 @@ impl Application {
     /// `Unknown` with the names like it; `NoSeat` with the channels it sits on; `Range` with the
     /// range and unit of the magnitude.
     pub fn new(name: &str, magnitude: f64) -> Result<Self, EffectError> {
-        let (name, channel) = match name.split_once('.') {
-            Some((name, channel)) => (name, Some(channel)),
-            None => (name, None),
-        };
+        let (name, channel) = split(name);
         let effect = find(name)?;
         let seat = effect.seat(channel)?;
         if magnitude != seat.neutral {
@@ -62,12 +59,13 @@ impl Application {
     /// The same in another form.
     ///
     /// # Errors
-    /// `Needs` where the catalogue has no other form.
+    /// `OneForm` where the catalogue has no other form on this channel.
     pub fn in_form(self, form: Form) -> Result<Self, EffectError> {
-        if form == Form::Other && self.effect.other_form.is_none() {
-            return Err(EffectError::Needs {
-                effect: self.effect.name,
-                what: "no other form: it has one only",
+        let other = self.effect.other_form.as_ref();
+        let has_other = other.is_some_and(|other| !other.not_on.contains(&self.seat.channel));
+        if form == Form::Other && !has_other {
+            return Err(EffectError::OneForm {
+                effect: self.name(),
             });
         }
         Ok(Self { form, ..self })
@@ -195,7 +193,7 @@ mod tests {
 
     #[test]
     fn an_application_comes_back_from_its_own_words() {
-        for text in ["gain_error.drawbar_pull=0.05", "sensor_tilt=-2.0"] {
+        for text in ["gain_error.drawbar_pull=0.05", "clock_error=-0.001"] {
             let application: Application = text.parse().unwrap();
             assert_eq!(application.to_string(), text);
         }
@@ -213,7 +211,7 @@ mod tests {
         assert!(said.contains("did you mean `gain_error`"), "{said}");
         let said = message("gain_error.sinkages=0.05");
         assert!(said.contains("it sits on `drawbar_pull`, "), "{said}");
-        let said = message("sensor_tilt.sinkage=1");
+        let said = message("clock_error.sinkage=0.01");
         assert!(said.contains("it sits on no channel"), "{said}");
         let said = message("gain_error=5");
         assert_eq!(said, "gain_error [-] must be in [-0.5, 0.5], got 5");

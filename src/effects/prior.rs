@@ -144,13 +144,13 @@ mod tests {
         for effect in catalogue() {
             for seat in effect.seats {
                 let [from, _, to] = seat.levels;
-                let steps = 2000;
+                let steps = 20_000;
                 let width = (to - from) / f64::from(steps);
                 let sum: f64 = (0..steps)
                     .map(|i| seat.prior.density(from + (f64::from(i) + 0.5) * width) * width)
                     .sum();
                 let told = seat.prior.below(to) - seat.prior.below(from);
-                // The midpoint rule on 2000 intervals of a smooth bell.
+                // The midpoint rule on 20 000 intervals of a smooth bell.
                 assert!((sum - told).abs() < 1e-4, "{}: {sum} {told}", effect.name);
             }
         }
