@@ -349,6 +349,21 @@ mod tests {
     }
 
     #[test]
+    fn a_held_reading_stands_until_the_next_is_taken() {
+        let quantity: Vec<f64> = (0..1000).map(f64::from).collect();
+        // 25 samples at 128 kHz, in blocks of 100 and across them.
+        for every in [25, 30] {
+            let figures = Transducer {
+                hold: f64::from(every) / 128_000.0,
+                ..Transducer::default()
+            };
+            for (k, held) in (0..).zip(read(figures, &quantity)) {
+                assert_eq!(held, f64::from(k - k % every));
+            }
+        }
+    }
+
+    #[test]
     fn an_ideal_transducer_changes_no_bit() {
         let quantity: Vec<f64> = (0..1000).map(|i| libm::sin(f64::from(i)) * 1e3).collect();
         assert_eq!(read(Transducer::default(), &quantity), quantity);
