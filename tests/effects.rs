@@ -205,6 +205,12 @@ fn a_hunting_servo_swings_at_2_3_hz_whatever_the_speed() {
 fn a_rig_that_gives_rings_at_the_frequency_of_its_slide_on_its_compliance() {
     let bench = Bench::new(Wheel::single_wheel(), rig(0.05, 0.0, LOAD));
     let [rigid, soft] = [bench.clone(), bench.with("rig_resonance=3e-6", Form::Own)];
+    let stiff = bench.with("rig_resonance=4e-8", Form::Own);
+    assert_eq!(
+        stiff.rig.leg(&stiff.wheel),
+        None,
+        "too stiff for the steps: rigid"
+    );
     let slide = rigid.rig.moving_mass(&rigid.wheel) - rigid.wheel.mass;
     assert_eq!(soft.rig.sprung_mass(&soft.wheel), Some(slide));
     // The ground gives δ/(n F) = 1e-7 m/N on top.

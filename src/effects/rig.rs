@@ -26,7 +26,8 @@ const RIG_RESONANCE: Effect = Effect {
         channels: &["acceleration_y", "normal_force"],
         bound: Bound::Frequency,
         dependence: "rings at 1/(2π √(C m)): a slide of 10 kg at 159, 71 and 29 Hz at the three levels, a \
-                     little lower on ground that gives; struck by lugs, so more with speed",
+                     little lower on ground that gives, none below 5e-8 m/N; struck by lugs, so more with \
+                     speed",
     },
     confusers: &["mounting_resonance", "servo_ripple", "mains_hum"],
     source: Source::Guess(
