@@ -5,6 +5,7 @@
 
 mod dataset;
 mod demo;
+mod effects;
 pub mod failure;
 mod identify;
 mod import;
@@ -45,6 +46,7 @@ Examples:
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
   lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
   lugwheel identify measured.h5                       terrain parameters and how sure they are
+  lugwheel effects                                    what a simulation can be given beyond the ideal
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 4 study finished with failed runs, 130 interrupted.";
@@ -60,6 +62,7 @@ enum Command {
     Plot(plot::Plot),
     Recognize(recognize::Recognize),
     Identify(identify::Identify),
+    Effects(effects::Effects),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -84,5 +87,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Plot(command) => command.run(output),
         Command::Recognize(command) => command.run(output),
         Command::Identify(command) => command.run(output),
+        Command::Effects(command) => command.run(output),
     }
 }

@@ -19,6 +19,7 @@ mod interpolator;
 mod noise;
 mod sampling;
 mod second_order;
+mod single_pole;
 #[cfg(test)]
 mod spectrum;
 pub mod transducer;
@@ -51,6 +52,11 @@ pub struct Sensors {
     pub raw: bool,
     /// Whether samples pass an anti-alias filter before most of them are dropped.
     pub anti_alias: bool,
+    /// Share [-] of the samples kept that passes the anti-alias filter by.
+    pub alias_leak: f64,
+    /// Share [-] of the samples kept that passes a mean over the samples dropped instead of the
+    /// anti-alias filter.
+    pub alias_mean: f64,
     /// Relative error [-] of the sampling clock: above 0 it runs slow, so that samples lie
     /// farther apart than their rate says.
     pub clock_error: f64,
@@ -71,6 +77,8 @@ impl Default for Sensors {
             output_rate: SampleRate::OUTPUT,
             raw: false,
             anti_alias: true,
+            alias_leak: 0.0,
+            alias_mean: 0.0,
             clock_error: 0.0,
             accelerometer: Accelerometer::default(),
             force_torque: ForceTorque::default(),
@@ -101,6 +109,8 @@ impl Sensors {
     pub fn check(&self) -> Result<(), RangeError> {
         whole_ratio("output rate", self.output_rate, "sensor rate", self.rate)?;
         RangeError::check("clock error", "-", self.clock_error, [-0.1, 0.1])?;
+        RangeError::check("alias leak", "-", self.alias_leak, [0.0, 1.0])?;
+        RangeError::check("alias mean", "-", self.alias_mean, [0.0, 1.0])?;
         let rate = self.rate.hertz();
         self.accelerometer.check(rate)?;
         self.force_torque.check(rate)?;

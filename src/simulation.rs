@@ -24,7 +24,8 @@ use crate::terrain::class::TerrainLabel;
 use crate::wheel::Wheel;
 use contact::WheelGeometry;
 use ground_force::GroundForce;
-use rig::{Command, Rig};
+use rig::flaws::GuideFriction;
+use rig::{Command, Leg, Rig};
 use world::{Guide, WheelBody, WheelMotion, World};
 
 /// Loads on the wheel in the plane of travel.
@@ -125,6 +126,10 @@ pub struct Simulation {
     geometry: WheelGeometry,
     rig: Rig,
     command: Command,
+    leg: Option<Leg>,
+    guide: GuideFriction,
+    /// Drawbar pull [N] in the last step.
+    pull: f64,
     /// Mass that moves with the axle [kg], and load at rest normal to the track [N].
     mass: f64,
     load: f64,
@@ -164,12 +169,13 @@ impl Simulation {
             world.meet_stones(wheel, rate);
             ground.follow(&mut world.physics, 0.0, rate.period());
         }
-        let start = ground.resting_height(&geometry) + rig.clearance();
+        let [_, rim] = wheel.flaws.rim_centre(1.0, 0.0);
+        let start = ground.resting_height(&geometry) - rim + rig.clearance();
         world.place(start);
         if let Some(leg) = rig.sprung_mass(wheel) {
             world.add_leg(leg, start);
         }
-        let (wheel, rig) = (*wheel, *rig);
+        let (leg, wheel, rig) = (rig.leg(wheel), *wheel, *rig);
         let load = rig.normal_load();
         let mut simulation = Self {
             world,
@@ -179,6 +185,9 @@ impl Simulation {
             geometry,
             rig,
             command,
+            leg,
+            guide: GuideFriction::default(),
+            pull: 0.0,
             mass,
             load,
             rate,
@@ -233,16 +242,22 @@ impl Simulation {
     ) -> Result<WheelState, SimulationError> {
         let dt = self.rate.period();
         let before = self.world.wheel_motion();
-        let reach = self.ground.push(&self.geometry, &before, dt);
+        let rim = self.geometry.rim_centre(&before);
+        let mut reach = self.ground.push(&self.geometry, &before.at(rim), dt);
+        reach.wrench = reach.wrench.acting_at(rim);
         if self.has_stones {
             self.ground.follow(&mut self.world.physics, before.x, dt);
         }
         let spring = self.push_leg(&before, hand);
+        let frame = self.rig.frame();
+        let friction = self.guide.push(frame, before.vy, self.pull, dt);
+        let transfer = frame.load_transfer * self.pull;
         let weight = if self.world.has_leg() {
             self.rig.unsprung_weight(&self.wheel)
         } else {
             self.load
-        };
+        } + transfer
+            - friction;
         let mut wrench = reach.wrench;
         wrench.fy += spring - weight - hand * self.mass * before.vy;
         self.world.command(forward_speed, wheel_speed);
@@ -250,14 +265,14 @@ impl Simulation {
         self.world.step();
         let after = self.world.wheel_motion();
         self.check(&after)?;
-        Ok(self.read(&before, &after, weight - spring, reach))
+        let state = self.read(&before, &after, weight - spring, reach);
+        self.pull = state.ground.drawbar_pull;
+        Ok(state)
     }
 
     /// Loads the leg's body; returns the force [N] of its spring and damper on the wheel.
     fn push_leg(&mut self, wheel: &WheelMotion, hand: f64) -> f64 {
-        let (Some([stretch, rate]), Rig::RoverLeg(leg)) =
-            (self.world.leg_stretch(wheel), &self.rig)
-        else {
+        let (Some([stretch, rate]), Some(leg)) = (self.world.leg_stretch(wheel), &self.leg) else {
             return 0.0;
         };
         let body_weight = self.load - self.rig.unsprung_weight(&self.wheel);
@@ -331,6 +346,7 @@ impl Simulation {
             drawbar_pull: ground.drawbar_pull - self.wheel.mass * ax,
             driving_torque: ground.driving_torque + spin_up,
         };
+        let [_, rim] = self.geometry.rim_centre(after);
         let (undisturbed, on_soil) = self.ground.undisturbed(after.x);
         WheelState {
             time: self.step as f64 / rate,
@@ -344,7 +360,7 @@ impl Simulation {
             vertical_acceleration: ay,
             ground,
             hub,
-            sinkage: undisturbed - (after.y - self.wheel.radius),
+            sinkage: undisturbed - (after.y + rim - self.wheel.radius),
             on_soil,
             lugs_touching: touching,
             lugs_entered: reach.entered,
@@ -360,7 +376,11 @@ impl Iterator for Simulation {
             return None;
         }
         self.step += 1;
-        let speeds = self.command.at(self.step as f64 * self.rate.period());
+        let speeds = {
+            let angle = self.world.wheel_motion().angle;
+            self.command
+                .at(self.step as f64 * self.rate.period(), angle)
+        };
         let result = self.advance(speeds, 0.0).and_then(|state| {
             self.check_sinkage(&state)?;
             Ok(state)

@@ -3,7 +3,10 @@
 //! Lugs are straight, parallel to the axle and end in an edge at the radius `r + l`, as in the
 //! paper's Eq. (5): hard ground meets the edge, soil meets the whole lug.
 
+pub mod flaws;
+
 use crate::quantity::RangeError;
+use flaws::Flaws;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -36,6 +39,9 @@ pub struct Wheel {
     /// The lugs; `None` on a smooth wheel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lugs: Option<Lugs>,
+    /// Departures from the drawing.
+    #[serde(skip_serializing_if = "Flaws::is_none")]
+    pub flaws: Flaws,
 }
 
 /// A `[wheel]` table before its checks.
@@ -48,6 +54,8 @@ pub(crate) struct WheelTable {
     inertia: f64,
     friction: f64,
     lugs: Option<Lugs>,
+    #[serde(default)]
+    flaws: Flaws,
 }
 
 impl WheelTable {
@@ -60,6 +68,7 @@ impl WheelTable {
             inertia: self.inertia,
             friction: self.friction,
             lugs: self.lugs.filter(|lugs| lugs.count > 0),
+            flaws: self.flaws,
         }
     }
 }
@@ -89,6 +98,7 @@ impl Wheel {
             inertia: 0.05,
             friction: 0.6,
             lugs,
+            flaws: Flaws::default(),
         }
     }
 
@@ -106,6 +116,7 @@ impl Wheel {
             inertia: 0.06,
             friction: 0.6,
             lugs,
+            flaws: Flaws::default(),
         }
     }
 
@@ -118,6 +129,7 @@ impl Wheel {
         RangeError::positive("wheel mass", "kg", self.mass)?;
         RangeError::positive("wheel inertia", "kg·m²", self.inertia)?;
         RangeError::check("wheel friction", "-", self.friction, [0.0, 2.0])?;
+        self.flaws.check(self.radius)?;
         let Some(Lugs {
             count,
             height,
@@ -154,6 +166,12 @@ impl Wheel {
         self.lugs.map_or(0.0, |lugs| lugs.height)
     }
 
+    /// Height [m] of one lug, with its flaws.
+    pub fn height_of_lug(&self, lug: u32) -> f64 {
+        let place = f64::from(lug) * self.lug_angle().unwrap_or(0.0);
+        self.lug_height() * self.flaws.height_left(lug, place)
+    }
+
     /// Angle between neighbouring lugs `α` [rad], `None` on a smooth wheel.
     pub fn lug_angle(&self) -> Option<f64> {
         self.lugs.map(|lugs| TAU / f64::from(lugs.count))
@@ -178,6 +196,7 @@ impl Wheel {
                 height: lug_height,
                 thickness: f64::NAN,
             }),
+            flaws: Flaws::default(),
         }
     }
 

@@ -441,3 +441,54 @@ fn the_demo_ends_with_its_report_whose_commands_write_the_same_bytes() {
     done(run(at, again.strip_prefix("lugwheel ").unwrap()));
     assert!(before == fs::read(at.join("shown/st.h5")).unwrap());
 }
+
+#[test]
+fn the_catalogue_of_effects_is_a_table_an_entry_or_json_and_a_typo_is_told_its_neighbours() {
+    let folder = TempDir::new().unwrap();
+    let table = done(run(folder.path(), "effects"));
+    assert!(table.contains("\nrail_friction "), "{table}");
+    let entry = done(run(folder.path(), "effects rail_friction"));
+    for part in [
+        "vertical guide",
+        "frame_flaws.friction",
+        "Rollon",
+        "0.5, 2, 6",
+    ] {
+        assert!(entry.contains(part), "{part} is not in\n{entry}");
+    }
+    let json: Value = serde_json::from_str(&done(run(folder.path(), "effects --json"))).unwrap();
+    let effects = json.as_array().unwrap();
+    let tilt = effects
+        .iter()
+        .find(|effect| effect["name"] == "sensor_tilt")
+        .unwrap();
+    assert_eq!(tilt["stage"], "sensors");
+    assert_eq!(tilt["seats"][0]["levels"][1], 1.0);
+    refuses("effects rail_frition", 3, &["did you mean `rail_friction`"]);
+}
+
+#[test]
+fn an_effect_on_the_command_line_is_in_the_run_and_in_its_recorded_scenario() {
+    let folder = TempDir::new().unwrap();
+    let simulated = |words: &str| {
+        let text = done(short(
+            folder.path(),
+            "simulate",
+            &format!("--json --quiet {words}"),
+        ));
+        serde_json::from_str::<Value>(&text).unwrap()["steady"]["normal_force"]["value"]
+            .as_f64()
+            .unwrap()
+    };
+    let plain = simulated("--out plain.h5");
+    let gained = simulated("--out gained.h5 --effect gain_error.normal_force=0.05");
+    assert!((gained / plain - 1.05).abs() < 1e-9, "{gained} {plain}");
+    let file = RunFile::open(folder.path().join("gained.h5")).unwrap();
+    let scenario = file.provenance().scenario.as_deref().unwrap();
+    assert!(scenario.contains("name = \"gain_error.normal_force\""));
+    refuses(
+        "simulate quick --effect gain_error.normal_force=5",
+        3,
+        &["gain_error [-] must be in [-0.5, 0.5], got 5"],
+    );
+}

@@ -328,3 +328,24 @@ proptest! {
         let _ = scenario.with(&assignment).map_err(|error| error.to_string());
     }
 }
+
+#[test]
+fn departures_of_wheel_drive_and_frame_are_keys_like_others_and_come_back() {
+    let flawed = shipped("single_wheel_st")
+        .with_all(&[
+            "wheel.flaws.eccentricity=0.001",
+            "rig.single_wheel.drive_flaws.cogging=0.02",
+            "rig.single_wheel.frame_flaws.friction=2",
+        ])
+        .unwrap();
+    assert_eq!(flawed.wheel.flaws.eccentricity, 0.001);
+    assert_eq!(flawed.rig.drive().flaws.cogging, 0.02);
+    assert_eq!(flawed.rig.frame().friction, 2.0);
+    let again = Scenario::from_toml(&flawed.to_toml(), "again").unwrap();
+    assert_eq!((again.wheel, again.rig), (flawed.wheel, flawed.rig));
+    let error = flawed.with("wheel.flaws.eccentricity=0.1").unwrap_err();
+    assert!(
+        error.to_string().contains("wheel eccentricity [m]"),
+        "{error}"
+    );
+}

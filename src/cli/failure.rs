@@ -7,6 +7,7 @@ use super::scenario_args::NoScenario;
 use super::study::FailedRuns;
 use lugwheel::dataset::csv::CampaignError;
 use lugwheel::dataset::hdf5::RunFileError;
+use lugwheel::effects::EffectError;
 use lugwheel::scenario::ScenarioError;
 use lugwheel::study::StudyError;
 use std::error::Error;
@@ -64,6 +65,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
         || cause.is::<NoScenario>()
+        || cause.is::<EffectError>()
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()
         || cause.is::<NothingIdentified>()

@@ -1,13 +1,17 @@
 //! One experiment from its ground to its trace; nothing in it reads a file or a clock.
 
 use super::Scenario;
+use super::recording::{Motion, Recording};
+use crate::effects::{EffectError, Setup};
 use crate::quantity::{RangeError, Seed};
-use crate::sensors::SensorChain;
-use crate::simulation::{Simulation, SimulationError};
-use crate::terrain::Terrain;
+use crate::sensors::{SensorChain, Sensors};
+use crate::simulation::rig::Rig;
+use crate::simulation::{Simulation, SimulationError, WheelState};
 use crate::terrain::class::TerrainLabel;
+use crate::terrain::{Terrain, TerrainSpec};
 use crate::trace::truth::TruthRecorder;
 use crate::trace::{RunAttributes, Trace, Truth};
+use crate::wheel::Wheel;
 use std::ops::ControlFlow;
 
 /// Why an experiment left no trace.
@@ -19,9 +23,53 @@ pub enum ExperimentError {
     /// The sensors cannot be built at these rates.
     #[error(transparent)]
     Sensors(#[from] RangeError),
+    /// An effect has nothing to edit.
+    #[error(transparent)]
+    Effect(#[from] EffectFault),
     /// The caller stopped it.
     #[error("stopped before its end")]
     Stopped,
+}
+
+/// An effect that a scenario cannot have.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct EffectFault {
+    /// Its number among the scenario's effects, from 0.
+    pub index: usize,
+    /// What is wrong with it.
+    pub error: EffectError,
+}
+
+/// What is built: the things of a scenario, edited by its effects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The ground.
+    pub terrain: TerrainSpec,
+    /// The wheel.
+    pub wheel: Wheel,
+    /// What holds, loads and drives the wheel.
+    pub rig: Rig,
+    /// How the run is measured.
+    pub sensors: Sensors,
+}
+
+impl Experiment {
+    fn setup(&mut self) -> Setup<'_> {
+        Setup {
+            terrain: &mut self.terrain,
+            wheel: &mut self.wheel,
+            rig: &mut self.rig,
+            sensors: &mut self.sensors,
+        }
+    }
+
+    fn check(&self) -> Result<(), RangeError> {
+        self.terrain.check()?;
+        self.wheel.checked()?;
+        self.rig.check()?;
+        self.sensors.check()
+    }
 }
 
 /// Steps between two reports of progress.
@@ -31,24 +79,92 @@ const REPORT_EVERY: u64 = 4096;
 const PROFILE_SPACING: f64 = 1.0e-3;
 
 impl Scenario {
+    /// What is built: the scenario's things, edited by its effects in their order.
+    ///
+    /// # Errors
+    /// `EffectFault` for the first effect that finds nothing to edit, or whose edit leaves
+    /// something that cannot be.
+    pub fn experiment(&self) -> Result<Experiment, EffectFault> {
+        let mut experiment = Experiment {
+            terrain: self.terrain.clone(),
+            wheel: self.wheel,
+            rig: self.rig,
+            sensors: self.sensors,
+        };
+        for (index, effect) in self.effects.iter().enumerate() {
+            effect
+                .apply(&mut experiment.setup())
+                .and_then(|()| Ok(experiment.check()?))
+                .map_err(|error| EffectFault { index, error })?;
+        }
+        Ok(experiment)
+    }
+
     /// Runs the experiment: run `run` of the series that `seed` begins.
     ///
     /// `progress` hears the simulated time [s] now and then, and may stop the run.
     ///
     /// # Errors
     /// `Simulation` where the ground does not carry the wheel or the motion is not defined,
-    /// `Sensors` for rates that do not divide, `Stopped` when `progress` said so.
+    /// `Sensors` for rates that do not divide, `Effect` for one with nothing to edit, `Stopped` when
+    /// `progress` said so.
     pub fn run(
         &self,
         seed: Seed,
         run: u64,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Trace, ExperimentError> {
+        let experiment = self.experiment()?;
+        let (rate, radius) = (self.physics_rate(), self.wheel.radius);
+        let mut chain = SensorChain::new(&experiment.sensors, rate, radius, seed, run)?;
+        let see = &mut |state: &WheelState| chain.push(state);
+        let truth = self.drive(&experiment, (seed, run), progress, see)?;
+        Ok(Trace {
+            attributes: self.attributes(&truth, run),
+            channels: chain.finish(),
+            means: Vec::new(),
+            truth: Some(truth),
+        })
+    }
+
+    /// The motion of the run, to be measured by any sensors.
+    ///
+    /// # Errors
+    /// Those of [`Scenario::run`].
+    pub fn record(
+        &self,
+        seed: Seed,
+        run: u64,
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Recording, ExperimentError> {
+        let experiment = self.experiment()?;
+        let mut motion = Motion::default();
+        let see = &mut |state: &WheelState| motion.push(state);
+        let truth = self.drive(&experiment, (seed, run), progress, see)?;
+        Ok(Recording {
+            rate: self.physics_rate(),
+            wheel_radius: self.wheel.radius,
+            seed,
+            run,
+            attributes: self.attributes(&truth, run),
+            truth,
+            motion,
+        })
+    }
+
+    /// Drives the wheel along its track; `see` gets every state of the record.
+    fn drive(
+        &self,
+        experiment: &Experiment,
+        (seed, run): (Seed, u64),
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+        see: &mut dyn FnMut(&WheelState),
+    ) -> Result<Truth, ExperimentError> {
         let rate = self.physics_rate();
-        let terrain = Terrain::generate(&self.terrain, seed, run);
-        let mut chain = SensorChain::new(&self.sensors, rate, self.wheel.radius, seed, run)?;
-        let mut truth = TruthRecorder::new(&self.wheel, self.window());
-        let mut simulation = Simulation::new(&terrain, &self.wheel, &self.rig, rate)?;
+        let Experiment { wheel, rig, .. } = experiment;
+        let terrain = Terrain::generate(&experiment.terrain, seed, run);
+        let mut truth = TruthRecorder::new(wheel, self.window());
+        let mut simulation = Simulation::new(&terrain, wheel, rig, rate)?;
         let steps_in = |time: f64| (time * rate.hertz()).round() as u64;
         let lead_in = steps_in(self.lead_in);
         let mut way = [0.0_f64, 0.0];
@@ -59,7 +175,7 @@ impl Scenario {
             let state = state?;
             let label = simulation.label();
             if step >= lead_in {
-                chain.push(&state);
+                see(&state);
                 truth.push(&state, label);
             }
             way = [way[0].min(state.position), way[1].max(state.position)];
@@ -67,7 +183,7 @@ impl Scenario {
                 return Err(ExperimentError::Stopped);
             }
         }
-        let truth = Truth {
+        Ok(Truth {
             parameters: terrain.parameters(),
             profile: simulation.undisturbed(
                 way[0] - self.wheel.radius,
@@ -75,12 +191,6 @@ impl Scenario {
                 PROFILE_SPACING,
             ),
             ..truth.finish()
-        };
-        Ok(Trace {
-            attributes: self.attributes(&truth, run),
-            channels: chain.finish(),
-            means: Vec::new(),
-            truth: Some(truth),
         })
     }
 
@@ -109,5 +219,102 @@ impl Scenario {
             crate::terrain::TerrainSpec::Sequence(sections) if sections.len() > 1 => None,
             terrain => Some(terrain.label()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Application, Effect, Form, Stage, catalogue};
+
+    fn quick() -> Scenario {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick.toml");
+        let scenario = Scenario::load(file).unwrap();
+        scenario
+            .with_all(&["duration=0.25", "physics_rate=8000"])
+            .unwrap()
+    }
+
+    fn trace(scenario: &Scenario) -> Trace {
+        let go_on = &mut |_| ControlFlow::Continue(());
+        scenario.run(Seed(5), 2, go_on).unwrap()
+    }
+
+    /// Every place of every effect: its name, with its channel, and its neutral value.
+    fn places() -> impl Iterator<Item = (&'static Effect, String, f64)> {
+        catalogue().flat_map(|effect| {
+            effect.seats.iter().map(move |seat| {
+                let name = [effect.name, seat.channel].join(".");
+                (effect, name.trim_end_matches('.').to_owned(), seat.neutral)
+            })
+        })
+    }
+
+    #[test]
+    fn every_effect_at_its_neutral_value_changes_no_bit_of_a_run_in_either_form() {
+        let scenario = quick();
+        let ideal = trace(&scenario);
+        let recording = scenario
+            .record(Seed(5), 2, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
+        for (effect, name, neutral) in places() {
+            let own = Application::new(&name, neutral).unwrap();
+            for effect_in_form in [Some(own), own.in_form(Form::Other).ok()]
+                .into_iter()
+                .flatten()
+            {
+                let neutral = scenario.with_effect(&effect_in_form).unwrap();
+                let found = match effect.stage {
+                    Stage::Physics => trace(&neutral),
+                    Stage::Sensors => {
+                        let experiment = neutral.experiment().unwrap();
+                        assert_eq!(experiment.wheel, scenario.wheel, "{name}");
+                        assert_eq!(experiment.rig, scenario.rig, "{name}");
+                        assert_eq!(experiment.terrain, scenario.terrain, "{name}");
+                        recording.measure(&experiment.sensors).unwrap()
+                    }
+                };
+                assert_eq!(found, ideal, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_recorded_motion_measured_again_is_the_direct_run_bit_by_bit() {
+        let noisy = quick()
+            .with_all(&[
+                "effect.added_noise.normal_force=0.5",
+                "effect.channel_delay=0.01",
+            ])
+            .unwrap();
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let recording = quick().record(Seed(5), 2, go_on).unwrap();
+        let sensors = noisy.experiment().unwrap().sensors;
+        assert_eq!(recording.measure(&sensors).unwrap(), trace(&noisy));
+    }
+
+    #[test]
+    fn an_effect_stands_in_the_text_once_with_its_last_magnitude_and_form() {
+        let tilt = |magnitude| Application::new("sensor_tilt.acceleration_y", magnitude).unwrap();
+        let scenario = quick().with_effect(&tilt(2.0)).unwrap();
+        let other = tilt(-3.0).in_form(Form::Other).unwrap();
+        let scenario = scenario.with_effect(&other).unwrap();
+        assert_eq!(scenario.effects, [other]);
+        assert_eq!(scenario.text().matches("[[effect]]").count(), 1);
+        let again = Scenario::from_toml(&scenario.to_toml(), "again").unwrap();
+        assert_eq!(again.effects, [other]);
+        let own = again.with_effect(&tilt(1.0)).unwrap();
+        assert_eq!(own.effects, [tilt(1.0)]);
+    }
+
+    #[test]
+    fn an_effect_that_finds_nothing_to_edit_is_refused() {
+        let smooth = quick().with("wheel.lugs={ count = 0, height = 0.01, thickness = 0.003 }");
+        let error = smooth.unwrap().with("effect.lug_wear=0.1").unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.contains("the effect `lug_wear` needs a wheel with lugs"),
+            "{message}"
+        );
     }
 }

@@ -123,12 +123,30 @@ impl FastChannel {
     }
 }
 
+/// A way past the anti-alias filter.
+struct Leak {
+    /// Share [-] of the samples that takes it.
+    share: f64,
+    decimator: Decimator,
+    kept: Vec<f64>,
+}
+
+impl Leak {
+    fn blend(mut self, filtered: &mut [f64]) {
+        self.decimator.finish(&mut self.kept);
+        for (sample, leaked) in filtered.iter_mut().zip(self.kept) {
+            *sample += self.share * (leaked - *sample);
+        }
+    }
+}
+
 /// The part of a channel that runs at the sensor rate.
 struct Sampler {
     mount: Option<SecondOrder>,
     reading: Reading,
     decimator: Decimator,
     kept: Vec<f64>,
+    leaks: Vec<Leak>,
     raw: Option<Vec<f64>>,
     /// Room for a block, reused.
     spare: Vec<f64>,
@@ -151,6 +169,18 @@ impl Sampler {
                 Decimator::without_filter(factor)
             },
             kept: Vec::new(),
+            leaks: [
+                (sensors.alias_leak, Decimator::without_filter(factor)),
+                (sensors.alias_mean, Decimator::by_mean(factor)),
+            ]
+            .into_iter()
+            .filter(|(share, _)| *share > 0.0)
+            .map(|(share, decimator)| Leak {
+                share,
+                decimator,
+                kept: Vec::new(),
+            })
+            .collect(),
             raw: sensors.raw.then(Vec::new),
             spare: Vec::new(),
         })
@@ -165,10 +195,16 @@ impl Sampler {
             raw.extend_from_slice(values);
         }
         self.decimator.push(values, &mut self.kept);
+        for leak in &mut self.leaks {
+            leak.decimator.push(values, &mut leak.kept);
+        }
     }
 
     fn finish(mut self) -> (Vec<f64>, Option<Vec<f64>>) {
         self.decimator.finish(&mut self.kept);
+        for leak in self.leaks {
+            leak.blend(&mut self.kept);
+        }
         (self.kept, self.raw)
     }
 }

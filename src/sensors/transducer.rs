@@ -2,10 +2,14 @@
 
 use super::noise::WhiteNoise;
 use super::second_order::SecondOrder;
+use super::single_pole::SinglePole;
 use crate::quantity::RangeError;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Corner [Hz] of slow noise.
+const RUMBLE: f64 = 20.0;
 
 /// Frequency [Hz] of the mains.
 const MAINS: f64 = 50.0;
@@ -18,36 +22,58 @@ const MAINS: f64 = 50.0;
 pub struct Transducer {
     /// Corner [Hz], -3 dB, of a Butterworth low pass of second order; `inf` passes everything.
     pub bandwidth: f64,
+    /// Corner [Hz], -3 dB, of a low pass of first order after it; `inf` passes everything.
+    pub single_pole: f64,
     /// Reading over quantity [-].
     pub gain: f64,
+    /// Growth [1/unit] of that, as part of it, with the size of the quantity.
+    pub curvature: f64,
     /// Reading at zero [unit].
     pub bias: f64,
     /// Growth of the bias [unit/s].
     pub drift: f64,
     /// Density [unit/√Hz] of white noise, one-sided, up to half the sensor rate.
     pub noise_density: f64,
+    /// Root mean square [unit] of slow noise: white noise behind a low pass of first order at
+    /// 20 Hz.
+    pub rumble: f64,
     /// Amplitude [unit] of 50 Hz hum from the mains.
     pub hum: f64,
+    /// Amplitude [unit] of 100 Hz ripple from a rectifier.
+    pub ripple: f64,
     /// Largest reading [unit], either way; beyond it the channel clips.
     pub range: f64,
+    /// Reading [unit] that a channel nears without reaching it, either way.
+    pub soft_range: f64,
     /// Step [unit] between readings; 0 is continuous.
     pub resolution: f64,
+    /// Step [unit] of a converter that drops what is left over, toward 0; 0 is continuous.
+    pub truncation: f64,
     /// Time [s] by which readings lag their time stamps.
     pub delay: f64,
+    /// Time [s] for which a reading is held until the next is taken; 0 takes every one.
+    pub hold: f64,
 }
 
 impl Default for Transducer {
     fn default() -> Self {
         Self {
             bandwidth: f64::INFINITY,
+            single_pole: f64::INFINITY,
             gain: 1.0,
+            curvature: 0.0,
             bias: 0.0,
             drift: 0.0,
             noise_density: 0.0,
+            rumble: 0.0,
             hum: 0.0,
+            ripple: 0.0,
             range: f64::INFINITY,
+            soft_range: f64::INFINITY,
             resolution: 0.0,
+            truncation: 0.0,
             delay: 0.0,
+            hold: 0.0,
         }
     }
 }
@@ -59,16 +85,24 @@ impl Transducer {
     /// `RangeError` for the first that it cannot.
     pub(super) fn check(&self, unit: &'static str, rate: f64) -> Result<(), RangeError> {
         corner("bandwidth", self.bandwidth, rate)?;
+        corner("single pole", self.single_pole, rate)?;
         finite("gain", "-", self.gain)?;
+        finite("curvature per", unit, self.curvature)?;
         finite("bias", unit, self.bias)?;
         finite("drift per second", unit, self.drift)?;
         not_negative("noise density per root hertz", unit, self.noise_density)?;
+        not_negative("rumble", unit, self.rumble)?;
         finite("hum", unit, self.hum)?;
-        if self.range.is_finite() {
-            RangeError::positive("range", unit, self.range)?;
+        finite("ripple", unit, self.ripple)?;
+        for (quantity, range) in [("range", self.range), ("soft range", self.soft_range)] {
+            if range.is_finite() {
+                RangeError::positive(quantity, unit, range)?;
+            }
         }
         not_negative("resolution", unit, self.resolution)?;
-        not_negative("delay", "s", self.delay)
+        not_negative("truncation", unit, self.truncation)?;
+        not_negative("delay", "s", self.delay)?;
+        not_negative("hold", "s", self.hold)
     }
 }
 
@@ -127,11 +161,51 @@ pub(super) fn quantised(value: f64, resolution: f64) -> f64 {
     }
 }
 
+/// Slow noise.
+struct Rumble {
+    noise: WhiteNoise,
+    low_pass: SinglePole,
+    /// Room for a block, reused.
+    spare: Vec<f64>,
+}
+
+impl Rumble {
+    /// Noise of root mean square `rms` [unit] at `rate` [Hz], in a stream beside that of `rng`; none
+    /// where it is 0.
+    fn new(rms: f64, rate: f64, rng: &ChaCha8Rng) -> Option<Self> {
+        let mut rng = rng.clone();
+        rng.set_stream(1);
+        // A low pass of first order lets π/2 of its corner through.
+        let density = rms / libm::sqrt(RUMBLE * std::f64::consts::FRAC_PI_2);
+        let mut low_pass = SinglePole::new(RUMBLE, rate)?;
+        low_pass.apply(&mut [0.0]);
+        Some(Self {
+            noise: WhiteNoise::of_density(density, rate, rng)?,
+            low_pass,
+            spare: Vec::new(),
+        })
+    }
+
+    fn add_to(&mut self, samples: &mut [f64]) {
+        self.spare.clear();
+        self.spare.resize(samples.len(), 0.0);
+        self.noise.add_to(&mut self.spare);
+        self.low_pass.apply(&mut self.spare);
+        for (sample, noise) in samples.iter_mut().zip(&self.spare) {
+            *sample += noise;
+        }
+    }
+}
+
 /// A [`Transducer`] at work on samples at the sensor rate.
 pub(super) struct Reading {
     figures: Transducer,
     low_pass: Option<SecondOrder>,
+    single_pole: Option<SinglePole>,
     noise: Option<WhiteNoise>,
+    rumble: Option<Rumble>,
+    /// The reading that is held.
+    held: f64,
     period: f64,
     taken: u64,
 }
@@ -141,6 +215,9 @@ impl Reading {
     pub(super) fn new(figures: Transducer, rate: f64, rng: ChaCha8Rng) -> Self {
         Self {
             figures,
+            single_pole: SinglePole::new(figures.single_pole, rate),
+            rumble: Rumble::new(figures.rumble, rate, &rng),
+            held: 0.0,
             low_pass: SecondOrder::new(figures.bandwidth, FRAC_1_SQRT_2, rate),
             noise: WhiteNoise::of_density(figures.noise_density, rate, rng),
             period: 1.0 / rate,
@@ -153,14 +230,26 @@ impl Reading {
         if let Some(low_pass) = &mut self.low_pass {
             low_pass.apply(samples);
         }
+        if let Some(single_pole) = &mut self.single_pole {
+            single_pole.apply(samples);
+        }
         self.amplify(samples);
-        if self.figures.hum != 0.0 {
-            self.add_hum(samples);
+        for (frequency, amplitude) in [
+            (MAINS, self.figures.hum),
+            (2.0 * MAINS, self.figures.ripple),
+        ] {
+            if amplitude != 0.0 {
+                self.add_hum(samples, frequency, amplitude);
+            }
+        }
+        if let Some(rumble) = &mut self.rumble {
+            rumble.add_to(samples);
         }
         if let Some(noise) = &mut self.noise {
             noise.add_to(samples);
         }
         self.digitise(samples);
+        self.hold(samples);
         self.taken += samples.len() as u64;
     }
 
@@ -170,8 +259,17 @@ impl Reading {
 
     fn amplify(&self, samples: &mut [f64]) {
         let Transducer {
-            gain, bias, drift, ..
+            gain,
+            curvature,
+            bias,
+            drift,
+            ..
         } = self.figures;
+        if curvature != 0.0 {
+            samples
+                .iter_mut()
+                .for_each(|x| *x += curvature * *x * x.abs());
+        }
         let (bias, step) = (bias + drift * self.time(), drift * self.period);
         for (i, sample) in (0_u32..).zip(samples) {
             *sample = gain * *sample + (bias + step * f64::from(i));
@@ -179,12 +277,12 @@ impl Reading {
     }
 
     /// One sine of the mains, turned on from sample to sample.
-    fn add_hum(&self, samples: &mut [f64]) {
-        let cycles = MAINS * self.time();
+    fn add_hum(&self, samples: &mut [f64], frequency: f64, amplitude: f64) {
+        let cycles = frequency * self.time();
         let (mut sine, mut cosine) = libm::sincos(TAU * (cycles - cycles.floor()));
-        let (turn_sine, turn_cosine) = libm::sincos(TAU * MAINS * self.period);
+        let (turn_sine, turn_cosine) = libm::sincos(TAU * frequency * self.period);
         for sample in samples {
-            *sample += self.figures.hum * sine;
+            *sample += amplitude * sine;
             (sine, cosine) = (
                 sine * turn_cosine + cosine * turn_sine,
                 cosine * turn_cosine - sine * turn_sine,
@@ -194,8 +292,17 @@ impl Reading {
 
     fn digitise(&self, samples: &mut [f64]) {
         let Transducer {
-            range, resolution, ..
+            range,
+            soft_range,
+            resolution,
+            truncation,
+            ..
         } = self.figures;
+        if soft_range.is_finite() {
+            samples
+                .iter_mut()
+                .for_each(|x| *x = soft_range * libm::tanh(*x / soft_range));
+        }
         if range.is_finite() {
             samples.iter_mut().for_each(|x| *x = x.clamp(-range, range));
         }
@@ -203,6 +310,25 @@ impl Reading {
             samples
                 .iter_mut()
                 .for_each(|x| *x = quantised(*x, resolution));
+        }
+        if truncation > 0.0 {
+            samples
+                .iter_mut()
+                .for_each(|x| *x = (*x / truncation).trunc() * truncation);
+        }
+    }
+
+    /// Gives every sample the value of the last reading taken.
+    fn hold(&mut self, samples: &mut [f64]) {
+        let every = (self.figures.hold / self.period).round() as u64;
+        if every < 2 {
+            return;
+        }
+        for (index, sample) in (self.taken..).zip(samples) {
+            if index % every == 0 {
+                self.held = *sample;
+            }
+            *sample = self.held;
         }
     }
 }
@@ -220,6 +346,21 @@ mod tests {
             .chunks_mut(100)
             .for_each(|block| reading.read(block));
         samples
+    }
+
+    #[test]
+    fn a_held_reading_stands_until_the_next_is_taken() {
+        let quantity: Vec<f64> = (0..1000).map(f64::from).collect();
+        // 25 samples at 128 kHz, in blocks of 100 and across them.
+        for every in [25, 30] {
+            let figures = Transducer {
+                hold: f64::from(every) / 128_000.0,
+                ..Transducer::default()
+            };
+            for (k, held) in (0..).zip(read(figures, &quantity)) {
+                assert_eq!(held, f64::from(k - k % every));
+            }
+        }
     }
 
     #[test]

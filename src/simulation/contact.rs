@@ -2,6 +2,7 @@
 
 use super::world::{WheelMotion, Wrench};
 use crate::wheel::Wheel;
+use crate::wheel::flaws::Flaws;
 use libm::{cos, sin};
 
 /// One point of the wheel that may touch the ground.
@@ -13,8 +14,10 @@ pub(super) struct Edge {
     pub x: f64,
     /// Above the datum [m].
     pub y: f64,
-    /// From the axle [m].
+    /// From the rim's centre [m].
     pub arm: [f64; 2],
+    /// How far that is [m].
+    pub radius: f64,
 }
 
 /// The ground's answer to one step.
@@ -42,6 +45,9 @@ pub(super) struct WheelGeometry {
     lug_angle: f64,
     /// Cosine and sine of every lug's place on the rim.
     lugs: Vec<[f64; 2]>,
+    /// Radius to every lug's edge [m].
+    tips: Vec<f64>,
+    flaws: Flaws,
     /// Lugs on either side of the lowest that may touch.
     spread: i64,
 }
@@ -69,11 +75,21 @@ impl WheelGeometry {
             touch_force: 0.01 * load,
             lug_angle,
             lugs,
+            tips: (0..wheel.lug_count())
+                .map(|lug| wheel.radius + wheel.height_of_lug(lug))
+                .collect(),
+            flaws: wheel.flaws,
             spread,
         }
     }
 
-    /// Edges of the lowest lugs, foremost last when driving forward.
+    /// Where the rim's centre stands from the axle [m].
+    pub fn rim_centre(&self, motion: &WheelMotion) -> [f64; 2] {
+        self.flaws.rim_centre(motion.cos, motion.sin)
+    }
+
+    /// Edges of the lowest lugs, foremost last when driving forward; `motion` is that of the rim's
+    /// centre. A lug that is worn down to the rim has none.
     pub fn lowest_edges(&self, motion: &WheelMotion) -> impl Iterator<Item = Edge> + '_ {
         let count = self.lugs.len() as i64;
         let lowest = if count > 0 {
@@ -87,18 +103,21 @@ impl WheelGeometry {
         } else {
             0..0
         };
-        steps.map(move |step| {
-            let lug = (lowest + step).rem_euclid(count) as usize;
-            let [cos_place, sin_place] = self.lugs[lug];
-            // Angle from straight down, positive ahead: place on the rim less the angle turned.
-            let ahead = self.tip_radius * (sin_place * cos - cos_place * sin);
-            let down = self.tip_radius * (cos_place * cos + sin_place * sin);
-            Edge {
-                lug,
-                x: x + ahead,
-                y: y - down,
-                arm: [ahead, -down],
-            }
-        })
+        let lugs = steps.map(move |step| (lowest + step).rem_euclid(count) as usize);
+        lugs.filter(|lug| self.tips[*lug] > self.radius)
+            .map(move |lug| {
+                let radius = self.tips[lug];
+                let [cos_place, sin_place] = self.lugs[lug];
+                // Angle from straight down, positive ahead: place on the rim less the angle turned.
+                let ahead = radius * (sin_place * cos - cos_place * sin);
+                let down = radius * (cos_place * cos + sin_place * sin);
+                Edge {
+                    lug,
+                    x: x + ahead,
+                    y: y - down,
+                    arm: [ahead, -down],
+                    radius,
+                }
+            })
     }
 }

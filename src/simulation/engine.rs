@@ -122,24 +122,31 @@ impl WheelColliders {
                 .collision_groups(groups::RIM_AND_LUGS);
             world.insert_collider(part, Some(body))
         };
-        let rim = insert(ColliderBuilder::ball(wheel.radius));
+        let rim = ColliderBuilder::ball(wheel.radius);
+        let rim = insert(rim.translation(Vector::new(0.0, -wheel.flaws.eccentricity)));
         let lugs = (0..wheel.lug_count())
-            .map(|lug| insert(lug_shape(wheel, wheel.lug_position(lug, 0.0))))
+            .map(|lug| insert(lug_shape(wheel, lug)))
             .collect();
         Self { rim, lugs }
     }
 }
 
-/// A lug at an `angle` [rad] from straight down, positive ahead: a bar from the rim to `r + l`.
-fn lug_shape(wheel: &Wheel, angle: f64) -> ColliderBuilder {
-    let (sin, cos) = libm::sincos(angle);
+/// Least height [m] of a lug's collider: one that is worn down keeps its place among the others.
+const LEAST_LUG: f64 = 1.0e-4;
+
+/// A lug of a wheel that has not turned: a bar from the rim to its edge. On an oval rim it stands as
+/// far out as the rim there.
+fn lug_shape(wheel: &Wheel, lug: u32) -> ColliderBuilder {
+    let (sin, cos) = libm::sincos(wheel.lug_position(lug, 0.0));
+    let height = wheel.height_of_lug(lug).max(LEAST_LUG);
+    let bulge = wheel.flaws.ovality * (2.0 * cos * cos - 1.0);
     let thickness = wheel.lugs.map_or(0.0, |lugs| lugs.thickness);
-    let middle = wheel.radius + wheel.lug_height() / 2.0;
+    let middle = wheel.radius + height / 2.0 + bulge;
     let pose = Pose::from_parts(
-        Vector::new(middle * sin, -middle * cos),
+        Vector::new(middle * sin, -middle * cos - wheel.flaws.eccentricity),
         Rotation::from_cos_sin_unchecked(sin, -cos),
     );
-    ColliderBuilder::cuboid(wheel.lug_height() / 2.0, thickness / 2.0).position(pose)
+    ColliderBuilder::cuboid(height / 2.0, thickness / 2.0).position(pose)
 }
 
 /// Mean load of the contacts on a collider of the wheel over the last step: force along the track

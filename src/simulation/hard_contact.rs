@@ -210,6 +210,7 @@ impl HardGround {
                     x: motion.x + u,
                     y: motion.y - down,
                     arm: [u, -down],
+                    radius: r,
                 });
             }
         }

@@ -1,8 +1,11 @@
 //! What holds, loads and drives the wheel.
 
+pub mod flaws;
+
 use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SlipRatio};
 use crate::wheel::Wheel;
+use flaws::{DriveFlaws, FrameFlaws};
 use libm::{cos, sin};
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +25,9 @@ pub struct Drive {
     /// Time [s] at which the motors stop over one `start_up`; never if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_at: Option<f64>,
+    /// Departures from the motion commanded.
+    #[serde(rename = "drive_flaws", skip_serializing_if = "DriveFlaws::is_none")]
+    pub flaws: DriveFlaws,
 }
 
 /// The single-wheel test bed (Fig. 9).
@@ -39,6 +45,9 @@ pub struct SingleWheel {
     pub lifted: Option<f64>,
     /// Slope of the track [°], above 0 uphill.
     pub slope_deg: f64,
+    /// Departures of guide and load.
+    #[serde(rename = "frame_flaws", skip_serializing_if = "FrameFlaws::is_none")]
+    pub flaws: FrameFlaws,
 }
 
 /// One leg of a rover (Fig. 1).
@@ -55,14 +64,25 @@ pub struct RoverLeg {
     pub damping: f64,
     /// Slope of the track [°], above 0 uphill.
     pub slope_deg: f64,
+    /// Departures of guide and load.
+    #[serde(rename = "frame_flaws", skip_serializing_if = "FrameFlaws::is_none")]
+    pub flaws: FrameFlaws,
 }
 
-impl RoverLeg {
+/// Spring and damper between the axle and what rides on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    stiffness: f64,
+    damping: f64,
+    flaws: FrameFlaws,
+}
+
+impl Leg {
     /// Force [N] of spring and damper on the axle, upward, beyond what they carry at rest, where
     /// the body stands `stretch` [m] above its place and rises off the axle at `rate` [m/s]
     /// (Eq. 1).
     pub fn spring_force(&self, stretch: f64, rate: f64) -> f64 {
-        self.stiffness * stretch + self.damping * rate
+        self.stiffness * self.flaws.stiffer(stretch) * stretch + self.damping * rate
     }
 }
 
@@ -118,6 +138,10 @@ pub(crate) struct SingleWheelTable {
     lifted: Option<f64>,
     #[serde(default)]
     slope_deg: f64,
+    #[serde(default)]
+    drive_flaws: DriveFlaws,
+    #[serde(default)]
+    frame_flaws: FrameFlaws,
 }
 
 #[derive(Deserialize)]
@@ -133,6 +157,10 @@ pub(crate) struct RoverLegTable {
     damping: f64,
     #[serde(default)]
     slope_deg: f64,
+    #[serde(default)]
+    drive_flaws: DriveFlaws,
+    #[serde(default)]
+    frame_flaws: FrameFlaws,
 }
 
 impl RigTable {
@@ -170,11 +198,13 @@ impl From<SingleWheelTable> for SingleWheel {
                 wheel_speed: table.wheel_speed,
                 start_up: table.start_up,
                 stop_at: table.stop_at,
+                flaws: table.drive_flaws,
             },
             load: table.load,
             moving_mass: table.moving_mass,
             lifted: table.lifted,
             slope_deg: table.slope_deg,
+            flaws: table.frame_flaws,
         }
     }
 }
@@ -188,11 +218,13 @@ impl From<RoverLegTable> for RoverLeg {
                 wheel_speed: table.wheel_speed,
                 start_up: table.start_up,
                 stop_at: table.stop_at,
+                flaws: table.drive_flaws,
             },
             load: table.load,
             stiffness: table.stiffness,
             damping: table.damping,
             slope_deg: table.slope_deg,
+            flaws: table.frame_flaws,
         }
     }
 }
@@ -206,12 +238,23 @@ impl TryFrom<RigTable> for Rig {
     }
 }
 
+impl SingleWheel {
+    /// Mass [kg] of slide, wheel and counterweight.
+    fn guided_mass(&self) -> f64 {
+        let carried = self.load / GRAVITY;
+        let counterweight = (self.moving_mass - carried).max(0.0);
+        self.moving_mass.max(carried) + counterweight
+    }
+}
+
 impl Rig {
     /// # Errors
     /// `RangeError` for a load, mass or stiffness that is not positive, a negative damping,
     /// clearance or time, a slope beyond ±35°, and a slip of 1.
     pub fn check(&self) -> Result<(), RangeError> {
         self.drive().check()?;
+        self.drive().flaws.check()?;
+        self.frame().check()?;
         RangeError::positive("load", "N", self.load())?;
         let slope_deg = match *self {
             Self::SingleWheel(rig) => {
@@ -247,6 +290,38 @@ impl Rig {
         match self {
             Self::SingleWheel(rig) => &rig.drive,
             Self::RoverLeg(rig) => &rig.drive,
+        }
+    }
+
+    /// Motion, to be edited.
+    pub fn drive_mut(&mut self) -> &mut Drive {
+        match self {
+            Self::SingleWheel(rig) => &mut rig.drive,
+            Self::RoverLeg(rig) => &mut rig.drive,
+        }
+    }
+
+    /// Departures of guide and load.
+    pub fn frame(&self) -> &FrameFlaws {
+        match self {
+            Self::SingleWheel(rig) => &rig.flaws,
+            Self::RoverLeg(rig) => &rig.flaws,
+        }
+    }
+
+    /// Departures of guide and load, to be edited.
+    pub fn frame_mut(&mut self) -> &mut FrameFlaws {
+        match self {
+            Self::SingleWheel(rig) => &mut rig.flaws,
+            Self::RoverLeg(rig) => &mut rig.flaws,
+        }
+    }
+
+    /// Vertical load `W` [N] at rest, to be edited.
+    pub fn load_mut(&mut self) -> &mut f64 {
+        match self {
+            Self::SingleWheel(rig) => &mut rig.load,
+            Self::RoverLeg(rig) => &mut rig.load,
         }
     }
 
@@ -289,24 +364,43 @@ impl Rig {
     /// Mass [kg] that moves vertically with the axle.
     ///
     /// On the test bed a counterweight over a pulley takes what the moving mass weighs beyond the
-    /// load, and moves with it; where the moving mass weighs less, dead weight makes up for it.
+    /// load, and moves with it; where the moving mass weighs less, dead weight makes up for it. On a
+    /// frame that gives, the wheel moves without them.
     pub fn moving_mass(&self, wheel: &Wheel) -> f64 {
         match self {
-            Self::SingleWheel(rig) => {
-                let carried = rig.load / GRAVITY;
-                let counterweight = (rig.moving_mass - carried).max(0.0);
-                rig.moving_mass.max(carried) + counterweight
-            }
-            Self::RoverLeg(_) => wheel.mass,
+            Self::SingleWheel(rig) if self.leg(wheel).is_none() => rig.guided_mass(),
+            _ => wheel.mass,
         }
     }
 
     /// Mass [kg] on the leg's spring; `None` on a rig without one.
     pub fn sprung_mass(&self, wheel: &Wheel) -> Option<f64> {
-        match self {
-            Self::SingleWheel(_) => None,
-            Self::RoverLeg(rig) => Some((rig.load / GRAVITY - wheel.mass).max(0.1)),
-        }
+        self.leg(wheel)?;
+        let mass = match self {
+            Self::SingleWheel(rig) => rig.guided_mass(),
+            Self::RoverLeg(rig) => rig.load / GRAVITY,
+        };
+        Some((mass - wheel.mass).max(0.1))
+    }
+
+    /// What springs between the axle and what rides on it; `None` on a rigid rig.
+    pub fn leg(&self, wheel: &Wheel) -> Option<Leg> {
+        let (stiffness, damping) = match self {
+            Self::SingleWheel(rig) => {
+                let [stiffness, damping] = rig.flaws.spring(wheel.mass)?;
+                (stiffness, damping)
+            }
+            // The frame's compliance and the leg's spring give one after the other.
+            Self::RoverLeg(rig) => (
+                rig.stiffness / (1.0 + rig.flaws.compliance * rig.stiffness),
+                rig.damping,
+            ),
+        };
+        Some(Leg {
+            stiffness,
+            damping,
+            flaws: *self.frame(),
+        })
     }
 
     /// Weight [N] below the leg's spring, normal to the track.
@@ -321,6 +415,7 @@ pub struct Command {
     full: [f64; 2],
     start_up: f64,
     stop_at: Option<f64>,
+    flaws: DriveFlaws,
 }
 
 impl Command {
@@ -329,17 +424,26 @@ impl Command {
     /// # Errors
     /// `RangeError` where neither slip nor wheel speed tells how fast the wheel turns.
     pub fn new(drive: &Drive, radius: f64) -> Result<Self, RangeError> {
-        let full = [drive.forward_speed, drive.full_wheel_speed(radius)?];
+        let DriveFlaws {
+            carriage_scale,
+            wheel_scale,
+            ..
+        } = drive.flaws;
+        let full = [
+            drive.forward_speed * carriage_scale,
+            drive.full_wheel_speed(radius)? * wheel_scale,
+        ];
         Ok(Self {
+            flaws: drive.flaws,
             full,
             start_up: drive.start_up,
             stop_at: drive.stop_at,
         })
     }
 
-    /// Forward speed [m/s] and wheel speed [rad/s] at `time` [s]: both rise and fall together,
-    /// smoothly, so that slip holds from the first motion on.
-    pub fn at(&self, time: f64) -> [f64; 2] {
+    /// Forward speed [m/s] and wheel speed [rad/s] at `time` [s], the wheel having turned by `angle`
+    /// [rad]: both rise and fall together, smoothly, so that slip holds from the first motion on.
+    pub fn at(&self, time: f64, angle: f64) -> [f64; 2] {
         let rise = |since: f64| {
             if since >= self.start_up {
                 1.0
@@ -352,7 +456,12 @@ impl Command {
                 0.0,
                 |stop| if time > stop { rise(time - stop) } else { 0.0 },
             );
-        self.full.map(|speed| speed * share)
+        let [forward_speed, wheel_speed] = self.full.map(|speed| speed * share);
+        let at = [time, angle];
+        [
+            forward_speed,
+            self.flaws.wheel_speed(wheel_speed, share, at),
+        ]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::contact::WheelGeometry;
 use super::hard_contact::HardGround;
-use super::rig::{Drive, RoverLeg};
+use super::rig::{Drive, Rig, RoverLeg};
 use super::world::{Guide, WheelBody, WheelMotion, World, Wrench};
 use crate::quantity::GRAVITY;
 use crate::quantity::{SampleRate, Seed};
@@ -138,6 +138,7 @@ fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
         wheel_speed: Some(0.0),
         start_up: 0.0,
         stop_at: None,
+        flaws: Default::default(),
     };
     let leg = RoverLeg {
         drive,
@@ -145,7 +146,9 @@ fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
         stiffness: 1.0e6,
         damping: 1.6e3,
         slope_deg: 0.0,
+        flaws: Default::default(),
     };
+    let spring_and_damper = Rig::RoverLeg(leg).leg(&Wheel::rover()).unwrap();
     let (mass, rate, amplitude) = (25.0, 16_000.0, 1.0e-3);
     for frequency in [4.0, 16.0, 28.0, 32.0, 40.0, 80.0] {
         let omega = std::f64::consts::TAU * frequency;
@@ -169,7 +172,7 @@ fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
             let time = step as f64 / rate;
             let axle = world.wheel_motion();
             let [stretch, closing] = world.leg_stretch(&axle).unwrap();
-            let spring = leg.spring_force(stretch, closing);
+            let spring = spring_and_damper.spring_force(stretch, closing);
             world.push_leg(-spring, 0.0);
             let fy = -1.0e9 * omega * omega * amplitude * (omega * time).sin();
             world.push_wheel(Wrench {

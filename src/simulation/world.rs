@@ -43,7 +43,28 @@ pub struct Wrench {
     pub torque: f64,
 }
 
+impl WheelMotion {
+    /// The motion of the wheel's point that stands `[x, y]` [m] from the axle.
+    pub fn at(&self, [x, y]: [f64; 2]) -> Self {
+        Self {
+            x: self.x + x,
+            y: self.y + y,
+            vx: self.vx + self.omega * y,
+            vy: self.vy - self.omega * x,
+            ..*self
+        }
+    }
+}
+
 impl Wrench {
+    /// The same force where it acts at `[x, y]` [m] from the axle instead of at the axle.
+    pub fn acting_at(self, [x, y]: [f64; 2]) -> Self {
+        Self {
+            torque: self.torque + (y * self.fx - x * self.fy),
+            ..self
+        }
+    }
+
     /// Magnitude of the force [N].
     pub fn force(&self) -> f64 {
         libm::sqrt(self.fx * self.fx + self.fy * self.fy)

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test file uses its part")]
 
 use lugwheel::quantity::{SampleRate, Seed, SlipRatio};
+use lugwheel::simulation::rig::flaws::{DriveFlaws, FrameFlaws};
 use lugwheel::simulation::rig::{Drive, Rig, RoverLeg, SingleWheel};
 use lugwheel::simulation::{Simulation, WheelState};
 use lugwheel::soil::{Soil, StressConvention};
@@ -43,6 +44,7 @@ pub fn drive(speed: f64, slip: f64) -> Drive {
         wheel_speed: None,
         start_up: 0.5,
         stop_at: None,
+        flaws: DriveFlaws::default(),
     }
 }
 
@@ -53,6 +55,7 @@ pub fn rig(speed: f64, slip: f64, load: f64) -> Rig {
         moving_mass: 12.0,
         lifted: None,
         slope_deg: 0.0,
+        flaws: FrameFlaws::default(),
     })
 }
 
@@ -85,6 +88,7 @@ pub fn leg(speed: f64, slip: f64) -> Rig {
         stiffness: 1.0e6,
         damping: 1.6e3,
         slope_deg: 0.0,
+        flaws: FrameFlaws::default(),
     })
 }
 

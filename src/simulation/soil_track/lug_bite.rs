@@ -98,7 +98,7 @@ impl LugBites {
         [virgin, surface]: [f64; 2],
         field: &mut Field,
     ) -> Wrench {
-        let (radius, d) = (self.wheel.tip_radius(), contact.direction);
+        let (radius, d) = (edge.radius, contact.direction);
         let (sine, cosine) = (edge.arm[0] * d / radius, -edge.arm[1] / radius);
         let angle = asin(sine.clamp(-1.0, 1.0));
         let spring_back = if angle < 0.0 {

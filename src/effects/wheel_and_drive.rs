@@ -1,0 +1,277 @@
+//! Effects of the wheel and of what turns it.
+
+use super::{
+    Bound, Effect, EffectError, OtherForm, Prior, Seat, Seated, Setup, Signature, Source, Stage,
+};
+use crate::simulation::rig::flaws::DriveFlaws;
+use crate::wheel::Lugs;
+
+/// The effects of the wheel and of what turns it.
+pub(super) const EFFECTS: &[Effect] = &[
+    WHEEL_ECCENTRICITY,
+    SHORT_LUG,
+    LUG_WEAR,
+    MOTOR_COGGING,
+    SERVO_RIPPLE,
+    ENCODER_SCALE,
+];
+
+/// Fewest lugs of a wheel on which one may be short.
+const FEWEST_LUGS: u32 = 4;
+
+/// Wheel speed [rad/s] at which both forms of cogging are alike: 14 mm/s on a rim of 140 mm.
+const USUAL_SPEED: f64 = 0.1;
+
+const WHEEL_ECCENTRICITY: Effect = Effect {
+    name: "wheel_eccentricity",
+    title: "the axle stands beside the rim's centre",
+    edits: "wheel.flaws.eccentricity",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "m",
+        [0.0, 0.01],
+        [1.0e-4, 4.0e-4, 1.5e-3],
+        Prior::LogNormal {
+            median: 3.0e-4,
+            factor: 2.0,
+        },
+    )],
+    signature: Signature {
+        channels: &["sinkage", "driving_torque", "drawbar_pull"],
+        bound: Bound::WheelAngle,
+        dependence: "order 1 of the wheel, sidebands of the lug line; torque W e, so it grows with load; \
+                     the same at every speed, and too slow for the accelerometer",
+    },
+    confusers: &["short_lug", "slope"],
+    source: Source::Cited(
+        "ISO 2768-2, general tolerance of circular run-out, classes H, K, L: 0.1, 0.2, 0.5 mm, twice \
+         the eccentricity; a wheel built up from sheet metal has more",
+    ),
+    law: |setup, eccentricity, _| {
+        setup.wheel.flaws.eccentricity += eccentricity;
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "the rim is oval: order 2, by the same amplitude",
+        not_on: &[],
+        law: |setup, ovality, _| {
+            setup.wheel.flaws.ovality += ovality;
+            Ok(())
+        },
+    }),
+};
+
+const SHORT_LUG: Effect = Effect {
+    name: "short_lug",
+    title: "one lug is short or broken off",
+    edits: "wheel.flaws.short_lug",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [0.0, 1.0],
+        [0.1, 0.4, 1.0],
+        Prior::HalfNormal { scale: 0.5 },
+    )],
+    signature: Signature {
+        channels: &["acceleration_y", "sinkage", "driving_torque"],
+        bound: Bound::WheelAngle,
+        dependence: "once a turn at one lug; on hard ground the wheel drops deeper there, in soil it \
+                     cuts less",
+    },
+    confusers: &["wheel_eccentricity", "lug_wear"],
+    source: Source::Cited(
+        "grousers of Curiosity broke off whole (Science News, 21 March 2017); machining leaves 1 to 2 %",
+    ),
+    law: |setup, missing, seated| shorten(setup, missing, 1, seated),
+    other_form: Some(OtherForm {
+        description: "two neighbouring lugs lack half of it each",
+        not_on: &[],
+        law: |setup, missing, seated| shorten(setup, missing, 2, seated),
+    }),
+};
+
+const LUG_WEAR: Effect = Effect {
+    name: "lug_wear",
+    title: "all lugs are worn down",
+    edits: "wheel.lugs.height",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [0.0, 0.5],
+        [0.03, 0.12, 0.35],
+        Prior::LogNormal {
+            median: 0.12,
+            factor: 2.2,
+        },
+    )],
+    signature: Signature {
+        channels: &["acceleration_y", "drawbar_pull", "sinkage"],
+        bound: Bound::WheelAngle,
+        dependence: "lug line lower in proportion; on hard ground less way a turn, as (r + l) shrinks; \
+                     in soil less pull",
+    },
+    confusers: &["encoder_scale", "lug_action", "gain_error"],
+    source: Source::Guess("wear is known of rover wheels, not its size"),
+    law: |setup, worn, seated| {
+        lugs(setup, seated)?.height *= 1.0 - worn;
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "worn on one side: none at lug 0, twice the mean opposite",
+        not_on: &[],
+        law: |setup, worn, seated| {
+            lugs(setup, seated)?;
+            setup.wheel.flaws.uneven_wear += worn;
+            Ok(())
+        },
+    }),
+};
+
+const MOTOR_COGGING: Effect = Effect {
+    name: "motor_cogging",
+    title: "motor or gear turns the wheel by jerks",
+    edits: "rig.*.drive_flaws.cogging",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [0.0, 0.5],
+        [0.005, 0.02, 0.06],
+        Prior::LogNormal {
+            median: 0.015,
+            factor: 2.0,
+        },
+    )],
+    signature: Signature {
+        channels: &["driving_torque", "drawbar_pull", "acceleration_y"],
+        bound: Bound::WheelAngle,
+        dependence: "order 200 of the wheel (two a turn of a 100:1 harmonic drive), in the lifted wheel \
+                     too",
+    },
+    confusers: &["servo_ripple", "mains_hum", "aliasing"],
+    source: Source::Cited(
+        "kinematic error of harmonic drives at twice the wave generator's speed: Ghorbel, Gandhi and \
+         Alpeter (2001), J. Mech. Design 123:90-97; catalogues state 0.5 to 1.5 arcmin, at order 200 \
+         3 to 9 % of the speed",
+    ),
+    law: |setup, part, _| {
+        drive_flaws(setup).cogging += part;
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "a cogging torque against a servo of finite stiffness: the ripple in rad/s does \
+                      not grow with speed, and is the same at 0.1 rad/s",
+        not_on: &[],
+        law: |setup, part, _| {
+            drive_flaws(setup).cogging_speed += part * USUAL_SPEED;
+            Ok(())
+        },
+    }),
+};
+
+const SERVO_RIPPLE: Effect = Effect {
+    name: "servo_ripple",
+    title: "the speed loop hunts",
+    edits: "rig.*.drive_flaws.hunting",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [0.0, 0.3],
+        [0.005, 0.02, 0.05],
+        Prior::LogNormal {
+            median: 0.015,
+            factor: 2.0,
+        },
+    )],
+    signature: Signature {
+        channels: &["driving_torque", "drawbar_pull", "slip_ratio"],
+        bound: Bound::Frequency,
+        dependence: "2.3 Hz at every speed; pull follows by the slope of its curve over slip, less at \
+                     high slip",
+    },
+    confusers: &["motor_cogging", "rail_friction", "added_noise"],
+    source: Source::Cited(
+        "bounded by the rim speed of the cmu-single-wheel runs (tests/data): 3.4 % rms at 10 mm/s, \
+         0.6 % at 100 mm/s, estimation noise included",
+    ),
+    law: |setup, part, _| {
+        drive_flaws(setup).hunting += part;
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "a saw-tooth of the same root mean square: it sticks and slips",
+        not_on: &[],
+        law: |setup, part, _| {
+            drive_flaws(setup).sawtooth += part;
+            Ok(())
+        },
+    }),
+};
+
+const ENCODER_SCALE: Effect = Effect {
+    name: "encoder_scale",
+    title: "encoder or rim radius is off, and the speed loop trusts it",
+    edits: "rig.*.drive_flaws.wheel_scale, sensors.encoder.wheel_angle.gain",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [-0.2, 0.2],
+        [0.005, 0.02, 0.08],
+        Prior::Normal {
+            mean: 0.0,
+            sd: 0.03,
+        },
+    )],
+    signature: Signature {
+        channels: &["drawbar_pull", "slip_ratio", "driving_torque"],
+        bound: Bound::Condition,
+        dependence: "all curves shift along slip by (1 - s) e; lug passes stand beside the orders of the \
+                     angle read",
+    },
+    confusers: &["lug_wear", "load_drift", "slip_sinkage", "clock_error"],
+    source: Source::Cited(
+        "cmu-single-wheel (tests/data): rims commanded at 12 mm/s ran at 13.0; radius r or r + l is \
+         11 % on the paper's wheel",
+    ),
+    law: |setup, error, _| {
+        drive_flaws(setup).wheel_scale /= 1.0 + error;
+        setup.sensors.encoder.wheel_angle.gain *= 1.0 + error;
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "the carriage's scale is off in its stead, and its loop trusts it",
+        not_on: &[],
+        law: |setup, error, _| {
+            drive_flaws(setup).carriage_scale *= 1.0 + error;
+            setup.sensors.encoder.forward_speed.gain /= 1.0 + error;
+            Ok(())
+        },
+    }),
+};
+
+fn drive_flaws<'a>(setup: &'a mut Setup) -> &'a mut DriveFlaws {
+    &mut setup.rig.drive_mut().flaws
+}
+
+fn lugs<'a>(setup: &'a mut Setup, seated: Seated) -> Result<&'a mut Lugs, EffectError> {
+    setup.wheel.lugs.as_mut().ok_or(EffectError::Needs {
+        effect: seated.effect,
+        what: "a wheel with lugs",
+    })
+}
+
+fn shorten(
+    setup: &mut Setup,
+    missing: f64,
+    shared_by: u32,
+    seated: Seated,
+) -> Result<(), EffectError> {
+    if lugs(setup, seated)?.count < FEWEST_LUGS {
+        return Err(EffectError::Needs {
+            effect: seated.effect,
+            what: "a wheel with four lugs or more",
+        });
+    }
+    setup.wheel.flaws.short_lug += missing;
+    setup.wheel.flaws.short_lugs = shared_by;
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! One motion, measured as often as need be.
+//!
+//! Most of the time of a run goes into the motion. An effect that edits the sensors only
+//! ([`crate::effects::Stage::Sensors`]) leaves it alone: record it once, and measure it with each
+//! set of sensors. What the sensors look at takes 80 bytes a step, 1.3 MB a second at 16 kHz.
+
+use crate::quantity::{RangeError, SampleRate, Seed};
+use crate::sensors::{SensorChain, Sensors};
+use crate::simulation::{Loads, WheelState};
+use crate::trace::{RunAttributes, Trace, Truth};
+
+/// All that sensors look at in a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sight {
+    time: f64,
+    position: f64,
+    wheel_angle: f64,
+    forward_speed: f64,
+    forward_acceleration: f64,
+    vertical_acceleration: f64,
+    hub: Loads,
+    sinkage: f64,
+}
+
+/// The motion of one run, kept to be measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    pub(super) rate: SampleRate,
+    pub(super) wheel_radius: f64,
+    pub(super) seed: Seed,
+    pub(super) run: u64,
+    pub(super) attributes: RunAttributes,
+    pub(super) truth: Truth,
+    pub(super) motion: Motion,
+}
+
+/// States on their way into a recording.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Motion(Vec<Sight>);
+
+impl Motion {
+    pub(super) fn push(&mut self, state: &WheelState) {
+        self.0.push(Sight {
+            time: state.time,
+            position: state.position,
+            wheel_angle: state.wheel_angle,
+            forward_speed: state.forward_speed,
+            forward_acceleration: state.forward_acceleration,
+            vertical_acceleration: state.vertical_acceleration,
+            hub: state.hub,
+            sinkage: state.sinkage,
+        });
+    }
+}
+
+impl Recording {
+    /// The trace that these sensors make of the motion, bit by bit that of a run with them.
+    ///
+    /// # Errors
+    /// `RangeError` for sensors that cannot be, or a rate that does not divide.
+    pub fn measure(&self, sensors: &Sensors) -> Result<Trace, RangeError> {
+        let Self {
+            rate,
+            wheel_radius,
+            seed,
+            run,
+            ..
+        } = *self;
+        let mut chain = SensorChain::new(sensors, rate, wheel_radius, seed, run)?;
+        for sight in &self.motion.0 {
+            chain.push(&sight.state());
+        }
+        Ok(Trace {
+            attributes: self.attributes.clone(),
+            channels: chain.finish(),
+            means: Vec::new(),
+            truth: Some(self.truth.clone()),
+        })
+    }
+}
+
+impl Sight {
+    fn state(&self) -> WheelState {
+        WheelState {
+            time: self.time,
+            position: self.position,
+            wheel_angle: self.wheel_angle,
+            forward_speed: self.forward_speed,
+            forward_acceleration: self.forward_acceleration,
+            vertical_acceleration: self.vertical_acceleration,
+            hub: self.hub,
+            sinkage: self.sinkage,
+            ..WheelState::default()
+        }
+    }
+}
