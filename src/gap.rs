@@ -20,12 +20,14 @@ mod comparison;
 mod condition;
 mod curves;
 mod distance;
+mod evidence;
 mod global;
 mod map;
 mod moderation;
 mod readings;
 pub mod stages;
 pub mod statistics;
+mod tail;
 mod tree;
 
 pub use cell::{Cell, Covariate, Domain, Kappa, Measure, Statistic};

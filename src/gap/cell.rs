@@ -194,7 +194,7 @@ pub enum Statistic {
 /// What a difference of a statistic is counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Measure {
-    /// In the channel's unit.
+    /// As a share of how large the value or its channel is.
     Own,
     /// In decibels.
     Level,
@@ -225,11 +225,11 @@ impl Statistic {
         use Statistic::*;
         match self {
             Mean | Drift | Transient | OrderCosine(_) | OrderSine(_) | Lag | SteadyMean
-            | TurningSpeed | PerMetre | Slope(_) | Curvature(_) => Measure::Own,
+            | PerLoad | TurningSpeed | PerMetre | Slope(_) | Curvature(_) => Measure::Own,
             Deviation | Crest | Step | Held | Rails | OrderLevel(_) | LugAverage | LugResidue
             | Band(_) | Line(_) | ApparentMass | Growth | Misfit => Measure::Level,
             Skewness | Kurtosis | Correlation | Coherence | Feature(_) | ClassShare(_)
-            | PerLoad | Identified(_) => Measure::Number,
+            | Identified(_) => Measure::Number,
         }
     }
 }
@@ -320,6 +320,7 @@ impl Cell {
             (Measure::Level, _) => "dB".to_owned(),
             (Measure::Number, _) => "1".to_owned(),
             (Measure::Own, Statistic::Lag) => "s".to_owned(),
+            (Measure::Own, Statistic::PerLoad) => "1".to_owned(),
             (Measure::Own, Statistic::TurningSpeed) => "rad/s".to_owned(),
             (Measure::Own, Statistic::PerMetre) => format!("{own}/m"),
             (Measure::Own, _) => own.to_owned(),

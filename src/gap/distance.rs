@@ -9,7 +9,7 @@ use super::GapError;
 use super::cell::Cell;
 use super::comparison::FEWEST_REPLICATES;
 use super::condition::Condition;
-use super::map::{LEAST_SPREAD, moments};
+use super::evidence::{LEAST_SPREAD, moments};
 use super::moderation::Priors;
 use super::readings::{Reading, Readings};
 use crate::quantity::Seed;

@@ -4,27 +4,25 @@
 //! z = (mean of measured − mean of replicates) / √( s̃² (1/k + 1/n) + e²/k + u² )
 //! ```
 //!
-//! `s̃²` is the [moderated](super::moderation) variance of `n` replicates, `u` the spread that
-//! uncertain parameters add, and `e²` what the variance of `k` repeated measurements exceeds the
-//! replicates' by, 0 where there is one: a single measured run is taken to scatter as a replicate
-//! does. The p-value is Student's with Welch and Satterthwaite's degrees of freedom, `q` that of
-//! the [tree](super::tree).
+//! `s̃²` is the variance of `n` replicates, moderated over cells of a kind; `u` the spread that
+//! uncertain parameters add; `e²` what the variance of `k` repeated measurements exceeds the
+//! replicates' by, its share moderated too, and 0 where there is one: a single measured run is
+//! taken to scatter as a replicate does. The p-value is Student's with Welch and Satterthwaite's
+//! degrees of freedom, read in the tail that replicates show among themselves; `q` is that of the
+//! tree channel → domain → cell.
 
 use super::cell::{Cell, Domain, Measure};
 use super::comparison::{Caveat, Comparison, Table};
 use super::condition::Condition;
+use super::evidence::Evidence;
 use super::global::{self, Global};
-use super::moderation::{MANY, Priors};
 use super::tree;
 use crate::quantity::Seed;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::collections::BTreeMap;
 
 /// False discovery rate, and level of the tests of equivalence [-].
 pub const LEVEL: f64 = 0.05;
-/// Spread over size [-] below which replicates are equal up to rounding.
-pub(super) const LEAST_SPREAD: f64 = 1.0e-6;
 
 /// Differences up to which two sides count as equivalent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,20 +129,15 @@ impl GapMap {
 impl Comparison {
     /// Tests every cell; `seed` drives the permutations of the global tests.
     pub fn map(&self, margins: &Margins, spread: &ParameterSpread, seed: Seed) -> GapMap {
-        let priors = self.priors();
-        let mut entries: Vec<Entry> = self
-            .tables
-            .iter()
-            .flat_map(|table| {
-                let priors = &priors;
-                (0..table.cells.len()).map(move |place| {
-                    let cell = &table.cells[place];
-                    let added = spread.get(&table.condition).and_then(|of| of.get(cell));
-                    let added = added.copied().unwrap_or(0.0);
-                    table.entry(place, margins, priors, added)
-                })
-            })
-            .collect();
+        let evidence = Evidence::of(&self.tables);
+        let mut entries = Vec::new();
+        for table in &self.tables {
+            let added = spread.get(&table.condition);
+            for (place, cell) in table.cells.iter().enumerate() {
+                let added = added.and_then(|of| of.get(cell)).copied().unwrap_or(0.0);
+                entries.push(entry(&evidence, table, place, (margins, added)));
+            }
+        }
         colour(&mut entries);
         GapMap {
             global: global::test(&self.tables, seed),
@@ -152,101 +145,46 @@ impl Comparison {
             caveats: self.caveats.clone(),
         }
     }
+}
 
-    /// What variances of cells of a kind have in common, over all conditions.
-    fn priors(&self) -> Priors {
-        let cells = self.tables.iter().flat_map(|table| {
-            let places = table.cells.iter().enumerate();
-            places.map(|(place, cell)| {
-                let [_, variance] = moments(&column(&table.simulated, place));
-                let scale = table.scale(place);
-                let freedom = (table.simulated.len() - 1) as f64;
-                (cell, variance / (scale * scale), freedom)
-            })
-        });
-        Priors::of(cells)
+fn entry(
+    evidence: &Evidence,
+    table: &Table,
+    place: usize,
+    (margins, added): (&Margins, f64),
+) -> Entry {
+    let cell = &table.cells[place];
+    let difference = evidence.difference(table, place, added);
+    let tail = evidence.tail(cell);
+    let (value, error, freedom) = (difference.value(), difference.error, difference.freedom);
+    let z = value / error;
+    let margin = match cell.statistic.measure() {
+        Measure::Own => margins.relative * table.sizes[place],
+        Measure::Level => margins.level,
+        Measure::Number => margins.number,
+    };
+    let within = tail.beyond((margin - value.abs()) / error, freedom) < LEVEL;
+    Entry {
+        channel: cell.channel.to_string(),
+        domain: cell.domain(),
+        cell: cell.clone(),
+        condition: table.condition.clone(),
+        unit: cell.unit(),
+        measured: difference.means[0],
+        simulated: difference.means[1],
+        difference: value,
+        error,
+        z,
+        freedom,
+        p: (2.0 * tail.beyond(z.abs(), freedom)).min(1.0),
+        q: 1.0,
+        margin,
+        colour: if within {
+            Colour::Equivalent
+        } else {
+            Colour::Undecided
+        },
     }
-}
-
-/// The values of a cell, run by run.
-fn column(runs: &[Vec<f64>], place: usize) -> Vec<f64> {
-    runs.iter().map(|run| run[place]).collect()
-}
-
-/// Mean and variance; the variance of one value is 0.
-pub(super) fn moments(values: &[f64]) -> [f64; 2] {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let square: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
-    [mean, square / (count - 1.0).max(1.0)]
-}
-
-impl Table {
-    /// What a cell's spread is compared with, in its unit; above 0.
-    pub(super) fn scale(&self, place: usize) -> f64 {
-        let runs = self.simulated.iter().chain(&self.measured);
-        let largest = runs.map(|run| run[place].abs()).fold(0.0, f64::max);
-        [self.sizes[place], largest, 1.0]
-            .into_iter()
-            .find(|scale| *scale > 0.0)
-            .unwrap_or(1.0)
-    }
-
-    fn entry(&self, place: usize, margins: &Margins, priors: &Priors, added: f64) -> Entry {
-        let cell = &self.cells[place];
-        let [measured, of_measured] = moments(&column(&self.measured, place));
-        let [simulated, of_simulated] = moments(&column(&self.simulated, place));
-        let [k, n] = [self.measured.len() as f64, self.simulated.len() as f64];
-        let square = self.scale(place) * self.scale(place);
-        let (moderated, freedom) = priors.moderate(cell, of_simulated / square, n - 1.0);
-        let replicates = square * moderated.max(LEAST_SPREAD * LEAST_SPREAD);
-        let beyond = (of_measured - replicates).max(0.0) / k;
-        let parts = [
-            (replicates * (1.0 / k + 1.0 / n), freedom),
-            (beyond, (k - 1.0).max(1.0)),
-            (added * added, MANY),
-        ];
-        let variance: f64 = parts.iter().map(|(part, _)| part).sum();
-        let welch = parts
-            .iter()
-            .map(|(part, d)| (part / variance) * (part / variance) / d);
-        let freedom = 1.0 / welch.sum::<f64>();
-        let error = libm::sqrt(variance);
-        let difference = measured - simulated;
-        let z = difference / error;
-        let margin = match cell.statistic.measure() {
-            Measure::Own => margins.relative * self.sizes[place],
-            Measure::Level => margins.level,
-            Measure::Number => margins.number,
-        };
-        let within = tail((margin - difference.abs()) / error, freedom) < LEVEL;
-        Entry {
-            channel: cell.channel.to_string(),
-            domain: cell.domain(),
-            cell: cell.clone(),
-            condition: self.condition.clone(),
-            unit: cell.unit(),
-            measured,
-            simulated,
-            difference,
-            error,
-            z,
-            freedom,
-            p: (2.0 * tail(z.abs(), freedom)).min(1.0),
-            q: 1.0,
-            margin,
-            colour: if within {
-                Colour::Equivalent
-            } else {
-                Colour::Undecided
-            },
-        }
-    }
-}
-
-/// Probability that Student's t exceeds `t`.
-fn tail(t: f64, freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |student| student.sf(t))
 }
 
 fn colour(entries: &mut [Entry]) {

@@ -72,8 +72,11 @@ impl Prior {
         let expected = logs.iter().map(|(_, noise)| noise / count).sum::<f64>();
         let beyond = scatter.sum::<f64>() / (count - 1.0) - expected;
         if beyond <= trigamma(0.5 * MANY) {
+            // All have one variance: the pooled one.
+            let freedom: f64 = variances.iter().map(|(_, d)| d).sum();
+            let pooled = variances.iter().map(|(variance, d)| variance * d / freedom);
             return Self {
-                variance: libm::exp(mean),
+                variance: pooled.sum(),
                 freedom: MANY,
             };
         }
@@ -94,7 +97,10 @@ impl Prior {
 
 /// Priors of all kinds of cells. Of one kind are cells of a domain that are counted alike: their
 /// variances over their sizes squared are comparable.
-pub(super) struct Priors(BTreeMap<(Domain, Measure), Prior>);
+pub(super) struct Priors(BTreeMap<Kind, Prior>);
+
+/// A kind of cells.
+pub(super) type Kind = (Domain, Measure);
 
 impl Priors {
     /// From cells with their variances, over their sizes squared, and degrees of freedom.
@@ -119,7 +125,8 @@ impl Priors {
     }
 }
 
-fn kind(cell: &Cell) -> (Domain, Measure) {
+/// The kind of a cell.
+pub(super) fn kind(cell: &Cell) -> Kind {
     (cell.domain(), cell.statistic.measure())
 }
 

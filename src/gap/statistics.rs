@@ -17,7 +17,8 @@
 //! | history | growth of the deviation, slope along the way |
 //!
 //! A phase is told as the two parts of its wave: as an angle it would jump at a turn, and say
-//! nothing where the wave is nil.
+//! nothing where the wave is nil. A level 120 dB below the channel's size or lower is told as
+//! that: it is rounding.
 
 mod cross;
 mod loads;
@@ -73,7 +74,7 @@ impl Statistician {
             .collect();
         for (signal, spectrum) in signals.iter().zip(&spectra) {
             if let Some(spectrum) = spectrum {
-                spectrum.read(&signal.name, &mut readings);
+                spectrum.read(signal, &mut readings);
             }
         }
         cross::read(&signals, &spectra, &mut self.spectra, &mut readings);

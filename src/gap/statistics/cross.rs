@@ -111,18 +111,37 @@ fn read_pair(name: &Arc<str>, x: &Spectrum, y: &Spectrum, readings: &mut Reading
 }
 
 fn blocks(x: &Spectrum, y: &Spectrum) -> Vec<Block> {
-    let spacing = x.spacing;
     let chunks = x.lines.chunks_exact(BLOCK).zip(y.lines.chunks_exact(BLOCK));
-    let block = |(number, (x, y)): (usize, (&[Complex<f64>], &[Complex<f64>]))| Block {
-        frequency: (number * BLOCK + BLOCK / 2 + 1) as f64 * spacing,
-        xx: x.iter().map(Complex::norm_sqr).sum(),
-        yy: y.iter().map(Complex::norm_sqr).sum(),
-        xy: x.iter().zip(y).map(|(x, y)| x.conj() * y).sum(),
-    };
-    let all = chunks.enumerate().map(block);
-    all.take_while(|block| block.frequency <= HIGHEST)
-        .filter(|block| block.xx > 0.0 && block.yy > 0.0)
+    let all = chunks.enumerate().map(|(number, (of_x, of_y))| {
+        let block = Block::of(of_x, of_y);
+        Block {
+            frequency: ((number * BLOCK + 1) as f64 + block.frequency) * x.spacing,
+            ..block
+        }
+    });
+    all.filter(|block| block.frequency.is_finite())
+        .take_while(|block| block.frequency <= HIGHEST)
         .collect()
+}
+
+impl Block {
+    /// A block whose frequency is in lines from its first.
+    fn of(x: &[Complex<f64>], y: &[Complex<f64>]) -> Self {
+        let products: Vec<Complex<f64>> = x.iter().zip(y).map(|(x, y)| x.conj() * y).collect();
+        let (mut place, mut weight) = (0.0, 0.0);
+        for (line, product) in products.iter().enumerate() {
+            let strength = libm::sqrt(product.norm_sqr());
+            place += strength * line as f64;
+            weight += strength;
+        }
+        Self {
+            // Where the cross power lies: a phase belongs to the frequency that bears it.
+            frequency: place / weight,
+            xx: x.iter().map(Complex::norm_sqr).sum(),
+            yy: y.iter().map(Complex::norm_sqr).sum(),
+            xy: products.iter().sum(),
+        }
+    }
 }
 
 /// Time [s] by which the second follows the first, from the slope of the cross spectrum's phase,

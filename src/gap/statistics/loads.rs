@@ -33,7 +33,7 @@ fn per_load(trace: &Trace, readings: &mut Readings) {
     ] {
         if let Some(mean) = trace.steady_mean(name) {
             let share = mean / (load * arm);
-            readings.note(&Arc::from(name), Statistic::PerLoad, share);
+            readings.note_of_size(&Arc::from(name), Statistic::PerLoad, share, share.abs());
         }
     }
 }

@@ -19,11 +19,11 @@ pub(super) fn read(signal: &Signal, trace: &Trace, readings: &mut Readings) {
     if name.as_ref() == "acceleration_y" {
         readings.note_of_size(name, Statistic::Mean, average, size);
     }
-    // A constant varies by the rounding of its mean only.
-    if deviation <= 1.0e-12 * size {
+    readings.note(name, Statistic::Deviation, signal.level(deviation));
+    // What varies by its rounding only has no shape.
+    if deviation <= signal.floor {
         return;
     }
-    readings.note(name, Statistic::Deviation, decibel(deviation));
     shape(signal, [average, deviation], readings);
     steps(signal, readings);
     let quarter = samples.len() / 4;
@@ -65,7 +65,7 @@ fn steps(signal: &Signal, readings: &mut Readings) {
     if !steps.is_empty() {
         let place = steps.len() / SMALL_STEPS;
         let (_, step, _) = steps.select_nth_unstable_by(place, f64::total_cmp);
-        readings.note(name, Statistic::Step, decibel(*step));
+        readings.note(name, Statistic::Step, signal.level(*step));
     }
     let bounds = [f64::INFINITY, f64::NEG_INFINITY];
     let [low, high] = samples
@@ -82,15 +82,15 @@ fn steps(signal: &Signal, readings: &mut Readings) {
     );
 }
 
-/// 10 lg of a share, half a count added so that none is no infinity.
+/// 10 lg of a share and a thousandth: below that a share is chance, and none is no infinity.
 fn share_level(count: usize, of: usize) -> f64 {
-    10.0 * libm::log10((count as f64 + 0.5) / (of as f64 + 1.0))
+    10.0 * libm::log10(count as f64 / of as f64 + 1.0e-3)
 }
 
 fn history(signal: &Signal, size: f64, trace: &Trace, readings: &mut Readings) {
     let samples = &signal.measured;
     let (first, second) = samples.split_at(samples.len() / 2);
-    let level = |half: &[f64]| decibel(libm::sqrt(mean_square(half, mean(half))));
+    let level = |half: &[f64]| signal.level(libm::sqrt(mean_square(half, mean(half))));
     readings.note(
         &signal.name,
         Statistic::Growth,

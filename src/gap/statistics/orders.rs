@@ -1,6 +1,6 @@
 //! What is locked to the turn of the wheel and to the passing of its lugs.
 
-use super::signal::{Signal, bridged, decibel, mean, mean_square};
+use super::signal::{Signal, bridged, mean, mean_square};
 use crate::gap::cell::Statistic;
 use crate::gap::readings::Readings;
 use crate::quantity::SlipRatio;
@@ -66,7 +66,7 @@ impl Turning {
         let window = &samples[waves.window.clone()];
         let average = mean(window);
         let size = libm::sqrt(mean_square(window, average));
-        if size <= 1.0e-12 * average.abs() {
+        if size <= signal.floor {
             return;
         }
         for (order, wave) in &waves.orders {
@@ -76,7 +76,7 @@ impl Turning {
                 .zip(wave)
                 .map(|(x, wave)| wave * (x - average));
             let part = parts.sum::<Complex<f64>>() * scale;
-            let level = decibel(libm::sqrt(part.norm_sqr()));
+            let level = signal.level(libm::sqrt(part.norm_sqr()));
             readings.note(&signal.name, Statistic::OrderLevel(*order), level);
             if self.tells_phase {
                 let cosine = Statistic::OrderCosine(*order);
@@ -86,8 +86,8 @@ impl Turning {
             }
         }
         if let Some([average, residue]) = self.lug_average(waves, samples) {
-            readings.note(&signal.name, Statistic::LugAverage, decibel(average));
-            readings.note(&signal.name, Statistic::LugResidue, decibel(residue));
+            readings.note(&signal.name, Statistic::LugAverage, signal.level(average));
+            readings.note(&signal.name, Statistic::LugResidue, signal.level(residue));
         }
     }
 

@@ -9,6 +9,10 @@ const FEWEST: usize = 32;
 /// Share of samples [-] that may be missing where their order matters.
 const MISSING: f64 = 0.2;
 
+/// Amplitude over the channel's size [-] below which a level is told as this: 120 dB down, where
+/// no sensor resolves it and a simulation only rounds.
+const ROUNDING: f64 = 1.0e-6;
+
 /// The settled part of a channel.
 pub(super) struct Signal {
     /// The channel's name.
@@ -23,6 +27,8 @@ pub(super) struct Signal {
     pub measured: Vec<f64>,
     /// The settled samples, gaps bridged; empty where too many are missing.
     pub whole: Vec<f64>,
+    /// Amplitude [own unit] below which everything is rounding: [`ROUNDING`] of the channel's size.
+    pub floor: f64,
 }
 
 /// The run without its first and last tenth.
@@ -56,7 +62,13 @@ impl Signal {
         } else {
             bridged(&samples[part.clone()])
         };
+        // Of an angle less its turning the turn itself is the size.
+        let size = match channel.name.as_str() {
+            "wheel_angle" => 1.0,
+            _ => libm::sqrt(mean_square(&measured, 0.0)),
+        };
         Some(Self {
+            floor: ROUNDING * size,
             name: Arc::from(channel.name.as_str()),
             rate,
             start: channel.time(part.start),
@@ -129,6 +141,13 @@ pub(super) fn bridged(samples: &[f64]) -> Vec<f64> {
 /// Level [dB] of an amplitude; not finite where it is 0.
 pub(super) fn decibel(amplitude: f64) -> f64 {
     20.0 * libm::log10(amplitude)
+}
+
+impl Signal {
+    /// Level [dB] of an amplitude in the channel's unit, rounding added.
+    pub fn level(&self, amplitude: f64) -> f64 {
+        decibel(libm::hypot(amplitude, self.floor))
+    }
 }
 
 /// Mean of numbers.

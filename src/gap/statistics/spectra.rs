@@ -90,7 +90,8 @@ fn smooth(length: usize) -> usize {
 
 impl Spectrum {
     /// Reads the levels of thirds of an octave, and their highest lines.
-    pub fn read(&self, channel: &Arc<str>, readings: &mut Readings) {
+    pub fn read(&self, signal: &Signal, readings: &mut Readings) {
+        let channel = &signal.name;
         let mut powers: Vec<f64> = self.lines.iter().map(Complex::norm_sqr).collect();
         for third in THIRDS {
             let [from, to] = [-0.5, 0.5].map(|half| {
@@ -104,12 +105,13 @@ impl Spectrum {
             if lines.len() < FEWEST_LINES {
                 continue;
             }
-            let level = 10.0 * libm::log10(lines.iter().sum());
+            let level = signal.level(libm::sqrt(lines.iter().sum()));
             readings.note(channel, Statistic::Band(third), level);
             if lines.len() >= FEWEST_FOR_MEDIAN {
                 lines.sort_unstable_by(f64::total_cmp);
-                let over = lines[lines.len() - 1] / lines[lines.len() / 2];
-                readings.note(channel, Statistic::Line(third), 10.0 * libm::log10(over));
+                let [median, highest] = [lines.len() / 2, lines.len() - 1]
+                    .map(|place| signal.level(libm::sqrt(lines[place])));
+                readings.note(channel, Statistic::Line(third), highest - median);
             }
         }
     }

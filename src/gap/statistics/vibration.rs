@@ -27,9 +27,9 @@ pub(super) fn read(recognizer: &mut Recognizer, trace: &Trace, readings: &mut Re
         let told = windows
             .iter()
             .filter(|window| window.answers.iter().any(|answer| answer.class == class));
-        let told = told.count() as f64;
-        // Half a window added to both sides, so that all or none is no infinity.
-        let logit = libm::log((told + 0.5) / (count - told + 0.5));
+        let share = told.count() as f64 / count;
+        // A twentieth added to both sides, so that all or none is no infinity.
+        let logit = libm::log((share + 0.05) / (1.05 - share));
         readings.note(&name, Statistic::ClassShare(class), logit);
     }
 }
