@@ -4,7 +4,8 @@
 //! ```text
 //! scenario ──▶ terrain + wheel ──▶ simulation ──▶ sensors ──▶ trace ──▶ dataset
 //!                   ▲                  ▲                         │
-//!                (soil equations, forward)                       └──▶ features ──▶ recognition ──▶ class
+//!                (soil equations, forward)                       ├──▶ features ──▶ recognition ──▶ class
+//!                                                                 └──▶ gap ◀── measured traces
 //! ```
 //!
 //! A tour, in the order in which the modules build on each other. What things are:
@@ -16,8 +17,9 @@
 //! into channels, [`dataset`] keeps runs in files, simulated or imported from a rig. What is
 //! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
 //! [`recognition`] of how the wheel met the ground, [`identification`] of the terrain's parameters
-//! from loads, slip and sinkage. What is asked: [`effects`] are named departures from the ideal,
-//! [`scenario`] is one experiment as a file, [`study`]
+//! from loads, slip and sinkage, [`gap`] of where measured and simulated runs differ. What is
+//! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
+//! [`study`]
 //! many of them in one table with a score of the classes recognised and of the limits that the paper
 //! sets to vibration, [`report`] draws what came of it.
 //!
@@ -71,6 +73,8 @@ pub mod features;
 pub mod recognition;
 
 pub mod identification;
+
+pub mod gap;
 
 // What is asked.
 pub mod effects;

@@ -8,6 +8,7 @@
 //! - [`confusion_figure()`]: answers counted against truth.
 //! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
+//! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
@@ -19,6 +20,7 @@ mod feature_points;
 mod feature_values;
 pub mod figure;
 mod force_curves;
+mod gap_map;
 pub mod page;
 mod side_by_side;
 pub mod spectrum;
@@ -32,6 +34,7 @@ pub use feature_planes::feature_planes;
 pub use feature_points::{FeaturePoint, Group};
 pub use feature_values::feature_values;
 pub use force_curves::force_curves;
+pub use gap_map::gap_map;
 pub use page::{Page, page};
 pub use side_by_side::side_by_side;
 pub use threshold_figure::threshold_figure;

@@ -18,6 +18,7 @@ const ORDER: [&str; 17] = [
     "features",
     "recognition",
     "identification",
+    "gap",
     "effects",
     "scenario",
     "study",

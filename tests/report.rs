@@ -1,10 +1,14 @@
 //! Figures of runs: well-formed whatever a run holds, and honest about what it does not.
 
 use lugwheel::features::record::Unusable;
+use lugwheel::gap::{
+    Cell, Comparison, Margins, ParameterSpread, Reading, Readings, Run, Statistic,
+};
+use lugwheel::quantity::Seed;
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::recognition::{Answer, Recognized};
 use lugwheel::report::{
-    FeaturePoint, Group, ReportError, confusion_figure, feature_planes, feature_values,
+    FeaturePoint, Group, ReportError, confusion_figure, feature_planes, feature_values, gap_map,
     trace_figure, traverse_figure,
 };
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -406,4 +410,47 @@ fn a_confusion_matrix_shows_counts_shares_and_what_did_not_occur() {
     let nothing = confusion_figure(&Confusion::default(), "");
     assert_well_formed(&nothing);
     assert!(nothing.contains("no window has a known class"));
+}
+
+/// A run whose pull is off by `shift` standard deviations or so.
+fn gap_run(number: u32, shift: f64) -> Run {
+    let scatter = |place: u32| libm::sin(f64::from(7 * number + 3 * place));
+    let readings = [
+        ("acceleration_y", Statistic::OrderLevel(28), 0.0),
+        ("drawbar_pull", Statistic::SteadyMean, shift),
+        ("normal_force~drawbar_pull", Statistic::Coherence, 0.0),
+    ];
+    let reading = |(place, (channel, statistic, off)): (usize, (&str, Statistic, f64))| {
+        let value = 20.0 + scatter(place as u32) + off;
+        (Cell::new(channel, statistic), Reading { value, size: 20.0 })
+    };
+    Run {
+        attributes: RunAttributes {
+            slip_ratio: 0.1,
+            notes: "<markup>".to_owned(),
+            ..RunAttributes::default()
+        },
+        readings: Readings::from_iter(readings.into_iter().enumerate().map(reading)),
+        loads: Vec::new(),
+    }
+}
+
+#[test]
+fn a_gap_map_is_well_formed_and_names_the_strongest_cell_of_every_field() {
+    let replicates: Vec<Run> = (0..8).map(|number| gap_run(number, 0.0)).collect();
+    let comparison = Comparison::new(&[gap_run(20, 30.0)], &replicates).unwrap();
+    let map = comparison.map(&Margins::default(), &ParameterSpread::new(), Seed(1));
+    let svg = gap_map(&map, "sand & <stones>");
+    assert_well_formed(&svg);
+    for text in [
+        "28",
+        "mean",
+        "coherence",
+        "with drawbar_pull",
+        "slip 0.1",
+        "gap: 1 cells",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(svg.contains("Note: no condition was measured twice"));
 }

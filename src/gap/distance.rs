@@ -1,0 +1,277 @@
+//! How far measured runs lie from replicates, in one number, and how much of it is closed.
+//!
+//! Statistics are whitened, so that each counts by the spread of replicates and correlated ones
+//! count once, and the number is the energy score (Gneiting and Raftery 2007, J. Am. Stat. Assoc.
+//! 102:359-378): the mean distance of a measured run from replicates less half of their own. It is
+//! least where replicates are spread as measured runs are.
+
+use super::GapError;
+use super::cell::Cell;
+use super::comparison::FEWEST_REPLICATES;
+use super::condition::Condition;
+use super::evidence::{LEAST_SPREAD, moments};
+use super::moderation::Priors;
+use super::readings::{Reading, Readings};
+use crate::quantity::Seed;
+use nalgebra::DMatrix;
+use rand::RngExt;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Turns readings into numbers of unit spread without correlation, by a covariance shrunk toward a
+/// multiple of the identity.
+///
+/// # Reference
+/// Ledoit and Wolf (2004), J. Multivar. Anal. 88:365-411.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Whitening {
+    cells: Vec<Cell>,
+    means: Vec<f64>,
+    spreads: Vec<f64>,
+    /// Directions in which replicates vary, and the gain along each [-].
+    directions: Vec<(Vec<f64>, f64)>,
+    /// Gain across them [-].
+    rest: f64,
+    /// Share [-] of the identity in the covariance.
+    pub shrinkage: f64,
+}
+
+impl Whitening {
+    /// Whitening of the cells that all these replicates of one condition have.
+    ///
+    /// # Errors
+    /// `TooFewReplicates` for fewer than three.
+    pub fn of(replicates: &[&Readings]) -> Result<Self, GapError> {
+        if replicates.len() < FEWEST_REPLICATES {
+            return Err(GapError::TooFewReplicates(replicates.len()));
+        }
+        let everywhere = |cell: &Cell| replicates.iter().all(|run| run.get(cell).is_some());
+        let cells: Vec<Cell> = replicates[0]
+            .iter()
+            .map(|(cell, _)| cell.clone())
+            .filter(everywhere)
+            .collect();
+        let (means, spreads) = spreads(&cells, replicates);
+        let mut whitening = Self {
+            cells,
+            means,
+            spreads,
+            directions: Vec::new(),
+            rest: 1.0,
+            shrinkage: 1.0,
+        };
+        let rows: Vec<Vec<f64>> = replicates
+            .iter()
+            .filter_map(|run| whitening.standardised(run))
+            .collect();
+        let Self {
+            directions,
+            rest,
+            shrinkage,
+            ..
+        } = Self::of_rows(&rows);
+        (whitening.directions, whitening.rest, whitening.shrinkage) = (directions, rest, shrinkage);
+        Ok(whitening)
+    }
+
+    /// Whitening of rows of numbers that are centred, each of about unit spread.
+    pub(super) fn of_rows(rows: &[Vec<f64>]) -> Self {
+        let (n, p) = (rows.len(), rows.first().map_or(0, Vec::len));
+        let gram = DMatrix::from_fn(n, n, |i, j| product(&rows[i], &rows[j]));
+        let [runs, cells] = [n as f64, (p as f64).max(1.0)];
+        let mean = gram.trace() / runs / cells;
+        // Squared norms over p, as Ledoit and Wolf have them: S − μ I, and the runs' about S.
+        let of_sample = gram.norm_squared() / (runs * runs) / cells;
+        let dispersion = of_sample - mean * mean;
+        let fourth: f64 = (0..n).map(|i| gram[(i, i)] * gram[(i, i)]).sum();
+        let error =
+            (fourth / (runs * runs) / cells - of_sample / runs).clamp(0.0, dispersion.max(0.0));
+        let shrinkage = if dispersion > 0.0 {
+            error / dispersion
+        } else {
+            1.0
+        };
+        let floor = LEAST_SPREAD * LEAST_SPREAD;
+        let inverse_root = |variance: f64| 1.0 / libm::sqrt(variance.max(floor));
+        let eigen = gram.symmetric_eigen();
+        let mut directions = Vec::new();
+        for (number, value) in eigen.eigenvalues.iter().enumerate() {
+            if *value <= 1.0e-9 * eigen.eigenvalues.max() {
+                continue;
+            }
+            let weights = eigen.eigenvectors.column(number);
+            let scale = 1.0 / libm::sqrt(*value);
+            let mut direction = vec![0.0; p];
+            for (weight, row) in weights.iter().zip(rows) {
+                for (sum, x) in direction.iter_mut().zip(row) {
+                    *sum += scale * weight * x;
+                }
+            }
+            let variance = (1.0 - shrinkage) * value / runs + shrinkage * mean;
+            directions.push((direction, inverse_root(variance)));
+        }
+        Self {
+            cells: Vec::new(),
+            means: Vec::new(),
+            spreads: Vec::new(),
+            directions,
+            // Where nothing is shrunk the runs span all directions, or say nothing of the others.
+            rest: if shrinkage > 0.0 {
+                inverse_root(shrinkage * mean)
+            } else {
+                0.0
+            },
+            shrinkage,
+        }
+    }
+
+    /// The whitened numbers of a row, over the root of their count.
+    pub(super) fn apply(&self, row: &[f64]) -> Vec<f64> {
+        let scale = 1.0 / libm::sqrt((row.len() as f64).max(1.0));
+        let mut white: Vec<f64> = row.iter().map(|x| scale * self.rest * x).collect();
+        for (direction, gain) in &self.directions {
+            let along = scale * (gain - self.rest) * product(direction, row);
+            for (sum, part) in white.iter_mut().zip(direction) {
+                *sum += along * part;
+            }
+        }
+        white
+    }
+
+    /// Cells that count.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// The whitened readings of a run [-]; their distance is in spreads of replicates, per
+    /// statistic. None where it lacks a cell.
+    pub fn whitened(&self, run: &Readings) -> Option<Vec<f64>> {
+        Some(self.apply(&self.standardised(run)?))
+    }
+
+    fn standardised(&self, run: &Readings) -> Option<Vec<f64>> {
+        let places = self.cells.iter().zip(&self.means).zip(&self.spreads);
+        let value = |((cell, mean), spread): ((&Cell, &f64), &f64)| {
+            Some((run.get(cell)?.value - mean) / spread)
+        };
+        places.map(value).collect()
+    }
+
+    /// Energy score [spreads of replicates] of a measured run against replicates; smaller is
+    /// nearer. None where one of them lacks a cell, or there are fewer than two replicates.
+    pub fn energy_score(&self, measured: &Readings, replicates: &[&Readings]) -> Option<f64> {
+        let run = self.whitened(measured)?;
+        let made: Option<Vec<_>> = replicates.iter().map(|run| self.whitened(run)).collect();
+        let made = made.filter(|made| made.len() > 1)?;
+        let count = made.len() as f64;
+        let off = made.iter().map(|other| apart(&run, other)).sum::<f64>() / count;
+        let pairs = made.iter().enumerate();
+        let among = pairs.flat_map(|(i, a)| made[..i].iter().map(move |b| apart(a, b)));
+        Some(off - among.sum::<f64>() / (count * (count - 1.0)))
+    }
+}
+
+/// Means and moderated deviations of cells, in their units.
+fn spreads(cells: &[Cell], replicates: &[&Readings]) -> (Vec<f64>, Vec<f64>) {
+    let freedom = (replicates.len() - 1) as f64;
+    let of = |cell: &Cell| {
+        let readings: Vec<Reading> = replicates.iter().filter_map(|run| run.get(cell)).collect();
+        let values: Vec<f64> = readings.iter().map(|reading| reading.value).collect();
+        let [mean, variance] = moments(&values);
+        let size = readings
+            .iter()
+            .map(|reading| reading.size)
+            .fold(0.0, f64::max);
+        let scale = [size, mean.abs(), 1.0].into_iter().find(|s| *s > 0.0);
+        let scale = scale.unwrap_or(1.0);
+        (mean, variance / (scale * scale), scale)
+    };
+    let told: Vec<(f64, f64, f64)> = cells.iter().map(of).collect();
+    let places = || cells.iter().zip(&told);
+    let priors = Priors::of(places().map(|(cell, (_, variance, _))| (cell, *variance, freedom)));
+    let spreads = places().map(|(cell, (_, variance, scale))| {
+        let (moderated, _) = priors.moderate(cell, *variance, freedom);
+        scale * libm::sqrt(moderated).max(LEAST_SPREAD)
+    });
+    (
+        told.iter().map(|(mean, ..)| *mean).collect(),
+        spreads.collect(),
+    )
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Euclidean distance.
+pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    libm::sqrt(square)
+}
+
+/// Energy scores of one measured run, by three models of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scores {
+    /// Its condition.
+    pub condition: Condition,
+    /// Its day; runs of one condition and day are drawn together.
+    pub day: String,
+    /// With parameters recalibrated, `G_rec` [-].
+    pub recalibrated: f64,
+    /// With parameters recalibrated and the effect added, `G_eff` [-].
+    pub with_effect: f64,
+    /// What repeats reach among themselves, `G_floor` [-].
+    pub floor: f64,
+}
+
+/// How much of the gap an effect closes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Closed {
+    /// `(G_rec − G_eff) / (G_rec − G_floor)` [-]: 0 closes nothing, 1 all; below 0 it widens.
+    pub value: f64,
+    /// 95 % interval [-] over conditions and days.
+    pub ci95: [f64; 2],
+    /// Clusters drawn from; with one the interval is the value and says nothing.
+    pub clusters: usize,
+}
+
+/// Resamples behind an interval.
+const RESAMPLES: usize = 2000;
+
+/// The share of the gap closed, with a bootstrap interval that draws clusters of condition and day
+/// with all three scores together. None without runs, or where recalibration leaves nothing above
+/// the floor to close.
+pub fn closed(runs: &[Scores], seed: Seed) -> Option<Closed> {
+    let mut clusters = BTreeMap::<(&Condition, &str), [f64; 2]>::new();
+    for run in runs {
+        let sums = clusters.entry((&run.condition, &run.day)).or_default();
+        sums[0] += run.recalibrated - run.with_effect;
+        sums[1] += run.recalibrated - run.floor;
+    }
+    let clusters: Vec<[f64; 2]> = clusters.into_values().collect();
+    let share = |[gained, open]: [f64; 2]| (open > 0.0).then(|| gained / open);
+    let add = |[a, b]: [f64; 2], [c, d]: &[f64; 2]| [a + c, b + d];
+    let value = share(clusters.iter().fold([0.0, 0.0], add))?;
+    let mut rng = seed.rng("gap.closed", 0);
+    let mut resampled: Vec<f64> = (0..RESAMPLES)
+        .filter_map(|_| {
+            let draws = (0..clusters.len()).map(|_| &clusters[rng.random_range(0..clusters.len())]);
+            share(draws.fold([0.0, 0.0], add))
+        })
+        .collect();
+    resampled.sort_by(f64::total_cmp);
+    let quantile = |part: f64| {
+        let place = (part * resampled.len() as f64) as usize;
+        resampled[place.min(resampled.len() - 1)]
+    };
+    let ci95 = if resampled.is_empty() {
+        [value; 2]
+    } else {
+        [quantile(0.025), quantile(0.975)]
+    };
+    Some(Closed {
+        value,
+        ci95,
+        clusters: clusters.len(),
+    })
+}

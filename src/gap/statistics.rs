@@ -1,0 +1,84 @@
+//! A trace in, its readings out.
+//!
+//! Statistics are taken over the settled part of a run, without its first and last tenth, and of
+//! its numbers: gaps are left out, or bridged on straight lines where an order of samples matters
+//! and at most a fifth of them is missing. The wheel angle enters as its departure from steady
+//! turning. What cannot be told from a run (too short, constant, no lugs) has no cell.
+//!
+//! | domain | holds |
+//! |---|---|
+//! | time | moments, crest, drift, start, steps, rails |
+//! | order | level, cosine and sine part at the wheel orders 1, 2, 3, `n_l`, `2 n_l`, `3 n_l` and `n_l ± 1` |
+//! | lug | the average over the lug's pass, and what varies about it |
+//! | frequency | one-third octaves, and the highest line in each |
+//! | cross | correlation, coherence and lag of pairs, apparent mass |
+//! | feature | `lg κ` and the shares of the classes |
+//! | load | steady means, pull and torque per load |
+//! | history | growth of the deviation, slope along the way |
+//!
+//! A phase is told as the two parts of its wave: as an angle it would jump at a turn, and say
+//! nothing where the wave is nil. A level 120 dB below the channel's size or lower is told as
+//! that: it is rounding.
+
+mod cross;
+mod loads;
+mod moments;
+mod orders;
+mod signal;
+mod spectra;
+mod vibration;
+
+use super::readings::Readings;
+use crate::features::Settings;
+use crate::features::reference::Reference;
+use crate::quantity::RangeError;
+use crate::recognition::{Method, Recognizer};
+use crate::trace::Trace;
+use orders::Turning;
+use signal::Signal;
+use spectra::{Spectra, Spectrum};
+
+/// Reads runs; keeps its plans of the Fourier transform from run to run.
+pub struct Statistician {
+    recognizer: Recognizer,
+    spectra: Spectra,
+}
+
+impl Statistician {
+    /// A reader whose features are taken with `settings` over `reference`.
+    ///
+    /// # Errors
+    /// Those of [`Settings::check`].
+    pub fn new(settings: Settings, reference: Reference) -> Result<Self, RangeError> {
+        Ok(Self {
+            recognizer: Recognizer::new(settings, reference, &[Method::Improved])?,
+            spectra: Spectra::default(),
+        })
+    }
+
+    /// All that can be read from a run. A run of means has the load domain only.
+    pub fn read(&mut self, trace: &Trace) -> Readings {
+        let mut readings = Readings::default();
+        loads::read(trace, &mut readings);
+        let signals: Vec<Signal> = trace.channels.iter().filter_map(Signal::of).collect();
+        let mut turning = Turning::of(trace);
+        for signal in &signals {
+            moments::read(signal, trace, &mut readings);
+            if let Some(turning) = &mut turning {
+                turning.read(signal, &mut readings);
+            }
+        }
+        let spectra: Vec<Option<Spectrum>> = signals
+            .iter()
+            .map(|signal| self.spectra.of(signal))
+            .collect();
+        for (signal, spectrum) in signals.iter().zip(&spectra) {
+            if let Some(spectrum) = spectrum {
+                spectrum.read(signal, &mut readings);
+            }
+        }
+        cross::read(&signals, &spectra, &mut self.spectra, &mut readings);
+        vibration::read(&mut self.recognizer, trace, &mut readings);
+        readings
+    }
+}

@@ -1,0 +1,165 @@
+//! A channel made ready: its settled part, gaps bridged, the wheel angle less steady turning.
+
+use crate::trace::{Channel, unwrapped};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Samples in the settled part below which nothing but a mean is told.
+const FEWEST: usize = 32;
+/// Share of samples [-] that may be missing where their order matters.
+const MISSING: f64 = 0.2;
+
+/// Amplitude over the channel's size [-] below which a level is told as this: 120 dB down, where
+/// no sensor resolves it and a simulation only rounds.
+const ROUNDING: f64 = 1.0e-6;
+
+/// The settled part of a channel.
+pub(super) struct Signal {
+    /// The channel's name.
+    pub name: Arc<str>,
+    /// Samples per second [Hz].
+    pub rate: f64,
+    /// Time [s] of the first sample of the settled part.
+    pub start: f64,
+    /// The run before it settled, numbers only.
+    pub opening: Vec<f64>,
+    /// The settled samples as they were measured, numbers only.
+    pub measured: Vec<f64>,
+    /// The settled samples, gaps bridged; empty where too many are missing.
+    pub whole: Vec<f64>,
+    /// Amplitude [own unit] below which everything is rounding: [`ROUNDING`] of the channel's size.
+    pub floor: f64,
+}
+
+/// The run without its first and last tenth.
+pub(super) fn settled(length: usize) -> Range<usize> {
+    let tenth = length / 10;
+    tenth..length - tenth
+}
+
+impl Signal {
+    /// None where the channel is too short or has no rate.
+    pub fn of(channel: &Channel) -> Option<Self> {
+        let rate = channel.sample_rate;
+        if !(rate > 0.0 && rate.is_finite() && channel.start.is_finite()) {
+            return None;
+        }
+        let samples = match channel.name.as_str() {
+            "wheel_angle" => less_steady_turning(&unwrapped(&channel.samples)),
+            _ => channel.samples.clone(),
+        };
+        let part = settled(samples.len());
+        let numbers = |samples: &[f64]| -> Vec<f64> {
+            samples.iter().copied().filter(|x| x.is_finite()).collect()
+        };
+        let measured = numbers(&samples[part.clone()]);
+        if measured.len() < FEWEST {
+            return None;
+        }
+        let missing = part.len() - measured.len();
+        let whole = if missing as f64 > MISSING * part.len() as f64 {
+            Vec::new()
+        } else {
+            bridged(&samples[part.clone()])
+        };
+        // Of an angle less its turning the turn itself is the size.
+        let size = match channel.name.as_str() {
+            "wheel_angle" => 1.0,
+            _ => libm::sqrt(mean_square(&measured, 0.0)),
+        };
+        Some(Self {
+            floor: ROUNDING * size,
+            name: Arc::from(channel.name.as_str()),
+            rate,
+            start: channel.time(part.start),
+            opening: numbers(&samples[..part.start]),
+            measured,
+            whole,
+        })
+    }
+}
+
+/// The angle less the straight line through its settled part.
+fn less_steady_turning(angle: &[f64]) -> Vec<f64> {
+    let part = settled(angle.len());
+    let middle = 0.5 * (part.start + part.end) as f64;
+    let [level, slope] = straight_line(&angle[part.clone()]);
+    angle
+        .iter()
+        .enumerate()
+        .map(|(i, x)| x - level - slope * (i as f64 + 0.5 - middle))
+        .collect()
+}
+
+/// Mean, and slope per sample, of the numbers among `samples`.
+pub(super) fn straight_line(samples: &[f64]) -> [f64; 2] {
+    let middle = 0.5 * samples.len() as f64;
+    let numbers = || {
+        let places = samples.iter().enumerate();
+        places
+            .map(|(i, x)| (i as f64 + 0.5 - middle, *x))
+            .filter(|(_, x)| x.is_finite())
+    };
+    let count = numbers().count() as f64;
+    let [place, mean] = numbers().fold([0.0, 0.0], |[p, m], (i, x)| [p + i / count, m + x / count]);
+    let [square, product] = numbers().fold([0.0, 0.0], |[s, p], (i, x)| {
+        [s + (i - place) * (i - place), p + (i - place) * (x - mean)]
+    });
+    let slope = if square > 0.0 { product / square } else { 0.0 };
+    [mean - slope * place, slope]
+}
+
+/// Gaps on straight lines between their neighbours, at the ends as the next number.
+pub(super) fn bridged(samples: &[f64]) -> Vec<f64> {
+    let mut whole = samples.to_vec();
+    let mut before: Option<usize> = None;
+    for i in 0..whole.len() {
+        if !whole[i].is_finite() {
+            continue;
+        }
+        match before {
+            None => {
+                let first = whole[i];
+                whole[..i].fill(first);
+            }
+            Some(last) => {
+                let (from, step) = (whole[last], (whole[i] - whole[last]) / (i - last) as f64);
+                for (place, sample) in whole[last + 1..i].iter_mut().enumerate() {
+                    *sample = from + step * (place + 1) as f64;
+                }
+            }
+        }
+        before = Some(i);
+    }
+    if let Some(last) = before {
+        let end = whole[last];
+        whole[last + 1..].fill(end);
+    }
+    whole
+}
+
+/// Level [dB] of an amplitude; not finite where it is 0.
+pub(super) fn decibel(amplitude: f64) -> f64 {
+    20.0 * libm::log10(amplitude)
+}
+
+impl Signal {
+    /// Level [dB] of an amplitude in the channel's unit, rounding added.
+    pub fn level(&self, amplitude: f64) -> f64 {
+        decibel(libm::hypot(amplitude, self.floor))
+    }
+}
+
+/// Mean of numbers.
+pub(super) fn mean(samples: &[f64]) -> f64 {
+    samples.iter().sum::<f64>() / samples.len() as f64
+}
+
+/// Mean square of `samples` about `centre`.
+pub(super) fn mean_square(samples: &[f64], centre: f64) -> f64 {
+    samples
+        .iter()
+        .map(|x| (x - centre) * (x - centre))
+        .sum::<f64>()
+        / samples.len() as f64
+}
