@@ -29,6 +29,7 @@ mod least_squares;
 mod model;
 mod parameter;
 mod precision;
+mod prediction;
 mod profile;
 mod row;
 mod stages;
@@ -41,6 +42,7 @@ pub use estimate::{Estimate, Identified, Standing};
 pub use force_error::ForceErrors;
 pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
+pub use prediction::{Force, Predicted};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use stages::{Stage, Staged};
 pub use steady::{CALIBRATION, SteadyError, steady_loads};
@@ -54,6 +56,7 @@ use least_squares::{Minimum, minimise_from};
 use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
+use prediction::Knowledge;
 use profile::Profile;
 use weight::Scale;
 
@@ -199,7 +202,6 @@ impl Identification {
         let best = self.best(&joint, start).ok_or(IdentifyError::NotFinite)?;
         let directions = Directions::new(&joint, &best.at, &self.model.free());
         let precision = self.precision(&joint, &best, &directions);
-        let soil = self.model.soil(&best.at);
         let mut estimate = Estimate {
             class: self.model.class,
             terrain: TerrainParameters::at(&best.at),
@@ -211,7 +213,7 @@ impl Identification {
                 parameters: TerrainParameters::at(&start),
                 terminations,
             },
-            force_errors: ForceErrors::new(&self.model, &soil, &self.rows),
+            force_errors: ForceErrors::new(&self.model, &best.at, &self.rows),
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
@@ -224,15 +226,12 @@ impl Identification {
     /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
     /// parameter whose profile says nothing useful is then no longer identified.
     pub fn profile(&self, estimate: &mut Estimate) {
-        let start = estimate.staged.parameters.coordinates();
-        let joint = Joint::new(self.model, &self.rows, &start);
-        let best = Minimum {
-            at: estimate.terrain.coordinates(),
-            chi_square: estimate.chi_square,
-            termination: estimate.termination,
-        };
-        let directions = Directions::new(&joint, &best.at, &self.model.free());
-        let precision = self.precision(&joint, &best, &directions);
+        let Around {
+            joint,
+            best,
+            directions,
+            precision,
+        } = self.around(estimate);
         let profile = Profile {
             joint: &joint,
             best,
@@ -245,6 +244,57 @@ impl Identification {
             }
         }
         self.combine(estimate, &best.at, &directions, precision);
+    }
+
+    /// The forces of `rows` as an estimate from this identification's rows predicts them from slip
+    /// and sinkage, with 95 % intervals for what is measured, row by row.
+    ///
+    /// An interval holds the estimate's own error and the row's scatter about the model, taken to
+    /// be as large, over its stated uncertainties, as that of the rows fitted. Pull and torque of
+    /// a wheel that static friction holds on hard ground are not predicted.
+    ///
+    /// # Errors
+    /// `Row` for the first number of `rows` out of its range.
+    pub fn predict(
+        &self,
+        estimate: &Estimate,
+        rows: &[SteadyLoad],
+    ) -> Result<Vec<Predicted>, IdentifyError> {
+        let Around {
+            best,
+            directions,
+            precision,
+            ..
+        } = self.around(estimate);
+        let knowledge = Knowledge {
+            model: &self.model,
+            at: best.at,
+            directions,
+            precision,
+            scale: Scale::of(&self.rows),
+        };
+        let rows = row::seen(rows, self.model.class, &self.model.setting)?;
+        let forces = rows.iter().flat_map(|row| knowledge.forces(row));
+        Ok(forces.collect())
+    }
+
+    /// How the rows see an estimate made of them.
+    fn around(&self, estimate: &Estimate) -> Around {
+        let start = estimate.staged.parameters.coordinates();
+        let joint = Joint::new(self.model, &self.rows, &start);
+        let best = Minimum {
+            at: estimate.terrain.coordinates(),
+            chi_square: estimate.chi_square,
+            termination: estimate.termination,
+        };
+        let directions = Directions::new(&joint, &best.at, &self.model.free());
+        let precision = self.precision(&joint, &best, &directions);
+        Around {
+            joint,
+            best,
+            directions,
+            precision,
+        }
     }
 
     /// Names what is known of the parameters that are not identified.
@@ -303,6 +353,14 @@ impl Identification {
         let freedom = joint.observations().saturating_sub(directions.rank());
         Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
     }
+}
+
+/// An estimate as the rows it was made of see it.
+struct Around {
+    joint: Joint,
+    best: Minimum,
+    directions: Directions,
+    precision: Precision,
 }
 
 /// What the data say of one parameter.

@@ -6,6 +6,7 @@ use super::progress::Progress;
 use anyhow::Context;
 use clap::Args;
 use lugwheel::report::{self, FeaturePoint, Group};
+use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
 use lugwheel::study::thresholds::ThresholdScore;
 use lugwheel::study::{self, Options, Study, StudyError};
@@ -72,6 +73,8 @@ struct Summary {
     recognition: Option<RecognitionScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     thresholds: Option<ThresholdScore>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    identification: Option<IdentificationScore>,
 }
 
 impl StudyCommand {
@@ -132,6 +135,7 @@ impl StudyCommand {
             computing_s,
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
+            identification: outcome.identification,
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
@@ -219,6 +223,9 @@ impl fmt::Display for Summary {
         }
         if let Some(score) = &self.thresholds {
             write!(f, "thresholds: {}/thresholds.csv\n\n{score}", self.folder)?;
+        }
+        if let Some(score) = &self.identification {
+            write!(f, "rows: {}/steady.csv\n\n{score}", self.folder)?;
         }
         Ok(())
     }

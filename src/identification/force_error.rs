@@ -1,11 +1,10 @@
 //! Relative errors of the loads predicted (Table 7).
 
-use super::joint::measured;
 use super::model::Model;
-use super::row::{self, SteadyLoad};
-use crate::soil::Soil;
-use crate::soil::closed_form;
-use crate::soil::wheel_load::WheelLoad;
+use super::parameter::Coordinates;
+use super::prediction::{Force, Predicted, forces};
+use super::row::SteadyLoad;
+use serde::Serialize;
 
 /// Relative errors [%] of the loads that Eq. (62)-(64) predict from sinkage and slip.
 ///
@@ -13,7 +12,7 @@ use crate::soil::wheel_load::WheelLoad;
 /// mean size of the measured values, which a value near 0 does not upset; on hard ground (ALCT)
 /// without the rows at slip 0 for pull and torque, as in the paper's Fig. 25b. `None` where no
 /// row is left or all its values are 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ForceErrors {
     /// Of the drawbar pull.
     pub drawbar_pull: Option<f64>,
@@ -24,23 +23,34 @@ pub struct ForceErrors {
 }
 
 impl ForceErrors {
-    pub(super) fn new(model: &Model, soil: &Soil, rows: &[SteadyLoad]) -> Self {
-        let error = |channel: fn(&WheelLoad) -> f64, counts: &dyn Fn(&SteadyLoad) -> bool| {
+    /// The errors of some predictions.
+    pub fn of(predicted: &[Predicted]) -> Self {
+        let error = |force: Force| {
             let (mut missed, mut size) = (0.0, 0.0);
-            for row in rows.iter().filter(|row| counts(row)) {
-                let at = (row.sinkage, row.slip);
-                let predicted = closed_form::loads(model.surface(), soil, at.0, at.1);
-                let value = channel(&measured(row));
-                missed += (channel(&predicted) - value).abs();
-                size += value.abs();
+            for told in predicted.iter().filter(|told| told.force == force) {
+                missed += (told.predicted - told.measured).abs();
+                size += told.measured.abs();
             }
             (size > 0.0).then(|| 100.0 * missed / size)
         };
-        let slips = |row: &SteadyLoad| row::slips(row, model.class);
         Self {
-            drawbar_pull: error(|load| load.drawbar_pull, &slips),
-            load: error(|load| load.normal_force, &|_| true),
-            driving_torque: error(|load| load.driving_torque, &slips),
+            drawbar_pull: error(Force::DrawbarPull),
+            load: error(Force::Load),
+            driving_torque: error(Force::DrivingTorque),
         }
+    }
+
+    /// The error [%] of one force.
+    pub fn get(&self, force: Force) -> Option<f64> {
+        match force {
+            Force::DrawbarPull => self.drawbar_pull,
+            Force::Load => self.load,
+            Force::DrivingTorque => self.driving_torque,
+        }
+    }
+
+    pub(super) fn new(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Self {
+        let predicted = rows.iter().flat_map(|row| forces(model, at, row));
+        Self::of(&predicted.collect::<Vec<_>>())
     }
 }

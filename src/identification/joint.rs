@@ -45,12 +45,11 @@ impl Residuals for Joint {
     }
 
     fn gradient(&self, at: &Coordinates) -> Vec<Coordinates> {
-        let soil = self.model.soil(at);
         let mut gradient = Vec::with_capacity(3 * self.rows.len());
         for (row, whitener) in &self.rows {
             let first = gradient.len();
             gradient.resize(first + whitener.channels(), [0.0; 8]);
-            let by = in_order(self.model.contact(at, row).load_gradient(&soil));
+            let by = derivatives(&self.model, at, row);
             for (coordinate, derivative) in by.into_iter().enumerate() {
                 for (channel, value) in whitener.whiten(derivative).enumerate() {
                     gradient[first + channel][coordinate] = value;
@@ -70,8 +69,9 @@ pub(super) fn measured(row: &SteadyLoad) -> WheelLoad {
     }
 }
 
-/// Derivatives in the order of the coordinates.
-fn in_order(gradient: LoadGradient) -> [WheelLoad; 8] {
+/// Derivatives of a row's loads by the coordinates, in their order.
+pub(super) fn derivatives(model: &Model, at: &Coordinates, row: &SteadyLoad) -> [WheelLoad; 8] {
+    let gradient: LoadGradient = model.contact(at, row).load_gradient(&model.soil(at));
     [
         gradient.stress_angle,
         gradient.stress_angle_slip,

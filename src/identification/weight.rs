@@ -57,19 +57,9 @@ pub(super) struct Whitener {
 impl Whitener {
     /// Errors of slip and sinkage reach all three forces at once, by the model's slopes at `at`.
     pub fn new(model: &Model, at: &Coordinates, row: &SteadyLoad, scale: Scale) -> Self {
-        let uncertainty = scale.of_row(row);
-        let own = [
-            uncertainty.load,
-            uncertainty.drawbar_pull,
-            uncertainty.driving_torque,
-        ];
-        let [by_slip, by_sinkage] = slopes(model, at, row, uncertainty);
-        let covariance = |i: usize, j: usize| {
-            let own = if i == j { own[i] * own[i] } else { 0.0 };
-            own + by_slip[i] * by_slip[j] + by_sinkage[i] * by_sinkage[j]
-        };
+        let covariance = covariance(model, at, row, scale);
         Self {
-            inverse: inverse_cholesky(covariance),
+            inverse: inverse_cholesky(|i, j| covariance[i][j]),
             channels: if row::slips(row, model.class) { 3 } else { 1 },
         }
     }
@@ -85,6 +75,39 @@ impl Whitener {
         let inverse = self.inverse;
         (0..self.channels).map(move |i| (0..=i).map(|j| inverse[i][j] * error[j]).sum())
     }
+}
+
+/// Variances [N²; torque N²·m²] of a row's forces.
+pub(super) fn variances(
+    model: &Model,
+    at: &Coordinates,
+    row: &SteadyLoad,
+    scale: Scale,
+) -> WheelLoad {
+    let covariance = covariance(model, at, row, scale);
+    let [normal_force, drawbar_pull, driving_torque] = [0, 1, 2].map(|i| covariance[i][i]);
+    WheelLoad {
+        normal_force,
+        drawbar_pull,
+        driving_torque,
+    }
+}
+
+/// Covariance of the errors of a row's load, pull and torque.
+fn covariance(model: &Model, at: &Coordinates, row: &SteadyLoad, scale: Scale) -> [[f64; 3]; 3] {
+    let uncertainty = scale.of_row(row);
+    let own = [
+        uncertainty.load,
+        uncertainty.drawbar_pull,
+        uncertainty.driving_torque,
+    ];
+    let [by_slip, by_sinkage] = slopes(model, at, row, uncertainty);
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let own = if i == j { own[i] * own[i] } else { 0.0 };
+            own + by_slip[i] * by_slip[j] + by_sinkage[i] * by_sinkage[j]
+        })
+    })
 }
 
 /// Load first: it is the one that stays where pull and torque say nothing.
