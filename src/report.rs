@@ -7,6 +7,7 @@
 //! - [`traverse_figure()`]: a run and the class of each of its windows.
 //! - [`confusion_figure()`]: answers counted against truth.
 //! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
+//! - [`parameter_figure()`]: identified parameters by ground (Fig. 23 and 24).
 //! - [`page()`]: questions, answers, tables and figures as one HTML document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
@@ -18,6 +19,7 @@ mod feature_points;
 mod feature_values;
 pub mod figure;
 pub mod page;
+mod parameter_figure;
 mod side_by_side;
 pub mod spectrum;
 mod threshold_figure;
@@ -30,6 +32,7 @@ pub use feature_planes::feature_planes;
 pub use feature_points::{FeaturePoint, Group};
 pub use feature_values::feature_values;
 pub use page::{Page, page};
+pub use parameter_figure::{IdentifiedGround, parameter_figure};
 pub use side_by_side::side_by_side;
 pub use threshold_figure::threshold_figure;
 pub use trace_figure::trace_figure;

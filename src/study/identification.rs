@@ -134,11 +134,32 @@ impl IdentificationTable {
             .iter()
             .try_for_each(|group| check_group(study, group))
             .map_err(at("over"))?;
+        groups
+            .iter()
+            .try_for_each(|group| plan.check_reference(study, group, &groups))
+            .map_err(at("from"))?;
         Ok(plan)
     }
 }
 
 impl Plan {
+    /// What one rim meets does not predict another: the model knows neither's width apart from the
+    /// soil's modulus.
+    fn check_reference(
+        &self,
+        study: &Study,
+        group: &Group,
+        groups: &[Group],
+    ) -> Result<(), String> {
+        let setting = |group: &Group| self.setting(&study.scenario_of(group.conditions[0]));
+        let surface = |group: &Group| setting(group).surface();
+        let other = group.reference(study, self, groups);
+        if other.is_none_or(|other| surface(other) == surface(group)) {
+            return Ok(());
+        }
+        Err("the parameters of one rim do not predict the loads of another; sweep its radius and width in another study".to_owned())
+    }
+
     fn check_published(&self) -> Result<(), String> {
         let Some(Published { alct, slct, leis }) = self.published else {
             return Ok(());

@@ -52,24 +52,30 @@ pub(super) fn value_in(study: &Study, condition: u64, key: &str) -> Option<Strin
 }
 
 impl Group {
-    /// The group whose parameters predict this one: the same but for the keys of `from`.
+    /// The group whose parameters predict this one: the same but for the keys of `from` and those
+    /// that change together with them.
     pub fn reference<'g>(
         &self,
-        groups: &'g [Group],
-        from: &[(String, String)],
+        study: &Study,
+        plan: &Plan,
+        groups: &'g [Self],
     ) -> Option<&'g Self> {
-        if from.is_empty() {
-            return None;
-        }
-        let mut wanted = self.shared.clone();
-        for (key, value) in &mut wanted {
-            if let Some((_, at)) = from.iter().find(|(named, _)| named == key) {
-                value.clone_from(at);
+        let from = &plan.from;
+        let sweeps = study.sweeps.iter();
+        let moved: Vec<&String> = sweeps
+            .filter(|sweep| from.iter().any(|(key, _)| sweep.keys.contains(key)))
+            .flat_map(|sweep| &sweep.keys)
+            .collect();
+        let agrees = |(key, value): &(String, String)| {
+            let wanted = from.iter().find(|(named, _)| named == key);
+            match wanted {
+                Some((_, wanted)) => wanted == value,
+                None => moved.contains(&key) || self.shared.contains(&(key.clone(), value.clone())),
             }
-        }
+        };
         let found = groups
             .iter()
-            .find(|group| group.scenario == self.scenario && group.shared == wanted);
-        found.filter(|group| *group != self)
+            .find(|group| group.scenario == self.scenario && group.shared.iter().all(agrees));
+        found.filter(|group| !from.is_empty() && *group != self)
     }
 }

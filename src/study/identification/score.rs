@@ -266,8 +266,22 @@ impl Study {
             published: plan.published,
             grounds: grounds(&fitted),
             groups: fitted.iter().map(GroupScore::of).collect(),
-            predictions: predictions(plan, &fitted),
+            predictions: predictions(self, plan, &fitted),
             carried: carried(&fitted),
+        })
+    }
+}
+
+impl IdentificationScore {
+    /// One group of every scenario: the first that is not predicted by another.
+    pub fn references(&self) -> impl Iterator<Item = &GroupScore> {
+        let predicted = |group: &GroupScore| {
+            let mut predictions = self.predictions.iter();
+            predictions.any(|p| p.scenario == group.scenario && p.shared == group.shared)
+        };
+        self.grounds.iter().filter_map(move |ground| {
+            let mut groups = self.groups.iter();
+            groups.find(|group| group.scenario == ground.scenario && !predicted(group))
         })
     }
 }
@@ -476,13 +490,13 @@ fn model(groups: &[&FittedGroup], choice: Choice) -> ModelScore {
     }
 }
 
-fn predictions(plan: &Plan, groups: &[FittedGroup]) -> Vec<PredictionScore> {
+fn predictions(study: &Study, plan: &Plan, groups: &[FittedGroup]) -> Vec<PredictionScore> {
     let all: Vec<_> = groups
         .iter()
         .map(|group| group.rows.group.clone())
         .collect();
     let prediction = |group: &FittedGroup| {
-        let reference = group.rows.group.reference(&all, &plan.from)?;
+        let reference = group.rows.group.reference(study, plan, &all)?;
         let source = groups.iter().find(|g| g.rows.group == *reference)?;
         let estimate = source.source()?;
         let accuracy = Accuracy::of(&source.rows.predict(estimate, &group.rows).ok()?);

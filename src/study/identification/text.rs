@@ -5,7 +5,7 @@ use super::score::{
     Accuracy, CarriedScore, Choice, FitOutcome, FitScore, FoundScore, GroundScore, GroupScore,
     IdentificationScore, ParameterScore, PredictionScore, RepeatScore,
 };
-use crate::identification::{Force, Parameter};
+use crate::identification::{Force, Parameter, Standing};
 use crate::recognition::confusion::{CLASSES, Share};
 use crate::study::table::{bare, cell, line};
 use crate::terrain::class::Wtic;
@@ -15,6 +15,8 @@ use std::fmt;
 const PARAMETER: usize = 36;
 /// Width of the errors of three forces.
 const ERRORS: usize = 27;
+/// Width of a parameter alone.
+const COLUMN: usize = 13;
 /// Width of a share of forces.
 const COVERED: usize = 9;
 
@@ -29,6 +31,7 @@ impl fmt::Display for IdentificationScore {
         }
         write_carried(f, &self.carried, self)?;
         write_predictions(f, self)?;
+        write_overview(f, self)?;
         self.groups
             .iter()
             .try_for_each(|group| write_group(f, group))
@@ -190,6 +193,35 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) ->
                 beyond.join(", ")
             ),
         )?;
+    }
+    Ok(())
+}
+
+/// The parameters of all groups side by side.
+fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fmt::Result {
+    f.write_str(
+        "\nparameters by the class recognized, or the label's where none was; (..) where the loads do not fix them\n",
+    )?;
+    let places = score.groups.iter().map(|g| place(&g.scenario, &g.shared));
+    let width = places.map(|place| place.len()).max().unwrap_or_default() + 2;
+    let names = Parameter::ALL.map(|parameter| format!("{:>COLUMN$}", parameter.name()));
+    put(f, &format!("  {:width$}model {}", "", names.concat()))?;
+    for group in &score.groups {
+        let told = |told: &ParameterScore| {
+            let value = number(told.value);
+            let value = match (told.identifiable, told.identified.standing) {
+                (false, Standing::NotIdentifiable) => format!("({value})"),
+                (false, _) => "set".to_owned(),
+                (true, _) => value,
+            };
+            format!("{value:>COLUMN$}")
+        };
+        let (class, values) = group.parameters().map_or_else(
+            || ("-".to_owned(), String::new()),
+            |(class, found)| (class.to_string(), found.iter().map(told).collect()),
+        );
+        let place = place(&group.scenario, &group.shared);
+        put(f, &format!("  {place:width$}{class:6}{values}"))?;
     }
     Ok(())
 }
