@@ -738,19 +738,4 @@ mod tests {
             [Warning::Misfit { .. }, ..]
         ));
     }
-
-    #[test]
-    fn force_errors_are_mean_errors_over_mean_values() {
-        let mut rows = sand(&SLIPS, &[109.0]);
-        for row in &mut rows {
-            row.load *= 1.25;
-        }
-        let model = Model {
-            class: Wtic::Leis,
-            setting: setting(),
-        };
-        let errors = ForceErrors::new(&model, &table_6::sand(), &rows);
-        assert!((errors.load.unwrap() - 20.0).abs() < 1e-6);
-        assert!(errors.drawbar_pull.unwrap() < 1e-9);
-    }
 }

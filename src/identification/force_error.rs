@@ -5,6 +5,7 @@ use super::parameter::Coordinates;
 use super::prediction::{Force, Predicted, forces};
 use super::row::SteadyLoad;
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// Relative errors [%] of the loads that Eq. (62)-(64) predict from sinkage and slip.
 ///
@@ -25,13 +26,26 @@ pub struct ForceErrors {
 impl ForceErrors {
     /// The errors of some predictions.
     pub fn of(predicted: &[Predicted]) -> Self {
+        Self::by(predicted, |told| {
+            Some((told.predicted - told.measured).abs())
+        })
+    }
+
+    /// The errors that the right model would leave, of rows that scatter as their uncertainties
+    /// say: `√(2/π)` of these. `None` where a row states none.
+    pub fn of_scatter(predicted: &[Predicted]) -> Self {
+        let mean_size = libm::sqrt(2.0 / PI);
+        Self::by(predicted, |told| Some(mean_size * told.uncertainty?))
+    }
+
+    fn by(predicted: &[Predicted], missed: impl Fn(&Predicted) -> Option<f64>) -> Self {
         let error = |force: Force| {
-            let (mut missed, mut size) = (0.0, 0.0);
-            for told in predicted.iter().filter(|told| told.force == force) {
-                missed += (told.predicted - told.measured).abs();
-                size += told.measured.abs();
-            }
-            (size > 0.0).then(|| 100.0 * missed / size)
+            let of_force = || predicted.iter().filter(move |told| told.force == force);
+            let size: f64 = of_force().map(|told| told.measured.abs()).sum();
+            let missed: Option<f64> = of_force().map(&missed).sum();
+            missed
+                .filter(|_| size > 0.0)
+                .map(|missed| 100.0 * missed / size)
         };
         Self {
             drawbar_pull: error(Force::DrawbarPull),
@@ -52,5 +66,45 @@ impl ForceErrors {
     pub(super) fn new(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Self {
         let predicted = rows.iter().flat_map(|row| forces(model, at, row));
         Self::of(&predicted.collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(measured: f64, predicted: f64, uncertainty: Option<f64>) -> Predicted {
+        Predicted {
+            force: Force::Load,
+            measured,
+            predicted,
+            uncertainty,
+            half_width: None,
+        }
+    }
+
+    #[test]
+    fn force_errors_are_mean_errors_over_mean_values() {
+        let predicted = [
+            load(125.0, 100.0, Some(10.0)),
+            load(75.0, 100.0, Some(10.0)),
+        ];
+        let errors = ForceErrors::of(&predicted);
+        assert_eq!((errors.load, errors.drawbar_pull), (Some(25.0), None));
+        // The mean size of a normal error is 0.798 of its standard deviation.
+        let scatter = ForceErrors::of_scatter(&predicted).load.unwrap();
+        assert!((scatter - 7.98).abs() < 0.01, "{scatter}");
+        let unstated = [load(125.0, 100.0, None), predicted[1]];
+        assert_eq!(ForceErrors::of_scatter(&unstated).load, None);
+    }
+
+    #[test]
+    fn the_mean_of_rows_is_surer_than_each_by_the_root_of_their_number() {
+        let rows = [load(125.0, 90.0, Some(2.0)), load(75.0, 90.0, Some(2.0))];
+        let means = Predicted::means(&rows);
+        assert_eq!(means.len(), 1);
+        assert_eq!((means[0].measured, means[0].predicted), (100.0, 90.0));
+        let expected = 2.0 / libm::sqrt(2.0);
+        assert!((means[0].uncertainty.unwrap() - expected).abs() < 1e-12);
     }
 }

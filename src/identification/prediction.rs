@@ -5,9 +5,8 @@ use super::joint::{derivatives, measured};
 use super::model::Model;
 use super::parameter::Coordinates;
 use super::precision::Precision;
-use super::row::{self, SteadyLoad};
+use super::row::{self, SteadyLoad, Uncertainty};
 use super::weight::{Scale, variances};
-use crate::soil::closed_form;
 use crate::soil::wheel_load::WheelLoad;
 use serde::Serialize;
 
@@ -32,6 +31,15 @@ impl Force {
         ["drawbar_pull", "load", "driving_torque"][self as usize]
     }
 
+    /// Its standard uncertainty [N; torque N·m] among a row's.
+    fn uncertainty(self, of: &Uncertainty) -> f64 {
+        match self {
+            Self::DrawbarPull => of.drawbar_pull,
+            Self::Load => of.load,
+            Self::DrivingTorque => of.driving_torque,
+        }
+    }
+
     /// Its value [N; torque N·m] among the loads of a wheel.
     fn of(self, loads: &WheelLoad) -> f64 {
         match self {
@@ -51,12 +59,35 @@ pub struct Predicted {
     pub measured: f64,
     /// Predicted from the row's slip and sinkage.
     pub predicted: f64,
+    /// Standard uncertainty of the measured value, where the row states it.
+    pub uncertainty: Option<f64>,
     /// Half-width of the 95 % interval for the measured value; `None` where the rows fitted do
     /// not fix what the force depends on.
     pub half_width: Option<f64>,
 }
 
 impl Predicted {
+    /// The mean of each force over several rows, without intervals; uncertainties are taken for
+    /// independent.
+    pub fn means(predicted: &[Self]) -> Vec<Self> {
+        let mean = |force: Force| {
+            let of_force = || predicted.iter().filter(move |told| told.force == force);
+            let count = of_force().count() as f64;
+            let mean = |value: fn(&Self) -> f64| of_force().map(value).sum::<f64>() / count;
+            let squares: Option<f64> = of_force()
+                .map(|told| told.uncertainty.map(|sd| sd * sd))
+                .sum();
+            (count > 0.0).then(|| Self {
+                force,
+                measured: mean(|told| told.measured),
+                predicted: mean(|told| told.predicted),
+                uncertainty: squares.map(|squares| libm::sqrt(squares) / count),
+                half_width: None,
+            })
+        };
+        Force::ALL.into_iter().filter_map(mean).collect()
+    }
+
     /// Whether the interval holds the measured value; none where there is no interval.
     pub fn is_covered(&self) -> Option<bool> {
         let miss = (self.predicted - self.measured).abs();
@@ -64,16 +95,18 @@ impl Predicted {
     }
 }
 
-/// The forces of a row that the class' model speaks of, by Eq. (62)-(64), without intervals: all
-/// three, but on hard ground the load only where static friction holds the wheel.
+/// The forces of a row that the class' model speaks of, by Eq. (62)-(64) as they were fitted,
+/// without intervals: all three, but on hard ground the load only where static friction holds the
+/// wheel.
 pub(super) fn forces(
     model: &Model,
     at: &Coordinates,
     row: &SteadyLoad,
 ) -> impl Iterator<Item = Predicted> + use<> {
     let soil = model.soil(at);
-    let predicted = closed_form::loads(model.surface(), &soil, row.sinkage, row.slip);
+    let predicted = model.contact(at, row).loads(&soil);
     let measured = measured(row);
+    let uncertainty = row.uncertainty;
     let slips = row::slips(row, model.class);
     let told = Force::ALL.into_iter();
     told.filter(move |force| slips || *force == Force::Load)
@@ -81,6 +114,7 @@ pub(super) fn forces(
             force,
             measured: force.of(&measured),
             predicted: force.of(&predicted),
+            uncertainty: uncertainty.map(|uncertainty| force.uncertainty(&uncertainty)),
             half_width: None,
         })
 }

@@ -56,7 +56,7 @@ impl fmt::Display for Warning {
             }
             Self::PeakOutsideContact { slip, share } => write!(
                 f,
-                "the maximum stress lies outside the contact at slip {slip}: \
+                "the maximum stress lies outside the contact at slip {slip:.3}: \
                  c1 + c2 s = {share:.3}"
             ),
             Self::Misfit { reduced_chi_square } => write!(

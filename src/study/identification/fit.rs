@@ -27,6 +27,7 @@ pub(super) struct GroupRows {
 
 /// A row of a group.
 pub(super) struct GroupRow {
+    pub condition: u64,
     pub repeat: u32,
     /// The value of the first key that the fit joins, as TOML.
     pub value: String,
@@ -56,6 +57,7 @@ impl GroupRows {
             let value = value_in(study, row.condition, &plan.over[0]).unwrap_or_default();
             match &row.load {
                 Ok(load) => found.rows.push(GroupRow {
+                    condition: row.condition,
                     repeat: row.repeat,
                     value,
                     load: *load,
@@ -104,9 +106,24 @@ impl GroupRows {
         identification.profile(&mut estimate);
         Ok(Fitted {
             fitted: identification.predict(&estimate, &rows)?,
+            means: self.means(&identification, &estimate)?,
             left_out: self.left_out(class),
             estimate,
         })
+    }
+
+    /// The mean forces of each condition.
+    fn means(
+        &self,
+        identification: &Identification,
+        estimate: &Estimate,
+    ) -> Result<Vec<Predicted>, IdentifyError> {
+        let mut means = Vec::new();
+        for condition in &self.group.conditions {
+            let rows = self.loads(estimate.class, |row| row.condition == *condition);
+            means.extend(Predicted::means(&identification.predict(estimate, &rows)?));
+        }
+        Ok(means)
     }
 
     /// The forces at each value of the first key joined, predicted by a fit to the others; none
@@ -147,6 +164,8 @@ pub(super) struct Fitted {
     pub estimate: Estimate,
     /// The forces of the rows fitted.
     pub fitted: Vec<Predicted>,
+    /// The mean forces of each condition.
+    pub means: Vec<Predicted>,
     /// The forces of rows left out in turn.
     pub left_out: Vec<Predicted>,
 }

@@ -3,7 +3,8 @@
 //!
 //! - [`GroundScore`]: force errors by ground and model, beside those published. A model is fitted
 //!   to all rows of a group, and, for the rows *left out*, to those at the other values of the
-//!   first key joined.
+//!   first key joined. *Means* are those of a condition over its repeats. *Scatter* is what the
+//!   rows' stated uncertainties alone would leave of error: on loose stones, the most of it.
 //! - [`GroupScore`]: the parameters of every group by every model, with 95 % intervals, and the
 //!   scenario's own values where its ground has them: `φ = atan μ` of wheel on stone on hard
 //!   ground, all of them on sand. A rim stands for the wheel in every model: what lugs do is in
@@ -24,7 +25,7 @@
 //! | `scenario`, every swept key not joined | the group |
 //! | `label`, `recognized` | its ground, and the class recognised |
 //! | `model` | the class whose model was fitted |
-//! | `what` | `parameter`, `fitted`, `left_out`, `predicted` (by the group of `from`), `carried from` a scenario |
+//! | `what` | `parameter`, `fitted`, `means`, `left_out`, `predicted` (by the group of `from`), `carried from` a scenario |
 //! | `name`, `unit` | parameter or force; errors are in % |
 //! | `value`, `low`, `high` | with its 95 % interval, where it is identified |
 //! | `own` | the scenario's own value |
@@ -71,6 +72,8 @@ pub struct IdentificationScore {
 pub struct Accuracy {
     /// Relative errors.
     pub force_error_percent: ForceErrors,
+    /// Relative errors that the scatter of the rows alone would leave.
+    pub scatter_percent: ForceErrors,
     /// Share of the forces that lie in their 95 % interval, of those that have one.
     pub covered: BTreeMap<Force, Share>,
 }
@@ -109,6 +112,8 @@ pub struct ModelScore {
     pub groups: usize,
     /// On the rows fitted.
     pub fitted: Accuracy,
+    /// On the means of the rows of each condition.
+    pub means: Accuracy,
     /// On rows left out of the fit.
     pub left_out: Accuracy,
 }
@@ -171,6 +176,8 @@ pub struct FoundScore {
     pub warnings: Vec<String>,
     /// On the rows fitted.
     pub fitted: Accuracy,
+    /// On the means of the rows of each condition.
+    pub means: Accuracy,
     /// On rows left out of the fit.
     pub left_out: Accuracy,
 }
@@ -324,6 +331,7 @@ impl Accuracy {
         });
         Self {
             force_error_percent: ForceErrors::of(predicted),
+            scatter_percent: ForceErrors::of_scatter(predicted),
             covered: covered.collect(),
         }
     }
@@ -441,6 +449,7 @@ impl FoundScore {
             reduced_chi_square: estimate.chi_square / estimate.degrees_of_freedom as f64,
             warnings: estimate.warnings.iter().map(Warning::to_string).collect(),
             fitted: Accuracy::of(&fitted.fitted),
+            means: Accuracy::of(&fitted.means),
             left_out: Accuracy::of(&fitted.left_out),
         }
     }
@@ -486,6 +495,7 @@ fn model(groups: &[&FittedGroup], choice: Choice) -> ModelScore {
         choice,
         groups: fits.len(),
         fitted: together(|fit| &fit.fitted),
+        means: together(|fit| &fit.means),
         left_out: together(|fit| &fit.left_out),
     }
 }

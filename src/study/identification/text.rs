@@ -3,7 +3,7 @@
 use super::Published;
 use super::score::{
     Accuracy, CarriedScore, Choice, FitOutcome, FitScore, FoundScore, GroundScore, GroupScore,
-    IdentificationScore, ParameterScore, PredictionScore, RepeatScore,
+    IdentificationScore, ModelScore, ParameterScore, PredictionScore, RepeatScore,
 };
 use crate::identification::{Force, Parameter, Standing};
 use crate::recognition::confusion::{CLASSES, Share};
@@ -13,18 +13,22 @@ use std::fmt;
 
 /// Width of a parameter with its interval.
 const PARAMETER: usize = 36;
+/// Width of a way to choose a model.
+const MODEL: usize = 28;
 /// Width of the errors of three forces.
-const ERRORS: usize = 27;
+const ERRORS: usize = 23;
 /// Width of a parameter alone.
 const COLUMN: usize = 13;
-/// Width of a share of forces.
-const COVERED: usize = 9;
+/// Width of the shares of three forces.
+const COVERED: usize = 18;
 
 impl fmt::Display for IdentificationScore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "Errors [%] of pull, load and torque: mean size of the error over mean size of the force. \
-             Covered: share [%] of the forces within their 95 % interval.\n",
+            "All numbers by threes are of pull, load and torque. Errors [%]: mean size of the error over mean size of\n\
+             the force, on the rows fitted, on the means of a condition's rows, and on rows left out of the fit.\n\
+             Scatter: the errors [%] that the rows' own uncertainties would leave. Covered: share [%] of the forces\n\
+             within their 95 % interval.\n",
         )?;
         for ground in &self.grounds {
             write_ground(f, ground, self.published.as_ref())?;
@@ -54,13 +58,14 @@ fn write_ground(
         "\n{}: ground {}, which stands for {class}; recognized as that in {} of {} fits",
         ground.scenario, ground.label, ground.recognized, ground.groups
     )?;
-    put(
-        f,
-        &format!(
-            "  {:24}{:<ERRORS$}{:<ERRORS$}{:<ERRORS$}covered",
-            "model", "fitted: pull load torque", "left out", "covered",
-        ),
-    )?;
+    let columns = ["fitted", "means", "left out", "scatter of fitted", "means"];
+    let columns = columns.map(|column| format!("{column:<ERRORS$}"));
+    let columns = format!(
+        "{}{:<COVERED$}covered, left out",
+        columns.concat(),
+        "covered, fitted"
+    );
+    put(f, &format!("  {:MODEL$}{columns}", "model"))?;
     for model in &ground.models {
         let name = match model.choice {
             Choice::Recognized => "by class recognized".to_owned(),
@@ -69,19 +74,22 @@ fn write_ground(
         let told = if model.groups == 0 {
             "could not be fitted".to_owned()
         } else {
-            format!(
-                "{}{}{}{}",
-                errors(&model.fitted),
-                errors(&model.left_out),
-                covered(&model.fitted),
-                covered(&model.left_out)
-            )
+            let ModelScore {
+                fitted,
+                means,
+                left_out,
+                ..
+            } = model;
+            let errors = [fitted, means, left_out].map(errors);
+            let scatter = [fitted, means].map(scatter);
+            let covered = [fitted, left_out].map(covered);
+            [errors.concat(), scatter.concat(), covered.concat()].concat()
         };
-        put(f, &format!("  {name:24}{told}"))?;
+        put(f, &format!("  {name:MODEL$}{told}"))?;
     }
     if let Some(published) = published {
         let told = Force::ALL.map(|force| published.error(class, force));
-        put(f, &format!("  {:24}{}", "published", three(told)))?;
+        put(f, &format!("  {:MODEL$}{}", "published", three(told)))?;
     }
     Ok(())
 }
@@ -97,14 +105,19 @@ fn always(of: Wtic, ground: Wtic) -> String {
 }
 
 fn errors(accuracy: &Accuracy) -> String {
-    let told = three(Force::ALL.map(|force| accuracy.error(force)));
-    format!("{told:<ERRORS$}")
+    three(Force::ALL.map(|force| accuracy.error(force)))
 }
 
+fn scatter(accuracy: &Accuracy) -> String {
+    three(Force::ALL.map(|force| accuracy.scatter_percent.get(force)))
+}
+
+/// Pull, load and torque [%], as wide as [`ERRORS`].
 fn three(values: [Option<f64>; 3]) -> String {
-    values
-        .map(|value| value.map_or_else(|| format!("{:>8}", "-"), |v| format!("{:>8}", percent(v))))
-        .concat()
+    let told = values.map(|value| value.map_or_else(|| "-".to_owned(), percent));
+    let [pull, load, torque] = told;
+    let told = format!("{pull:>6} {load:>6} {torque:>6}");
+    format!("{told:<ERRORS$}")
 }
 
 /// A percentage with one decimal; without any above a thousand.
@@ -118,15 +131,17 @@ fn percent(value: f64) -> String {
     }
 }
 
+/// Shares [%] of pull, load and torque within their intervals, as wide as [`COVERED`].
 fn covered(accuracy: &Accuracy) -> String {
-    let share = |force: Force| {
+    let [pull, load, torque] = Force::ALL.map(|force| {
         let share = accuracy.covered.get(&force);
         share.map_or_else(
-            || format!("{:>COVERED$}", "-"),
-            |share| format!("{:>COVERED$}", format!("{:.0}", 100.0 * share.value)),
+            || "-".to_owned(),
+            |share| format!("{:.0}", 100.0 * share.value),
         )
-    };
-    Force::ALL.map(share).concat()
+    });
+    let told = format!("{pull:>3} {load:>3} {torque:>3}");
+    format!("{told:<COVERED$}")
 }
 
 fn write_carried(
@@ -171,7 +186,7 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) ->
         f,
         &format!(
             "  {:width$}model {:<ERRORS$}{:<ERRORS$}stops",
-            "", "pull load torque", "covered"
+            "", "error", "covered"
         ),
     )?;
     for prediction in &score.predictions {
@@ -471,6 +486,7 @@ fn add_group(text: &mut String, group: &GroupScore) {
             text.push_str(&line(&cells));
         }
         add_accuracy(text, group, ("fitted", fit.class), &found.fitted);
+        add_accuracy(text, group, ("means", fit.class), &found.means);
         add_accuracy(text, group, ("left_out", fit.class), &found.left_out);
     }
 }
