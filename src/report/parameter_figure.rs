@@ -107,10 +107,11 @@ impl Bar {
         })
     }
 
-    /// Values that the axis has to show: those of a parameter that is not fixed may lie anywhere,
-    /// and its bar is cut off.
-    fn extent(&self) -> impl Iterator<Item = f64> {
-        let fixed = self.standing == Standing::Identified;
+    /// Values that the axis has to show. That of a parameter that is not fixed may lie anywhere:
+    /// only decades have room for it, else its bar is cut off.
+    fn extent(&self, parameter: Parameter) -> impl Iterator<Item = f64> {
+        let decades = parameter == Parameter::SinkageModulus;
+        let fixed = decades || self.standing == Standing::Identified;
         let told = [Some(self.value), self.ends[0], self.ends[1]];
         told.into_iter()
             .filter(move |_| fixed)
@@ -167,7 +168,7 @@ fn draw_parameter(canvas: &mut Canvas, area: Area, shown: &Shown, grounds: &[Ide
 
 /// The upright axis: decades for `k_s`, from 0 for the others.
 fn upright(parameter: Parameter, bars: &[Option<Bar>], area: &Area) -> Axis {
-    let shown = bars.iter().flatten().flat_map(Bar::extent);
+    let shown = bars.iter().flatten().flat_map(|bar| bar.extent(parameter));
     let [low, high] = shown.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(value), high.max(value)]
     });

@@ -27,11 +27,14 @@
 //!
 //! [`RIGID_SINKAGE`]: crate::identification::RIGID_SINKAGE
 
+mod csv;
 mod fit;
 mod group;
+mod own;
 mod reading;
 mod repeats;
 pub mod score;
+mod scoring;
 mod steady;
 mod text;
 

@@ -1,7 +1,8 @@
 //! Every repeat of a group identified alone: how estimates scatter against their intervals.
 
 use super::fit::GroupRows;
-use super::score::{RepeatScore, own_value};
+use super::own::{holds, own_value};
+use super::score::RepeatScore;
 use crate::identification::{Estimate, Identified, Parameter, identify};
 use crate::recognition::confusion::Share;
 use crate::terrain::class::Wtic;
@@ -46,12 +47,6 @@ fn score(parameter: Parameter, fits: &[Estimate], own: Option<f64>) -> RepeatSco
         holds_mean: mean.and_then(|mean| share(parameter.value(mean))),
         holds_own: own.and_then(share),
     }
-}
-
-/// Whether the 95 % interval of a parameter holds a value, in its unit.
-pub(super) fn holds(identified: &Identified, value: f64) -> bool {
-    let [low, high] = identified.ci95();
-    low.is_none_or(|low| low <= value) && high.is_none_or(|high| value <= high)
 }
 
 /// Half of the interval, in the coordinate of the fit.
