@@ -1,11 +1,12 @@
 //! Figures of runs: well-formed whatever a run holds, and honest about what it does not.
 
 use lugwheel::features::record::Unusable;
+use lugwheel::identification::{Identified, Parameter, Standing};
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::recognition::{Answer, Recognized};
 use lugwheel::report::{
-    FeaturePoint, Group, ReportError, confusion_figure, feature_planes, feature_values,
-    trace_figure, traverse_figure,
+    FeaturePoint, Group, IdentifiedGround, ReportError, confusion_figure, feature_planes,
+    feature_values, parameter_figure, trace_figure, traverse_figure,
 };
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace, Truth};
@@ -406,4 +407,41 @@ fn a_confusion_matrix_shows_counts_shares_and_what_did_not_occur() {
     let nothing = confusion_figure(&Confusion::default(), "");
     assert_well_formed(&nothing);
     assert!(nothing.contains("no window has a known class"));
+}
+
+#[test]
+fn parameters_are_drawn_as_what_they_are_fixed_open_or_set() {
+    let parameter = |(parameter, value): (Parameter, f64)| Identified {
+        parameter,
+        value,
+        standing: match parameter {
+            Parameter::Cohesion => Standing::SetByClass,
+            Parameter::SinkageModulus => Standing::NotIdentifiable,
+            _ => Standing::Identified,
+        },
+        standard_error: 0.1,
+        interval: [Some(0.9 * value), Some(1.1 * value)],
+        // The profile of K never ends.
+        profile: (parameter == Parameter::ShearModulus).then_some([Some(0.9 * value), None]),
+    };
+    // Gravel's row of Table 6.
+    let values = [0.0, 0.0, 4.0e8, 0.568, 0.054, 0.0, 32.17, 0.0006];
+    let ground = IdentifiedGround {
+        name: "GT & stones".to_owned(),
+        label: TerrainLabel::Gravel,
+        parameters: Parameter::ALL
+            .into_iter()
+            .zip(values)
+            .map(parameter)
+            .collect(),
+        own: vec![None; 8],
+    };
+    for grounds in [vec![], vec![ground.clone()], vec![ground; 5]] {
+        let figure = parameter_figure(&grounds);
+        assert_well_formed(&figure);
+        let count = |text: &str| figure.matches(&format!(">{text}<")).count();
+        assert_eq!(count("not fixed"), grounds.len());
+        assert_eq!(count("set to 0"), grounds.len());
+        assert_eq!(count("32.2"), grounds.len());
+    }
 }
