@@ -436,7 +436,7 @@ fn parameters_are_drawn_as_what_they_are_fixed_open_or_set() {
             .collect(),
         own: vec![None; 8],
     };
-    for grounds in [vec![], vec![ground.clone()], vec![ground; 5]] {
+    for grounds in [vec![], vec![ground.clone()], vec![ground; 3]] {
         let figure = parameter_figure(&grounds);
         assert_well_formed(&figure);
         let count = |text: &str| figure.matches(&format!(">{text}<")).count();
