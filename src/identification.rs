@@ -25,6 +25,7 @@ mod directions;
 mod estimate;
 mod fitted;
 mod force_error;
+mod forces;
 mod joint;
 mod known;
 mod least_squares;
@@ -44,6 +45,7 @@ mod weight;
 pub use combination::Combination;
 pub use estimate::{Estimate, Identified, Standing};
 pub use force_error::ForceErrors;
+pub use forces::{Force, PredictedForce};
 pub use known::Known;
 pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
@@ -57,6 +59,7 @@ pub use warning::Warning;
 use crate::quantity::RangeError;
 use crate::terrain::class::Wtic;
 use directions::Directions;
+use forces::Knowledge;
 use joint::Joint;
 use least_squares::{Minimum, Residuals, minimise_from};
 use model::Model;
@@ -218,7 +221,6 @@ impl Identification {
         let best = self.best(&joint, staged.as_ref())?;
         let directions = Directions::new(&joint, &best.at, &self.model.free());
         let precision = self.precision(&joint, &best, &directions);
-        let soil = self.model.soil(&best.at);
         let mut estimate = Estimate {
             class: self.model.class,
             terrain: TerrainParameters::at(&best.at),
@@ -227,7 +229,7 @@ impl Identification {
             correlation: correlation(&directions),
             combinations: Vec::new(),
             staged,
-            force_errors: ForceErrors::new(&self.model, &soil, &self.rows),
+            force_errors: ForceErrors::new(&self.model, &best.at, &self.rows),
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
@@ -241,14 +243,12 @@ impl Identification {
     /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
     /// parameter whose profile says nothing useful is then no longer identified.
     pub fn profile(&self, estimate: &mut Estimate) {
-        let joint = Joint::new(self.model, &self.rows);
-        let best = Minimum {
-            at: estimate.terrain.coordinates(),
-            chi_square: estimate.chi_square,
-            termination: estimate.termination,
-        };
-        let directions = Directions::new(&joint, &best.at, &self.model.free());
-        let precision = self.precision(&joint, &best, &directions);
+        let Around {
+            joint,
+            best,
+            directions,
+            precision,
+        } = self.around(estimate);
         let profile = Profile {
             joint: &joint,
             best,
@@ -281,6 +281,56 @@ impl Identification {
                 identified.standing = Standing::NotIdentifiable;
                 identified.interval = [None; 2];
             }
+        }
+    }
+
+    /// The forces of `rows` as an estimate from this identification's rows predicts them from slip
+    /// and sinkage, with 95 % intervals for what is measured, row by row.
+    ///
+    /// An interval holds the estimate's own error and the row's scatter about the model, taken to
+    /// be as large, over its stated uncertainties, as that of the rows fitted. Pull and torque of
+    /// a wheel that static friction holds on hard ground are not predicted.
+    ///
+    /// # Errors
+    /// `Row` for the first number of `rows` out of its range.
+    pub fn predict(
+        &self,
+        estimate: &Estimate,
+        rows: &[SteadyLoad],
+    ) -> Result<Vec<PredictedForce>, IdentifyError> {
+        let Around {
+            best,
+            directions,
+            precision,
+            ..
+        } = self.around(estimate);
+        let knowledge = Knowledge {
+            model: &self.model,
+            at: best.at,
+            directions,
+            precision,
+            scale: Scale::of(&self.rows),
+        };
+        let rows = row::seen(rows, self.model.class, &self.model.setting)?;
+        let forces = rows.iter().flat_map(|row| knowledge.forces(row));
+        Ok(forces.collect())
+    }
+
+    /// How the rows see an estimate made of them.
+    fn around(&self, estimate: &Estimate) -> Around {
+        let joint = Joint::new(self.model, &self.rows);
+        let best = Minimum {
+            at: estimate.terrain.coordinates(),
+            chi_square: estimate.chi_square,
+            termination: estimate.termination,
+        };
+        let directions = Directions::new(&joint, &best.at, &self.model.free());
+        let precision = self.precision(&joint, &best, &directions);
+        Around {
+            joint,
+            best,
+            directions,
+            precision,
         }
     }
 
@@ -455,21 +505,18 @@ impl Identification {
         }
     }
 
-    /// Standard deviation of a weighted residual [-].
-    fn scatter(&self, estimate: &Estimate, directions: &Directions) -> f64 {
-        let best = Minimum {
-            at: estimate.terrain.coordinates(),
-            chi_square: estimate.chi_square,
-            termination: estimate.termination,
-        };
-        let joint = Joint::new(self.model, &self.rows);
-        self.precision(&joint, &best, directions).sigma
-    }
-
     fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {
         let freedom = joint.forces().saturating_sub(directions.rank());
         Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
     }
+}
+
+/// An estimate as the rows it was made of see it.
+struct Around {
+    joint: Joint,
+    best: Minimum,
+    directions: Directions,
+    precision: Precision,
 }
 
 /// The few starts that explain the rows best as they are.
@@ -853,20 +900,5 @@ mod tests {
             scattered.warnings[..],
             [Warning::Misfit { .. }, ..]
         ));
-    }
-
-    #[test]
-    fn force_errors_are_mean_errors_over_mean_values() {
-        let mut rows = sand(&SLIPS, &[109.0]);
-        for row in &mut rows {
-            row.load *= 1.25;
-        }
-        let model = Model {
-            class: Wtic::Leis,
-            setting: setting(),
-        };
-        let errors = ForceErrors::new(&model, &table_6::sand(), &rows);
-        assert!((errors.load.unwrap() - 20.0).abs() < 1e-6);
-        assert!(errors.drawbar_pull.unwrap() < 1e-9);
     }
 }

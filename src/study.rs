@@ -54,6 +54,21 @@
 //! bandwidths = [20.0, 100.0]   # Hz, of the acceleration
 //! ```
 //!
+//! With a table `[identification]` terrain parameters are found from the steady loads, see
+//! [`identification`]:
+//!
+//! ```toml
+//! [identification]
+//! over = ["rig.single_wheel.slip"]    # a fit joins runs that differ in these; the slip if left out
+//! from = { "rig.single_wheel.forward_speed" = 0.01 }  # its parameters predict the other speeds
+//! cylinder = "rim"                    # or "lug_tips": what stands for the lugged wheel
+//! exit_angle = 0.0                    # c_3, stated, not fitted
+//! [identification.published]          # errors [%] of pull, load and torque (Table 7)
+//! ALCT = [15.2, 11.68, 15.52]
+//! SLCT = [11.85, 6.67, 8.46]
+//! LEIS = [8.11, 7.64, 7.75]
+//! ```
+//!
 //! Results go to one folder ([`Study::execute`]):
 //!
 //! ```text
@@ -62,6 +77,8 @@
 //! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
 //! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
 //! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
+//! steady.csv     one row a steady interval: loads, slip, sinkage; see `study::identification`
+//! identification.txt, identification.csv    parameters, force errors, what they predict
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/ and reference.toml as they were
@@ -73,6 +90,7 @@
 mod band;
 mod execution;
 mod folder;
+pub mod identification;
 mod recognition;
 mod references;
 pub mod runs;
@@ -91,6 +109,7 @@ use crate::recognition::baseline::BaselineError;
 use crate::scenario::experiment::ExperimentError;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
+use identification::{IdentificationTable, Plan};
 use recognition::{Recognition, RecognitionTable};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
@@ -129,6 +148,7 @@ pub struct Study {
     sweeps: Vec<Sweep>,
     recognition: Option<Recognition>,
     thresholds: Option<Thresholds>,
+    identification: Option<Plan>,
     text: String,
 }
 
@@ -168,6 +188,7 @@ struct StudyTable {
     sweep: Vec<SweepTable>,
     recognition: Option<RecognitionTable>,
     thresholds: Option<ThresholdsTable>,
+    identification: Option<IdentificationTable>,
 }
 
 impl Study {
@@ -386,6 +407,7 @@ fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
     let mut table: StudyTable = document.read()?;
     let recognition = table.recognition.take();
     let thresholds = table.thresholds.take();
+    let identification = table.identification.take();
     let mut study = table.into_study(&document, text, folder)?;
     study.check(&document)?;
     if let Some(table) = recognition {
@@ -393,6 +415,9 @@ fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
     }
     if let Some(table) = thresholds {
         study.thresholds = Some(table.read(&document)?);
+    }
+    if let Some(table) = identification {
+        study.identification = Some(table.read(&study, &document)?);
     }
     Ok(study)
 }
@@ -421,6 +446,7 @@ impl StudyTable {
             sweeps,
             recognition: None,
             thresholds: None,
+            identification: None,
             text: text.to_owned(),
         };
         study

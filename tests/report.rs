@@ -4,12 +4,13 @@ use lugwheel::features::record::Unusable;
 use lugwheel::gap::{
     Cell, Comparison, Margins, ParameterSpread, Reading, Readings, Run, Statistic,
 };
+use lugwheel::identification::{Identified, Parameter, Standing};
 use lugwheel::quantity::Seed;
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::recognition::{Answer, Recognized};
 use lugwheel::report::{
-    FeaturePoint, Group, ReportError, confusion_figure, feature_planes, feature_values, gap_map,
-    trace_figure, traverse_figure,
+    FeaturePoint, Group, IdentifiedGround, ReportError, confusion_figure, feature_planes,
+    feature_values, gap_map, parameter_figure, trace_figure, traverse_figure,
 };
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace, Truth};
@@ -453,4 +454,41 @@ fn a_gap_map_is_well_formed_and_names_the_strongest_cell_of_every_field() {
         assert!(svg.contains(text), "{text}");
     }
     assert!(svg.contains("Note: no condition was measured twice"));
+}
+
+#[test]
+fn parameters_are_drawn_as_what_they_are_fixed_open_or_set() {
+    let parameter = |(parameter, value): (Parameter, f64)| Identified {
+        parameter,
+        value,
+        standing: match parameter {
+            Parameter::Cohesion => Standing::SetByClass,
+            Parameter::SinkageModulus => Standing::NotIdentifiable,
+            _ => Standing::Identified,
+        },
+        standard_error: 0.1,
+        interval: [Some(0.9 * value), Some(1.1 * value)],
+        // The profile of K never ends.
+        profile: (parameter == Parameter::ShearModulus).then_some([Some(0.9 * value), None]),
+    };
+    // Gravel's row of Table 6.
+    let values = [0.0, 0.0, 4.0e8, 0.568, 0.054, 0.0, 32.17, 0.0006];
+    let ground = IdentifiedGround {
+        name: "GT & stones".to_owned(),
+        label: TerrainLabel::Gravel,
+        parameters: Parameter::ALL
+            .into_iter()
+            .zip(values)
+            .map(parameter)
+            .collect(),
+        own: vec![None; 8],
+    };
+    for grounds in [vec![], vec![ground.clone()], vec![ground; 3]] {
+        let figure = parameter_figure(&grounds);
+        assert_well_formed(&figure);
+        let count = |text: &str| figure.matches(&format!(">{text}<")).count();
+        assert_eq!(count("not fixed"), grounds.len());
+        assert_eq!(count("set to 0"), grounds.len());
+        assert_eq!(count("32.2"), grounds.len());
+    }
 }

@@ -1,6 +1,8 @@
 //! A study's results depend on its file alone: not on threads, interruptions or how it was shared.
 
+use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::{Options, Outcome, Progress, Run, Study, StudyError};
+use lugwheel::terrain::class::Wtic;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -143,7 +145,7 @@ fn unlike_stated(file: &Path) -> Option<String> {
 #[test]
 fn every_bad_study_gives_the_message_it_states_at_the_line_it_states() {
     let files = toml_files("tests/studies/bad");
-    assert!(files.len() >= 39);
+    assert!(files.len() >= 53);
     let wrong: Vec<String> = files
         .iter()
         .filter_map(|file| unlike_stated(file))
@@ -154,7 +156,7 @@ fn every_bad_study_gives_the_message_it_states_at_the_line_it_states() {
 #[test]
 fn every_shipped_study_is_sound_in_every_condition() {
     let files = toml_files("scenarios/studies");
-    assert!(files.len() >= 19, "{}", files.len());
+    assert!(files.len() >= 25, "{}", files.len());
     for file in files {
         Study::load(&file).unwrap_or_else(|error| panic!("{error}"));
     }
@@ -580,4 +582,72 @@ fn a_wheel_without_lugs_has_windows_whose_class_is_unknown_with_the_reason() {
     assert_eq!(column_of(&out, "windows.csv", "improved_class"), ["UWTIC"]);
     let reason = &column_of(&out, "windows.csv", "paper_reason")[0];
     assert!(reason.starts_with("the wheel has no lugs"), "{reason}");
+}
+
+/// Short runs at speeds and slips on stone and sand, identified.
+fn identified(folder: &TempDir, scenarios: &[&str], rest: &str) -> (IdentificationScore, PathBuf) {
+    let text = format!(
+        "repeats = 1\nrandom_numbers = \"independent\"\n\
+         [set]\nduration = 3.0\nlead_in = 1.0\nphysics_rate = 8000\n\
+         sensors.vision.frame_rate = 50\n{rest}"
+    );
+    let out = folder.path().join("out");
+    let outcome = done(&study(folder, scenarios, &text), &into(&out));
+    assert_eq!(outcome.failed.len(), 0);
+    (outcome.identification.unwrap(), out)
+}
+
+#[test]
+fn the_model_of_sand_fits_a_smooth_wheel_on_sand_as_table_7_does_and_that_of_stone_does_not() {
+    let folder = TempDir::new().unwrap();
+    let rest = "wheel.lugs.count = 0\nrig.single_wheel.forward_speed = 0.03\n\
+                terrain.sand.soil.convention = \"triangular\"\n\
+                [[sweep]]\nkey = \"rig.single_wheel.load\"\nvalues = [60.0, 150.0]\n\
+                [[sweep]]\nkey = \"rig.single_wheel.slip\"\nvalues = [0.0, 0.1, 0.2, 0.4]\n\
+                [identification]\nexit_angle = -0.2\n\
+                over = [\"rig.single_wheel.slip\", \"rig.single_wheel.load\"]\n";
+    let (score, out) = identified(&folder, &["single_wheel_st"], rest);
+    assert_eq!(records(&out, "steady.csv").len(), 8);
+    let group = &score.groups[0];
+    // Without lugs nothing strikes, and the class is the label's.
+    assert_eq!((group.recognized, group.rows), (Wtic::Uwtic, 8));
+    let (class, _) = group.parameters().unwrap();
+    assert_eq!(class, Wtic::Leis);
+    let errors = |class: Wtic| {
+        let fit = group.fits.iter().find(|fit| fit.class == class).unwrap();
+        fit.found().unwrap().fitted.force_error_percent
+    };
+    let (right, wrong) = (errors(Wtic::Leis), errors(Wtic::Alct));
+    // Table 7 on sand; hard ground knows no sinkage, so no second load.
+    assert!(right.load.unwrap() < 7.64, "{right:?}");
+    assert!(right.driving_torque.unwrap() < 7.75, "{right:?}");
+    assert!(wrong.load.unwrap() > 40.0, "{wrong:?}");
+}
+
+#[test]
+fn parameters_from_one_speed_predict_the_others_and_those_of_one_ground_another() {
+    let folder = TempDir::new().unwrap();
+    let rest = "[[sweep]]\nkeys = [\"rig.single_wheel.forward_speed\", \"window\"]\n\
+                rows = [[0.03, 3.0], [0.05, 2.0]]\n\
+                [[sweep]]\nkey = \"rig.single_wheel.slip\"\nvalues = [0.1, 0.2, 0.4]\n\
+                [identification]\nfrom = { \"rig.single_wheel.forward_speed\" = 0.05 }\n";
+    let (score, out) = identified(&folder, &["single_wheel_ref", "single_wheel_st"], rest);
+    assert_eq!(score.groups.len(), 4);
+    let places = score.predictions.iter().map(|p| &p.shared[0].1);
+    // The window changes with the speed, and does not keep 0.03 m/s from being predicted.
+    assert_eq!(places.collect::<Vec<_>>(), ["0.03", "0.03"]);
+    let carried = score
+        .carried
+        .iter()
+        .map(|c| (c.from.as_str(), c.to.as_str()));
+    let [stone, sand] = ["single_wheel_ref", "single_wheel_st"];
+    assert_eq!(carried.collect::<Vec<_>>(), [(stone, sand), (sand, stone)]);
+    // Friction on stone does not change with speed.
+    let errors = score.predictions[0].accuracy.force_error_percent;
+    assert!(errors.drawbar_pull.unwrap() < 2.0, "{errors:?}");
+    let kinds = column_of(&out, "identification.csv", "what");
+    for kind in ["parameter", "fitted", "left_out", "predicted"] {
+        assert!(kinds.iter().any(|what| what == kind), "{kind}");
+    }
+    assert!(out.join("identification.txt").exists());
 }

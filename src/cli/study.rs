@@ -5,7 +5,8 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use anyhow::Context;
 use clap::Args;
-use lugwheel::report::{self, FeaturePoint, Group};
+use lugwheel::report::{self, FeaturePoint, Group, IdentifiedGround};
+use lugwheel::study::identification::score::{GroupScore, IdentificationScore};
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
 use lugwheel::study::thresholds::ThresholdScore;
 use lugwheel::study::{self, Options, Study, StudyError};
@@ -46,7 +47,9 @@ Examples:
 The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text; a
 study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores) with
 figures of features and answers, one
-with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit.
+with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit,
+one with [identification] steady.csv (loads), identification.txt and .csv (parameters, force errors)
+and a figure of the parameters.
 Exit code 4: finished, with failed runs.";
 
 /// The study was finished, but some of its runs failed.
@@ -72,6 +75,8 @@ struct Summary {
     recognition: Option<RecognitionScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     thresholds: Option<ThresholdScore>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    identification: Option<IdentificationScore>,
 }
 
 impl StudyCommand {
@@ -123,6 +128,9 @@ impl StudyCommand {
         if let Some(score) = &outcome.recognition {
             draw_recognition(score, &out)?;
         }
+        if let Some(score) = &outcome.identification {
+            draw_parameters(score, &out)?;
+        }
         output.print(&Summary {
             study: self.study.display().to_string(),
             folder: out.display().to_string(),
@@ -132,6 +140,7 @@ impl StudyCommand {
             computing_s,
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
+            identification: outcome.identification,
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
@@ -180,6 +189,23 @@ fn draw_recognition(score: &RecognitionScore, out: &Path) -> anyhow::Result<()> 
     Ok(())
 }
 
+/// Draws the parameters of one group of every scenario: the first, or that at `from`.
+fn draw_parameters(score: &IdentificationScore, out: &Path) -> anyhow::Result<()> {
+    let drawn = score.references().filter_map(ground);
+    let figure = report::parameter_figure(&drawn.collect::<Vec<_>>());
+    output::write_file(&out.join("parameters.svg"), &figure)
+}
+
+fn ground(group: &GroupScore) -> Option<IdentifiedGround> {
+    let (_, parameters) = group.parameters()?;
+    Some(IdentifiedGround {
+        name: group.label.to_string(),
+        label: group.label,
+        parameters: parameters.iter().map(|told| told.identified).collect(),
+        own: parameters.iter().map(|told| told.own).collect(),
+    })
+}
+
 /// The first few numbers.
 fn shortened(numbers: &[u64]) -> String {
     const SHOWN: usize = 10;
@@ -219,6 +245,9 @@ impl fmt::Display for Summary {
         }
         if let Some(score) = &self.thresholds {
             write!(f, "thresholds: {}/thresholds.csv\n\n{score}", self.folder)?;
+        }
+        if let Some(score) = &self.identification {
+            write!(f, "rows: {}/steady.csv\n\n{score}", self.folder)?;
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! Relative errors of the loads predicted (Table 7).
 
+use super::forces::{Force, PredictedForce, forces};
 use super::model::Model;
-use super::observation::measured;
-use super::row::{self, SteadyLoad};
-use crate::soil::Soil;
-use crate::soil::closed_form;
-use crate::soil::wheel_load::WheelLoad;
+use super::parameter::Coordinates;
+use super::row::SteadyLoad;
+use serde::Serialize;
+use std::f64::consts::PI;
 
 /// Relative errors [%] of the loads that Eq. (62)-(64) predict from sinkage and slip.
 ///
@@ -13,7 +13,7 @@ use crate::soil::wheel_load::WheelLoad;
 /// mean size of the measured values, which a value near 0 does not upset; on hard ground (ALCT)
 /// without the rows at slip 0 for pull and torque, as in the paper's Fig. 25b. `None` where no
 /// row is left, all its values are 0, or the channel was not measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ForceErrors {
     /// Of the drawbar pull.
     pub drawbar_pull: Option<f64>,
@@ -24,26 +24,87 @@ pub struct ForceErrors {
 }
 
 impl ForceErrors {
-    pub(super) fn new(model: &Model, soil: &Soil, rows: &[SteadyLoad]) -> Self {
-        let error = |channel: fn(&WheelLoad) -> f64, counts: &dyn Fn(&SteadyLoad) -> bool| {
-            let (mut missed, mut size) = (0.0, 0.0);
-            for row in rows.iter().filter(|row| counts(row)) {
-                let at = (row.sinkage, row.slip);
-                let predicted = closed_form::loads(model.surface(), soil, at.0, at.1);
-                let value = channel(&measured(row));
-                if value.is_nan() {
-                    return None;
-                }
-                missed += (channel(&predicted) - value).abs();
-                size += value.abs();
-            }
-            (size > 0.0).then(|| 100.0 * missed / size)
+    /// The errors of some predictions.
+    pub fn of(predicted: &[PredictedForce]) -> Self {
+        Self::by(predicted, |told| {
+            Some((told.predicted - told.measured).abs())
+        })
+    }
+
+    /// The errors that the right model would leave, of rows that scatter as their uncertainties
+    /// say: `√(2/π)` of these. `None` where a row states none.
+    pub fn of_scatter(predicted: &[PredictedForce]) -> Self {
+        let mean_size = libm::sqrt(2.0 / PI);
+        Self::by(predicted, |told| Some(mean_size * told.uncertainty?))
+    }
+
+    fn by(predicted: &[PredictedForce], missed: impl Fn(&PredictedForce) -> Option<f64>) -> Self {
+        let error = |force: Force| {
+            let of_force = || predicted.iter().filter(move |told| told.force == force);
+            let size: f64 = of_force().map(|told| told.measured.abs()).sum();
+            let missed: Option<f64> = of_force().map(&missed).sum();
+            missed
+                .filter(|_| size > 0.0)
+                .map(|missed| 100.0 * missed / size)
         };
-        let slips = |row: &SteadyLoad| row::slips(row, model.class);
         Self {
-            drawbar_pull: error(|load| load.drawbar_pull, &slips),
-            load: error(|load| load.normal_force, &|_| true),
-            driving_torque: error(|load| load.driving_torque, &slips),
+            drawbar_pull: error(Force::DrawbarPull),
+            load: error(Force::Load),
+            driving_torque: error(Force::DrivingTorque),
         }
+    }
+
+    /// The error [%] of one force.
+    pub fn get(&self, force: Force) -> Option<f64> {
+        match force {
+            Force::DrawbarPull => self.drawbar_pull,
+            Force::Load => self.load,
+            Force::DrivingTorque => self.driving_torque,
+        }
+    }
+
+    pub(super) fn new(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Self {
+        let predicted = rows.iter().flat_map(|row| forces(model, at, row));
+        Self::of(&predicted.collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(measured: f64, predicted: f64, uncertainty: Option<f64>) -> PredictedForce {
+        PredictedForce {
+            force: Force::Load,
+            measured,
+            predicted,
+            uncertainty,
+            half_width: None,
+        }
+    }
+
+    #[test]
+    fn force_errors_are_mean_errors_over_mean_values() {
+        let predicted = [
+            load(125.0, 100.0, Some(10.0)),
+            load(75.0, 100.0, Some(10.0)),
+        ];
+        let errors = ForceErrors::of(&predicted);
+        assert_eq!((errors.load, errors.drawbar_pull), (Some(25.0), None));
+        // The mean size of a normal error is 0.798 of its standard deviation.
+        let scatter = ForceErrors::of_scatter(&predicted).load.unwrap();
+        assert!((scatter - 7.98).abs() < 0.01, "{scatter}");
+        let unstated = [load(125.0, 100.0, None), predicted[1]];
+        assert_eq!(ForceErrors::of_scatter(&unstated).load, None);
+    }
+
+    #[test]
+    fn the_mean_of_rows_is_surer_than_each_by_the_root_of_their_number() {
+        let rows = [load(125.0, 90.0, Some(2.0)), load(75.0, 90.0, Some(2.0))];
+        let means = PredictedForce::means(&rows);
+        assert_eq!(means.len(), 1);
+        assert_eq!((means[0].measured, means[0].predicted), (100.0, 90.0));
+        let expected = 2.0 / libm::sqrt(2.0);
+        assert!((means[0].uncertainty.unwrap() - expected).abs() < 1e-12);
     }
 }

@@ -237,6 +237,43 @@ pub(super) fn in_order(gradient: LoadGradient) -> [WheelLoad; 8] {
     ]
 }
 
+/// Variances [N²; torque N²·m²] of a row's forces, errors of slip and sinkage included to first
+/// order.
+pub(super) fn variances(
+    model: &Model,
+    at: &Coordinates,
+    row: &SteadyLoad,
+    sd: Uncertainty,
+) -> WheelLoad {
+    let own = Uncertainty {
+        drawbar_pull: 1.0,
+        load: 1.0,
+        driving_torque: 1.0,
+        ..sd
+    };
+    let observation = Observation {
+        forces: 3,
+        ..Observation::new(model, row, own)
+    };
+    let slopes = observation.slopes(model, at, &model.soil(at), Truth::default());
+    let spread = |latent: Latent| match latent {
+        Latent::Sinkage => sd.sinkage / row.sinkage,
+        Latent::Slip => sd.slip,
+    };
+    let spreads: Vec<f64> = observation.latent().map(spread).collect();
+    let carried = |force: usize| -> f64 {
+        let parts = slopes.iter().flatten().zip(&spreads);
+        parts
+            .map(|(slope, spread)| slope[force] * slope[force] * spread * spread)
+            .sum()
+    };
+    WheelLoad {
+        normal_force: sd.load * sd.load + carried(0),
+        drawbar_pull: sd.drawbar_pull * sd.drawbar_pull + carried(1),
+        driving_torque: sd.driving_torque * sd.driving_torque + carried(2),
+    }
+}
+
 fn dot(one: &Column, other: &Column) -> f64 {
     one.iter().zip(other).map(|(a, b)| a * b).sum()
 }

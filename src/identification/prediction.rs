@@ -6,7 +6,7 @@ use super::model::Model;
 use super::observation::in_order;
 use super::parameter::Coordinates;
 use super::row::{RIGID_SINKAGE, SteadyLoad};
-use super::{Identification, joint::Joint};
+use super::{Around, Identification};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -75,14 +75,17 @@ impl Predictor {
         let model = identification.model;
         let rows = &identification.rows;
         let at = estimate.terrain.coordinates();
-        let joint = Joint::new(model, rows);
-        let directions = Directions::new(&joint, &at, &model.free());
+        let Around {
+            directions,
+            precision,
+            ..
+        } = identification.around(estimate);
         // The rows' errors are fitted by the parameters, a third of them in each channel.
         let freedom = rows.len() as f64 - directions.rank() as f64 / 3.0;
         Self {
             model,
             at,
-            sigma: identification.scatter(estimate, &directions),
+            sigma: precision.sigma,
             directions,
             quantile: quantile(freedom),
             scatter: scatter(&model, &at, rows, freedom),

@@ -7,6 +7,7 @@ use crate::soil::closed_form::Rim;
 use crate::soil::wheel_load::Rolling;
 use crate::terrain::class::Wtic;
 use crate::trace::RunAttributes;
+use serde::Deserialize;
 
 /// Sinkage [m] that stands for ground that lugs do not enter (Section 5.3).
 pub const RIGID_SINKAGE: f64 = 1.0e-5;
@@ -56,9 +57,11 @@ impl SteadyLoad {
 }
 
 /// Which cylinder stands for the lugged wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Cylinder {
     /// The rim, radius `r`, as in the paper.
+    #[default]
     Rim,
     /// The circle through the lugs' edges, radius `r + l`: it sinks `l` deeper than the rim, and
     /// slip is by its radius.

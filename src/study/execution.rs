@@ -1,6 +1,8 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
 use super::folder::{Before, Folder};
+use super::identification::score::IdentificationScore;
+use super::identification::{self, SteadyRows};
 use super::runs::Runs;
 use super::score::RecognitionScore;
 use super::shard::{self, Shard};
@@ -57,6 +59,8 @@ pub struct Outcome {
     pub recognition: Option<RecognitionScore>,
     /// How far the limits of Eq. (55) to (58) hold, where the study asks and no shard is missing.
     pub thresholds: Option<ThresholdScore>,
+    /// Terrain parameters and what they predict, where the study asks and no shard is missing.
+    pub identification: Option<IdentificationScore>,
 }
 
 impl Study {
@@ -124,6 +128,9 @@ impl Study {
         if let Some(windows) = thresholds::Windows::of(self) {
             tables.push(Box::new(windows));
         }
+        if let Some(rows) = SteadyRows::of(self) {
+            tables.push(Box::new(rows));
+        }
         tables
     }
 
@@ -143,11 +150,12 @@ impl Study {
                 None => missing_shards += 1,
             }
         }
-        let (mut recognition, mut held) = (None, None);
+        let (mut recognition, mut held, mut identification) = (None, None, None);
         if missing_shards == 0 {
             collected.write(folder)?;
             recognition = self.score(collected.text_of(windows::NAME))?;
             held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
+            identification = self.identify(collected.text_of(identification::NAME));
         }
         if let Some(score) = &recognition {
             folder.write("recognition.csv", score.to_csv().as_bytes())?;
@@ -156,12 +164,17 @@ impl Study {
         if let Some(score) = &held {
             folder.write("thresholds.txt", score.to_string().as_bytes())?;
         }
+        if let Some(score) = &identification {
+            folder.write("identification.csv", score.to_csv().as_bytes())?;
+            folder.write("identification.txt", score.to_string().as_bytes())?;
+        }
         Ok(Outcome {
             runs: collected.runs,
             failed: collected.failed,
             missing_shards,
             recognition,
             thresholds: held,
+            identification,
         })
     }
 }

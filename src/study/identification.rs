@@ -1,0 +1,256 @@
+//! The `[identification]` of a study file: terrain parameters from the steady loads of its runs,
+//! what they predict, and what switching the model by class is worth.
+//!
+//! A *fit* joins the runs that differ in the keys of `over` only, the slip unless the file says
+//! otherwise; such runs are a *group*. Three models are fitted to every group, those of ALCT, SLCT
+//! and LEIS: one is that of the class recognised, one that of the class the ground stands for, and
+//! LEIS is what all ground gets where nothing is switched. A rim that its lugs hold above the
+//! ground has no sinkage, where the model of LEIS wants one: it counts with [`RIGID_SINKAGE`].
+//!
+//! The class recognised is what [`improved`](crate::recognition::improved) answers most often to
+//! the windows of the group, UWTIC aside; UWTIC where it tells none.
+//!
+//! `steady.csv` has one row a steady interval:
+//!
+//! | columns | hold |
+//! |---|---|
+//! | `run`, `condition`, `repeat` | numbers from 0 |
+//! | `scenario`, every swept key | the condition |
+//! | `label`, `label_class` | the ground, and the class it stands for |
+//! | `answered_alct` ... `answered_uwtic` | answers to the run's windows |
+//! | `recognized` | the most frequent of them, UWTIC aside |
+//! | `slip`, `sinkage_m`, `drawbar_pull_n`, `load_n`, `driving_torque_n_m` | means |
+//! | `slip_sd`, ... | their standard uncertainties, empty where they are not known |
+//! | `reason` | why there is no steady interval; empty where there is |
+//!
+//! `identification.txt` and `identification.csv` say what came of it, see [`score`].
+//!
+//! [`RIGID_SINKAGE`]: crate::identification::RIGID_SINKAGE
+
+mod csv;
+mod fit;
+mod group;
+mod own;
+mod reading;
+mod repeats;
+pub mod score;
+mod scoring;
+mod steady;
+mod text;
+
+pub(super) use steady::{NAME, SteadyRows};
+
+use super::{Study, flatten};
+use crate::document::{Document, Misfit};
+use crate::identification::{Cylinder, Force, Setting};
+use crate::quantity::RangeError;
+use crate::scenario::Scenario;
+use crate::soil::closed_form::Rim;
+use crate::terrain::TerrainSpec;
+use crate::terrain::class::Wtic;
+use group::Group;
+use serde::{Deserialize, Serialize};
+
+/// An `[identification]` before its checks.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct IdentificationTable {
+    over: Option<Vec<String>>,
+    from: Option<toml::Table>,
+    #[serde(default)]
+    cylinder: Cylinder,
+    #[serde(default)]
+    exit_angle: f64,
+    published: Option<Published>,
+}
+
+/// Published errors [%] of pull, load and torque, by class (Table 7).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "UPPERCASE")]
+pub struct Published {
+    alct: [f64; 3],
+    slct: [f64; 3],
+    leis: [f64; 3],
+}
+
+impl Published {
+    /// The error [%] of a force on ground of a class; none of UWTIC.
+    pub fn error(&self, class: Wtic, force: Force) -> Option<f64> {
+        let errors = match class {
+            Wtic::Alct => self.alct,
+            Wtic::Slct => self.slct,
+            Wtic::Leis => self.leis,
+            Wtic::Uwtic => return None,
+        };
+        Some(errors[force as usize])
+    }
+}
+
+/// How the steady loads of a study are identified.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    /// Keys whose conditions a fit joins.
+    over: Vec<String>,
+    /// Keys and values, as TOML, of the groups whose parameters predict those of the others.
+    from: Vec<(String, String)>,
+    cylinder: Cylinder,
+    exit_angle: f64,
+    published: Option<Published>,
+}
+
+impl Plan {
+    /// What the equations are told of a scenario's wheel.
+    fn setting(&self, scenario: &Scenario) -> Setting {
+        Setting {
+            lug_height: scenario.wheel.lug_height(),
+            cylinder: self.cylinder,
+            exit_angle: self.exit_angle,
+            ..Setting::new(Rim::from(&scenario.wheel))
+        }
+    }
+}
+
+impl IdentificationTable {
+    /// Checks the table against a study that is sound without it.
+    pub(super) fn read(self, study: &Study, document: &Document) -> Result<Plan, Misfit> {
+        let at = |key: &'static str| {
+            let place = document.place(&format!("identification.{key}"));
+            move |message: String| Misfit { place, message }
+        };
+        let slip = || vec![format!("{}.slip", study.scenario_of(0).rig.path())];
+        let over = self.over.unwrap_or_else(slip);
+        check_over(study, &over).map_err(at("over"))?;
+        let from = read_from(study, &over, self.from.unwrap_or_default()).map_err(at("from"))?;
+        let exit_angle = self.exit_angle;
+        RangeError::check("exit angle coefficient", "-", exit_angle, [-1.0, 0.0])
+            .map_err(|error| at("exit_angle")(error.to_string()))?;
+        let plan = Plan {
+            over,
+            from,
+            cylinder: self.cylinder,
+            exit_angle,
+            published: self.published,
+        };
+        plan.check_published().map_err(at("published"))?;
+        let groups = group::all(study, &plan);
+        groups
+            .iter()
+            .try_for_each(|group| check_group(study, group))
+            .map_err(at("over"))?;
+        groups
+            .iter()
+            .try_for_each(|group| plan.check_reference(study, group, &groups))
+            .map_err(at("from"))?;
+        Ok(plan)
+    }
+}
+
+impl Plan {
+    /// What one rim meets does not predict another: the model knows neither's width apart from the
+    /// soil's modulus.
+    fn check_reference(
+        &self,
+        study: &Study,
+        group: &Group,
+        groups: &[Group],
+    ) -> Result<(), String> {
+        let setting = |group: &Group| self.setting(&study.scenario_of(group.conditions[0]));
+        let surface = |group: &Group| setting(group).surface();
+        let other = group.reference(study, self, groups);
+        if other.is_none_or(|other| surface(other) == surface(group)) {
+            return Ok(());
+        }
+        Err("the parameters of one rim do not predict the loads of another; sweep its radius and width in another study".to_owned())
+    }
+
+    fn check_published(&self) -> Result<(), String> {
+        let Some(Published { alct, slct, leis }) = self.published else {
+            return Ok(());
+        };
+        let mut errors = [alct, slct, leis].into_iter().flatten();
+        errors
+            .try_for_each(|error| RangeError::positive("published error", "%", error).map(drop))
+            .map_err(|error| error.to_string())
+    }
+}
+
+/// The swept keys, for a message.
+fn swept(study: &Study) -> String {
+    let keys: Vec<&str> = study.keys().collect();
+    match keys.as_slice() {
+        [] => "nothing is swept".to_owned(),
+        keys => format!("swept are `{}`", keys.join("`, `")),
+    }
+}
+
+fn check_over(study: &Study, over: &[String]) -> Result<(), String> {
+    if over.is_empty() {
+        return Err("name a swept key or more, the slip for one".to_owned());
+    }
+    for (index, key) in over.iter().enumerate() {
+        if study.values_of(key).is_none() {
+            return Err(format!(
+                "`{key}` is not swept, and parameters show in how loads change with slip: sweep it, or name the key that changes the slip in `over`; {}",
+                swept(study)
+            ));
+        }
+        if over[..index].contains(key) {
+            return Err(format!("`{key}` is named twice"));
+        }
+    }
+    Ok(())
+}
+
+fn read_from(
+    study: &Study,
+    over: &[String],
+    from: toml::Table,
+) -> Result<Vec<(String, String)>, String> {
+    let mut values = Vec::new();
+    flatten("", &from, &mut values);
+    for (key, value) in &values {
+        if over.contains(key) {
+            return Err(format!(
+                "every fit joins all values of `{key}`, so it does not tell one fit from another"
+            ));
+        }
+        let Some(known) = study.values_of(key) else {
+            let swept = swept(study);
+            return Err(format!("`{key}` is not swept; {swept}"));
+        };
+        let known: Vec<&str> = known.collect();
+        if !known.contains(&value.as_str()) {
+            return Err(format!(
+                "`{key}` is never {value}; its values are {}",
+                known.join(", ")
+            ));
+        }
+    }
+    Ok(values)
+}
+
+/// A fit is of one wheel on one ground, at two conditions or more.
+fn check_group(study: &Study, group: &Group) -> Result<(), String> {
+    let of = |condition: &u64| study.scenario_of(*condition);
+    let first = of(&group.conditions[0]);
+    if let TerrainSpec::Sequence(_) = first.terrain {
+        return Err(format!(
+            "{} crosses several grounds, and a fit is of one",
+            group.scenario
+        ));
+    }
+    if group.conditions.len() < 2 {
+        return Err(
+            "every fit would be of one condition; parameters show in how loads change with slip, so sweep two values or more"
+                .to_owned(),
+        );
+    }
+    let same = |condition: &u64| {
+        let scenario = of(condition);
+        scenario.wheel == first.wheel && scenario.terrain == first.terrain
+    };
+    if group.conditions.iter().all(same) {
+        return Ok(());
+    }
+    Err("a fit is of one wheel on one ground; leave keys of either out of `over`".to_owned())
+}

@@ -1,0 +1,119 @@
+//! Identification scores as CSV, a row a number.
+
+use super::score::{Accuracy, CarriedScore, GroupScore, IdentificationScore};
+use crate::identification::Force;
+use crate::study::table::{bare, cell, line};
+use crate::terrain::class::Wtic;
+
+impl IdentificationScore {
+    /// One row for every number, see the [module](super::score).
+    pub fn to_csv(&self) -> String {
+        let shared = self.groups.first().map(|group| &group.shared);
+        let keys = shared.into_iter().flatten().map(|(key, _)| key.as_str());
+        let names = std::iter::once("scenario").chain(keys);
+        let names = names.chain(COLUMNS).map(str::to_owned);
+        let mut text = line(&names.collect::<Vec<_>>());
+        for group in &self.groups {
+            add_group(&mut text, group);
+            let predicted = self.predictions.iter();
+            for prediction in predicted.filter(|p| is_of(group, &p.scenario, &p.shared)) {
+                let what = ("predicted", prediction.class);
+                add_accuracy(&mut text, group, what, &prediction.accuracy);
+            }
+        }
+        for CarriedScore { from, to, accuracy } in &self.carried {
+            let Some(group) = self.groups.iter().find(|group| group.scenario == *to) else {
+                continue;
+            };
+            let source = self.groups.iter().find(|group| group.scenario == *from);
+            let model = source.and_then(GroupScore::parameters);
+            let what = format!("carried from {from}");
+            let every = GroupScore {
+                shared: group.shared.iter().map(every_value).collect(),
+                ..group.clone()
+            };
+            let class = model.map_or(Wtic::Uwtic, |(class, _)| class);
+            add_accuracy(&mut text, &every, (&what, class), accuracy);
+        }
+        text
+    }
+}
+
+/// Columns after the group's.
+const COLUMNS: [&str; 12] = [
+    "label",
+    "recognized",
+    "model",
+    "what",
+    "name",
+    "unit",
+    "value",
+    "low",
+    "high",
+    "own",
+    "covered",
+    "of",
+];
+
+fn is_of(group: &GroupScore, scenario: &str, shared: &[(String, String)]) -> bool {
+    group.scenario == scenario && group.shared == shared
+}
+
+/// A key of which all values count together.
+fn every_value((key, _): &(String, String)) -> (String, String) {
+    (key.clone(), String::new())
+}
+
+fn add_group(text: &mut String, group: &GroupScore) {
+    for fit in &group.fits {
+        let Some(found) = fit.found() else {
+            continue;
+        };
+        for told in &found.parameters {
+            let ends = told.ci95.map(cell);
+            let values = [told.parameter.name(), told.unit].map(str::to_owned);
+            let mut cells = first_cells(group, "parameter", fit.class);
+            cells.extend(values);
+            cells.push(cell(Some(told.value)));
+            cells.extend(ends);
+            cells.push(cell(told.own));
+            cells.extend([String::new(), String::new()]);
+            text.push_str(&line(&cells));
+        }
+        add_accuracy(text, group, ("fitted", fit.class), &found.fitted);
+        add_accuracy(text, group, ("means", fit.class), &found.means);
+        add_accuracy(text, group, ("left_out", fit.class), &found.left_out);
+    }
+}
+
+fn add_accuracy(
+    text: &mut String,
+    group: &GroupScore,
+    (what, class): (&str, Wtic),
+    accuracy: &Accuracy,
+) {
+    for force in Force::ALL {
+        let Some(error) = accuracy.error(force) else {
+            continue;
+        };
+        let share = accuracy.covered.get(&force);
+        let held = share.map(|share| (share.value * share.n as f64).round());
+        let mut cells = first_cells(group, what, class);
+        cells.extend([force.name(), "%"].map(str::to_owned));
+        cells.push(cell(Some(error)));
+        cells.extend(std::iter::repeat_n(String::new(), 3));
+        cells.push(held.map_or_else(String::new, |held| held.to_string()));
+        cells.push(share.map_or_else(String::new, |share| share.n.to_string()));
+        text.push_str(&line(&cells));
+    }
+}
+
+fn first_cells(group: &GroupScore, what: &str, class: Wtic) -> Vec<String> {
+    let mut cells = vec![group.scenario.clone()];
+    cells.extend(group.shared.iter().map(|(_, value)| bare(value)));
+    cells.push(group.label.to_string());
+    cells.push(group.recognized.to_string());
+    cells.push(class.to_string());
+    cells.push(what.to_owned());
+    cells
+}

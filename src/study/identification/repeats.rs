@@ -1,0 +1,80 @@
+//! Every repeat of a group identified alone: how estimates scatter against their intervals.
+
+use super::fit::GroupRows;
+use super::own::{holds, own_value};
+use super::score::RepeatScore;
+use crate::identification::{Estimate, Identified, Parameter, identify};
+use crate::recognition::confusion::Share;
+use crate::terrain::class::Wtic;
+
+/// What the repeats say of each free parameter of a class; nothing of fewer than two fits.
+pub(super) fn scores(rows: &GroupRows, class: Wtic) -> Vec<RepeatScore> {
+    let alone = |repeat: &u32| {
+        let loads = rows.loads(class, |row| row.repeat == *repeat);
+        identify(&loads, class, &rows.setting).ok()
+    };
+    let fits: Vec<Estimate> = rows.repeats().iter().filter_map(alone).collect();
+    if fits.len() < 2 {
+        return Vec::new();
+    }
+    let free = Parameter::ALL.into_iter().filter(|p| p.is_free(class));
+    free.map(|parameter| score(parameter, &fits, own_value(&rows.scenario, parameter)))
+        .collect()
+}
+
+fn score(parameter: Parameter, fits: &[Estimate], own: Option<f64>) -> RepeatScore {
+    let told: Vec<&Identified> = fits
+        .iter()
+        .map(|estimate| estimate.of(parameter))
+        .filter(|identified| identified.is_identifiable())
+        .collect();
+    let at: Vec<f64> = told
+        .iter()
+        .map(|identified| parameter.coordinate(identified.value))
+        .collect();
+    let mean = mean(&at);
+    let share = |value: f64| {
+        let held = told.iter().filter(|identified| holds(identified, value));
+        Share::of(held.count() as u64, told.len() as u64)
+    };
+    let halves: Vec<f64> = told.iter().filter_map(|i| half_width(i)).collect();
+    RepeatScore {
+        parameter,
+        fits: fits.len(),
+        identified: told.len(),
+        deviation: deviation(&at),
+        half_width: self::mean(&halves),
+        holds_mean: mean.and_then(|mean| share(parameter.value(mean))),
+        holds_own: own.and_then(share),
+    }
+}
+
+/// Half of the interval, in the coordinate of the fit.
+fn half_width(identified: &Identified) -> Option<f64> {
+    let [low, high] = identified.ci95();
+    let coordinate = |value: f64| identified.parameter.coordinate(value);
+    Some(0.5 * (coordinate(high?) - coordinate(low?)))
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Standard deviation of a sample; none of fewer than two.
+fn deviation(values: &[f64]) -> Option<f64> {
+    let mean = mean(values)?;
+    let square: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (values.len() > 1).then(|| libm::sqrt(square / (values.len() - 1) as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_deviation_of_a_sample_divides_by_one_less_than_its_size() {
+        assert_eq!(deviation(&[1.0, 3.0]), Some(libm::sqrt(2.0)));
+        assert_eq!(deviation(&[1.0]), None);
+        assert_eq!(mean(&[]), None);
+    }
+}
