@@ -28,6 +28,7 @@
 //! [`RIGID_SINKAGE`]: crate::identification::RIGID_SINKAGE
 
 mod csv;
+mod elsewhere;
 mod fit;
 mod group;
 mod own;

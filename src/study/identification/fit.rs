@@ -146,18 +146,6 @@ impl GroupRows {
         };
         values.iter().filter_map(predicted).flatten().collect()
     }
-
-    /// The forces of another group as an estimate from this one predicts them.
-    pub fn predict(
-        &self,
-        estimate: &Estimate,
-        other: &Self,
-    ) -> Result<Vec<PredictedForce>, IdentifyError> {
-        let class = estimate.class;
-        let own = self.loads(class, |_| true);
-        let identification = Identification::new(&own, class, &self.setting)?;
-        identification.predict(estimate, &other.loads(class, |_| true))
-    }
 }
 
 /// A model fitted to a group.

@@ -15,8 +15,9 @@
 //!   rover that neither switches nor identifies anew.
 //!
 //! Predictions have the model of the class recognised where they start, or of the label's where
-//! none was recognised. Their 95 % intervals hold the estimate's error and the rows' scatter about
-//! the model.
+//! none was recognised. Where that class sets the sinkage it sets the load, too: there pull and
+//! torque are predicted at the load measured (Eq. 68, 69), and the load as it was fitted. The 95 %
+//! intervals hold the estimate's error and the rows' scatter about the model.
 //!
 //! `identification.csv` has a row for every number:
 //!

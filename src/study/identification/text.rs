@@ -176,7 +176,7 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) ->
     }
     f.write_str(
         "\npredicted by the parameters from the reference condition; `stops` where an error is above twice \
-         the published one\n",
+         the published one;\nby ALCT and SLCT pull and torque are predicted at the load measured, the load as it was fitted\n",
     )?;
     let places = score
         .predictions
