@@ -11,11 +11,17 @@
 //! drifted sand: a wheel that arrives sunk in soil climbs it, and meets no wall.
 //!
 //! A lug is its edge: flanks meet no bricks.
+//!
+//! Dust on the ground, if any, acts beside the stone ([`dust`]).
+
+mod dust;
 
 use super::contact::{Edge, Reach, WheelGeometry};
 use super::world::{WheelMotion, Wrench};
 use crate::terrain::HardContact;
 use crate::terrain::profile::{Profile, Surface};
+use crate::wheel::Wheel;
+use dust::DustFilm;
 use libm::{pow, sqrt};
 
 /// Tangential over normal stiffness of a contact (Mindlin 1949, ν = 0.3).
@@ -27,11 +33,22 @@ pub(super) struct HardGround {
     contact: HardContact,
     friction: f64,
     range: [f64; 2],
-    /// Stretch of the tangential spring at every lug's edge [m].
-    stretch: [f64; 64],
+    lug_film: Option<DustFilm>,
+    rim_film: Option<DustFilm>,
+    /// At every lug's edge.
+    touches: [Touch; 64],
     rim_stretch: f64,
     /// Highest ground near the wheel and where that was looked up [m].
     ceiling: [f64; 2],
+}
+
+/// What a point of the wheel remembers of its stay on the ground.
+#[derive(Debug, Clone, Copy, Default)]
+struct Touch {
+    /// Stretch of the tangential spring [m].
+    stretch: f64,
+    /// Depth to which dust is crushed [m].
+    crushed: f64,
 }
 
 /// Slope at which hard ground dives under its neighbours [-]: 15°.
@@ -44,18 +61,25 @@ pub(super) const RAMP_LENGTH: f64 = 0.2;
 const LOOK_UP: f64 = 0.005;
 
 impl HardGround {
-    /// Ground on `range` [m] under a wheel with this friction.
-    pub fn new(profile: Profile, contact: HardContact, friction: f64, range: [f64; 2]) -> Self {
-        let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
+    /// Ground on `range` [m] under `wheel`.
+    pub fn new(profile: Profile, contact: HardContact, wheel: &Wheel, range: [f64; 2]) -> Self {
         Self {
             profile,
             contact,
-            friction,
+            friction: wheel.friction,
             range,
-            stretch,
+            lug_film: DustFilm::under_lug(contact.dust, wheel),
+            rim_film: DustFilm::under_rim(contact.dust, wheel),
+            touches: [Touch::default(); 64],
             rim_stretch: 0.0,
-            ceiling,
+            ceiling: [f64::NAN, f64::NAN],
         }
+    }
+
+    /// Height [m] of the undisturbed ground at `x` [m], its dust included.
+    pub fn undisturbed(&mut self, x: f64) -> f64 {
+        self.profile.extend(x, x);
+        self.profile.at(x).height + self.contact.dust
     }
 
     /// The ground's profile.
@@ -69,12 +93,12 @@ impl HardGround {
         let mut reach = Reach::default();
         for edge in wheel.lowest_edges(motion) {
             if edge.y >= ceiling || !self.reaches(edge.x) {
-                self.stretch[edge.lug] = 0.0;
+                self.touches[edge.lug] = Touch::default();
                 continue;
             }
-            let mut stretch = self.stretch[edge.lug];
-            let wrench = self.press(&edge, motion, dt, &mut stretch);
-            self.stretch[edge.lug] = stretch;
+            let mut touch = self.touches[edge.lug];
+            let wrench = self.press(&edge, motion, dt, self.lug_film.as_ref(), &mut touch);
+            self.touches[edge.lug] = touch;
             if wrench.force() > wheel.touch_force {
                 reach.touching |= 1 << edge.lug;
             }
@@ -98,7 +122,8 @@ impl HardGround {
         self.profile.extend(x - span, x + span);
         let highest = self.profile.highest(x - span, x + span);
         // Between nodes the cubic overshoots a step between neighbours by less than 15 % of it.
-        let ceiling = highest + 0.15 * self.profile.steepest_step(x - span, x + span);
+        let ceiling =
+            highest + 0.15 * self.profile.steepest_step(x - span, x + span) + self.contact.dust;
         self.ceiling = [x, ceiling];
         ceiling
     }
@@ -123,12 +148,20 @@ impl HardGround {
     }
 
     /// Normal force and friction at one point of the wheel.
-    fn press(&self, point: &Edge, motion: &WheelMotion, dt: f64, stretch: &mut f64) -> Wrench {
+    fn press(
+        &self,
+        point: &Edge,
+        motion: &WheelMotion,
+        dt: f64,
+        film: Option<&DustFilm>,
+        touch: &mut Touch,
+    ) -> Wrench {
         let surface = self.surface(point.x);
         let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
         let indentation = (surface.height - point.y) * scale;
-        if indentation <= 0.0 {
-            *stretch = 0.0;
+        let on_dust = film.map_or(0.0, |film| film.push(indentation, &mut touch.crushed));
+        if indentation <= 0.0 && on_dust == 0.0 {
+            touch.stretch = 0.0;
             return Wrench::default();
         }
         let [rx, ry] = point.arm;
@@ -140,11 +173,18 @@ impl HardGround {
             reference_indentation,
             exponent,
             dissipation,
+            dust: _,
         } = self.contact;
-        let elastic = reference_load * pow(indentation / reference_indentation, exponent);
+        let on_stone = reference_load * pow(indentation.max(0.0) / reference_indentation, exponent);
+        let elastic = on_stone + on_dust;
         let normal = elastic * (1.0 + dissipation * rate).max(0.0);
         let stiffness = MINDLIN * exponent * reference_load / reference_indentation;
-        let friction = self.friction_of(normal, sliding, stiffness, dt, stretch);
+        let slippery = (self.friction - dust::FRICTION).max(0.0) * on_dust / elastic;
+        let limit = (self.friction - slippery) * normal;
+        let viscous = dissipation * normal * MINDLIN * sliding;
+        touch.stretch = (touch.stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
+        // The same loss as along the normal, kept under the limit.
+        let friction = (-stiffness * touch.stretch - viscous).clamp(-limit, limit);
         let fx = (friction - normal * surface.slope) * scale;
         let fy = (normal + friction * surface.slope) * scale;
         Wrench {
@@ -152,22 +192,6 @@ impl HardGround {
             fy,
             torque: ry * fx - rx * fy,
         }
-    }
-
-    /// Friction [N] along the ground from the stretch of the tangential spring.
-    fn friction_of(
-        &self,
-        normal: f64,
-        sliding: f64,
-        stiffness: f64,
-        dt: f64,
-        stretch: &mut f64,
-    ) -> f64 {
-        let limit = self.friction * normal;
-        *stretch = (*stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
-        // The same loss as along the normal, kept under the limit.
-        let viscous = self.contact.dissipation * normal * MINDLIN * sliding;
-        (-stiffness * *stretch - viscous).clamp(-limit, limit)
     }
 
     /// The rim against every summit that reaches into it.
@@ -218,11 +242,15 @@ impl HardGround {
         let (mut sum, mut most) = (Wrench::default(), 0.0);
         self.rim_stretch = 0.0;
         for point in &points {
-            let mut stretch = before;
-            let wrench = self.press(point, motion, dt, &mut stretch);
+            // A rolling rim meets fresh dust.
+            let mut touch = Touch {
+                stretch: before,
+                crushed: 0.0,
+            };
+            let wrench = self.press(point, motion, dt, self.rim_film.as_ref(), &mut touch);
             if wrench.force() > most {
                 most = wrench.force();
-                self.rim_stretch = stretch;
+                self.rim_stretch = touch.stretch;
             }
             sum += wrench;
         }

@@ -11,6 +11,8 @@ use crate::simulation::engine::groups;
 use crate::terrain::Stones;
 use crate::terrain::stones::{PlacedStone, extent_at};
 use pouring::{Pouring, SECTION};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 use rapier2d::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -100,7 +102,11 @@ impl BedRecipe {
             .friction(self.stones.friction)
             .friction_combine_rule(CoefficientCombineRule::Min)
             .collision_groups(groups::STONES);
-        let body = RigidBodyBuilder::new(kind).pose(pose).can_sleep(false);
+        let body = RigidBodyBuilder::new(kind)
+            .pose(pose)
+            .linear_damping(self.stones.drag)
+            .angular_damping(self.stones.drag)
+            .can_sleep(false);
         world.insert(body, collider).0
     }
 }
@@ -113,6 +119,8 @@ pub type Floor = Box<dyn Fn(f64) -> f64 + Send + Sync>;
 struct BedStone {
     stone: PlacedStone,
     state: State,
+    /// Whether it stays where it lies.
+    held: bool,
 }
 
 /// What the world knows of a stone.
@@ -142,7 +150,7 @@ impl BedStone {
             self.state = State::Frozen(body);
         }
         match self.state {
-            State::Frozen(body) if distance < reach => {
+            State::Frozen(body) if distance < reach && !self.held => {
                 world.bodies[body].set_body_type(RigidBodyType::Dynamic, true);
                 self.state = State::Free(body);
             }
@@ -172,6 +180,8 @@ pub struct StoneBed {
     surface: BTreeMap<i64, f64>,
     /// Position [m] of the axle when last looked at.
     looked_at: Option<f64>,
+    /// Draws which stones are held.
+    holding: ChaCha8Rng,
 }
 
 impl StoneBed {
@@ -179,7 +189,9 @@ impl StoneBed {
     /// `heading` is below 0. It begins one section (0.5 m) behind the start.
     pub fn new(recipe: BedRecipe, start: f64, heading: f64, floor: Floor) -> Self {
         let heading = if heading < 0.0 { -1.0 } else { 1.0 };
+        let stage = format!("held stones of bed {}", recipe.number);
         Self {
+            holding: recipe.seed.rng(&stage, recipe.run),
             recipe,
             floor,
             pouring: Pouring::new(heading * start - SECTION),
@@ -313,7 +325,8 @@ impl StoneBed {
         for stone in turned {
             self.survey(&stone);
             let state = State::Waiting;
-            self.stones.push(BedStone { stone, state });
+            let held = self.holding.random::<f64>() < self.recipe.stones.held;
+            self.stones.push(BedStone { stone, state, held });
         }
     }
 
@@ -426,6 +439,8 @@ mod tests {
                 angularity: 0.5,
                 density: 2600.0,
                 friction: 0.6,
+                held: 0.0,
+                drag: 0.0,
             },
             laying,
             width: 0.15,
