@@ -16,7 +16,8 @@
 //! into channels, [`dataset`] keeps runs in files, simulated or imported from a rig. What is
 //! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
 //! [`recognition`] of how the wheel met the ground, [`identification`] of the terrain's parameters
-//! from loads, slip and sinkage. What is asked: [`scenario`] is one experiment as a file, [`study`]
+//! from loads, slip and sinkage. What is asked: [`effects`] are named departures from the ideal,
+//! [`scenario`] is one experiment as a file, [`study`]
 //! many of them in one table with a score of the classes recognised and of the limits that the paper
 //! sets to vibration, [`report`] draws what came of it.
 //!
@@ -72,6 +73,8 @@ pub mod recognition;
 pub mod identification;
 
 // What is asked.
+pub mod effects;
+
 pub mod scenario;
 
 pub mod study;

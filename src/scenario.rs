@@ -14,6 +14,7 @@
 pub mod experiment;
 
 use crate::document::{Document, Fault, Misfit, check_version};
+use crate::effects::{Application, ApplicationTable};
 use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SampleRate};
 use crate::sensors::Sensors;
@@ -59,6 +60,9 @@ pub struct Scenario {
     pub rig: Rig,
     /// How the run is measured.
     pub sensors: Sensors,
+    /// Departures from what stands above; see [`Scenario::experiment`].
+    #[serde(rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Application>,
     #[serde(skip)]
     source: Source,
 }
@@ -85,6 +89,8 @@ struct ScenarioTable {
     rig: RigTable,
     #[serde(default)]
     sensors: Sensors,
+    #[serde(default)]
+    effect: Vec<ApplicationTable>,
 }
 
 impl Scenario {
@@ -112,7 +118,8 @@ impl Scenario {
     }
 
     /// This scenario with one key set, as in `rig.single_wheel.slip=0.3`; the rest of its text
-    /// stays as written. A value that is not TOML is taken for a string.
+    /// stays as written. A value that is not TOML is taken for a string. The key of an effect is
+    /// its name, as in `effect.gain_error.drawbar_pull=0.05`.
     ///
     /// # Errors
     /// `ScenarioError::Assignment` where the text is no `key=value` or the key is a whole table;
@@ -139,6 +146,21 @@ impl Scenario {
         Self::from_toml(&text, &file).map_err(|error| self.with_hint(error, &list))
     }
 
+    /// This scenario with one more effect, or with another magnitude of one that it has.
+    ///
+    /// # Errors
+    /// `ScenarioError::Invalid` where this scenario has nothing for the effect to edit.
+    pub fn with_effect(&self, effect: &Application) -> Result<Self, ScenarioError> {
+        let scenario = self.with(&format!("effect.{effect}"))?;
+        let known = |known: &Application| known.name() == effect.name();
+        match scenario.effects.iter().position(known) {
+            Some(index) if scenario.effects[index].form() != effect.form() => {
+                scenario.with(&format!("effect.{index}.form={}", effect.form()))
+            }
+            _ => Ok(scenario),
+        }
+    }
+
     /// Adds to a fault the keys of this scenario that resemble an unknown one.
     fn with_hint(&self, error: ScenarioError, assignments: &[&str]) -> ScenarioError {
         let (ScenarioError::Invalid(fault), Ok(document)) =
@@ -147,7 +169,7 @@ impl Scenario {
             return error;
         };
         let mut keys = assignments.iter().filter_map(|text| split_assignment(text));
-        match keys.find(|(key, _)| !document.has_table_of(key)) {
+        match keys.find(|(key, _)| effect_name(key).is_none() && !document.has_table_of(key)) {
             Some((key, _)) => fault.clone().with_hint(&document.keys_like(key)).into(),
             None => error,
         }
@@ -325,6 +347,7 @@ impl ScenarioTable {
             }),
             message: error.to_string(),
         })?;
+        let effects = read_effects(&self.effect, document)?;
         Ok(Scenario {
             version: self.version,
             duration: self.duration,
@@ -335,9 +358,34 @@ impl ScenarioTable {
             wheel: self.wheel.into_wheel(),
             rig,
             sensors: self.sensors,
+            effects,
             source,
         })
     }
+}
+
+/// The effects of a scenario, each given once.
+fn read_effects(
+    tables: &[ApplicationTable],
+    document: &Document,
+) -> Result<Vec<Application>, Misfit> {
+    let mut effects: Vec<Application> = Vec::new();
+    for (index, table) in tables.iter().enumerate() {
+        let misfit = |key: &str, message: String| Misfit {
+            place: document.place(&format!("effect.{index}.{key}")),
+            message,
+        };
+        let effect = table
+            .read()
+            .map_err(|(key, error)| misfit(key, error.to_string()))?;
+        let name = effect.name();
+        if effects.iter().any(|known| known.name() == name) {
+            let message = format!("the effect `{name}` is given twice; keep one of them");
+            return Err(misfit("name", message));
+        }
+        effects.push(effect);
+    }
+    Ok(effects)
 }
 
 fn is_zero(value: &f64) -> bool {
@@ -359,6 +407,10 @@ fn read(text: &str, file: &str) -> Result<Scenario, Misfit> {
             place: document.place_of(&path, &error),
             message: error.to_string(),
         })?;
+    scenario.experiment().map_err(|fault| Misfit {
+        place: document.place(&format!("effect.{}.name", fault.index)),
+        message: fault.error.to_string(),
+    })?;
     Ok(scenario)
 }
 
@@ -413,7 +465,38 @@ fn assigned(text: &str, assignment: &str) -> Result<String, ScenarioError> {
         return Err(refuse(example.to_owned()));
     };
     let document = Document::parse(text).map_err(|old| refuse(old.message))?;
-    document.with_value(key, &as_toml(value)).map_err(refuse)
+    let value = as_toml(value);
+    match effect_name(key) {
+        Some(name) => with_magnitude(&document, text, name, &value),
+        None => document.with_value(key, &value),
+    }
+    .map_err(refuse)
+}
+
+/// The effect that a key of an assignment names; none where the key counts effects or is another.
+fn effect_name(key: &str) -> Option<&str> {
+    let name = key.strip_prefix("effect.")?;
+    (!name.starts_with(|c: char| c.is_ascii_digit())).then_some(name)
+}
+
+/// A scenario's text with the magnitude of an effect set, or the effect added at its end.
+fn with_magnitude(
+    document: &Document,
+    text: &str,
+    name: &str,
+    value: &str,
+) -> Result<String, String> {
+    let is_it = |index: usize| match document.value(&format!("effect.{index}.name")) {
+        Some(found) => Some(found.get_ref().as_str() == Some(name)),
+        None => document.value(&format!("effect.{index}")).map(|_| false),
+    };
+    match (0..).map_while(is_it).position(|is_it| is_it) {
+        Some(index) => document.with_value(&format!("effect.{index}.magnitude"), value),
+        None => Ok(format!(
+            "{}\n\n[[effect]]\nname = \"{name}\"\nmagnitude = {value}\n",
+            text.trim_end()
+        )),
+    }
 }
 
 fn split_assignment(assignment: &str) -> Option<(&str, &str)> {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "quantity",
     "document",
     "wheel",
@@ -18,6 +18,7 @@ const ORDER: [&str; 16] = [
     "features",
     "recognition",
     "identification",
+    "effects",
     "scenario",
     "study",
     "report",

@@ -20,6 +20,9 @@ pub struct ScenarioArgs {
     /// Set a key of the scenario, in SI units, for example rig.single_wheel.slip=0.3
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
+    /// Add an effect of `lugwheel effects`, for example gain_error.drawbar_pull=0.05
+    #[arg(long, value_name = "NAME=VALUE")]
+    effect: Vec<String>,
     /// Seed of all randomness; the same seed gives the same bytes
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
@@ -34,14 +37,16 @@ pub struct NoScenario {
 }
 
 impl ScenarioArgs {
-    /// Reads the scenario, with its keys set.
+    /// Reads the scenario, with its keys set and its effects added.
     ///
     /// # Errors
     /// `NoScenario` with the names like it; `ScenarioError` for one that is none, or an edit that
     /// makes it none.
     pub fn load(&self) -> anyhow::Result<Scenario> {
         let scenario = Scenario::load(found(&self.scenario)?)?;
-        Ok(scenario.with_all(&self.set)?)
+        let effects = self.effect.iter().map(|effect| format!("effect.{effect}"));
+        let edits: Vec<String> = self.set.iter().cloned().chain(effects).collect();
+        Ok(scenario.with_all(&edits)?)
     }
 
     /// The seed.

@@ -1,13 +1,16 @@
 //! One experiment from its ground to its trace; nothing in it reads a file or a clock.
 
 use super::Scenario;
+use crate::effects::{EffectError, Setup};
 use crate::quantity::{RangeError, Seed};
-use crate::sensors::SensorChain;
+use crate::sensors::{SensorChain, Sensors};
+use crate::simulation::rig::Rig;
 use crate::simulation::{Simulation, SimulationError};
-use crate::terrain::Terrain;
 use crate::terrain::class::TerrainLabel;
+use crate::terrain::{Terrain, TerrainSpec};
 use crate::trace::truth::TruthRecorder;
 use crate::trace::{RunAttributes, Trace, Truth};
+use crate::wheel::Wheel;
 use std::ops::ControlFlow;
 
 /// Why an experiment left no trace.
@@ -19,9 +22,53 @@ pub enum ExperimentError {
     /// The sensors cannot be built at these rates.
     #[error(transparent)]
     Sensors(#[from] RangeError),
+    /// An effect has nothing to edit.
+    #[error(transparent)]
+    Effect(#[from] EffectFault),
     /// The caller stopped it.
     #[error("stopped before its end")]
     Stopped,
+}
+
+/// An effect that a scenario cannot have.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct EffectFault {
+    /// Its number among the scenario's effects, from 0.
+    pub index: usize,
+    /// What is wrong with it.
+    pub error: EffectError,
+}
+
+/// What is built: the things of a scenario, edited by its effects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The ground.
+    pub terrain: TerrainSpec,
+    /// The wheel.
+    pub wheel: Wheel,
+    /// What holds, loads and drives the wheel.
+    pub rig: Rig,
+    /// How the run is measured.
+    pub sensors: Sensors,
+}
+
+impl Experiment {
+    fn setup(&mut self) -> Setup<'_> {
+        Setup {
+            terrain: &mut self.terrain,
+            wheel: &mut self.wheel,
+            rig: &mut self.rig,
+            sensors: &mut self.sensors,
+        }
+    }
+
+    fn check(&self) -> Result<(), RangeError> {
+        self.terrain.check()?;
+        self.wheel.checked()?;
+        self.rig.check()?;
+        self.sensors.check()
+    }
 }
 
 /// Steps between two reports of progress.
@@ -31,13 +78,35 @@ const REPORT_EVERY: u64 = 4096;
 const PROFILE_SPACING: f64 = 1.0e-3;
 
 impl Scenario {
+    /// What is built: the scenario's things, edited by its effects in their order.
+    ///
+    /// # Errors
+    /// `EffectFault` for the first effect that finds nothing to edit, or whose edit leaves
+    /// something that cannot be.
+    pub fn experiment(&self) -> Result<Experiment, EffectFault> {
+        let mut experiment = Experiment {
+            terrain: self.terrain.clone(),
+            wheel: self.wheel,
+            rig: self.rig,
+            sensors: self.sensors,
+        };
+        for (index, effect) in self.effects.iter().enumerate() {
+            effect
+                .apply(&mut experiment.setup())
+                .and_then(|()| Ok(experiment.check()?))
+                .map_err(|error| EffectFault { index, error })?;
+        }
+        Ok(experiment)
+    }
+
     /// Runs the experiment: run `run` of the series that `seed` begins.
     ///
     /// `progress` hears the simulated time [s] now and then, and may stop the run.
     ///
     /// # Errors
     /// `Simulation` where the ground does not carry the wheel or the motion is not defined,
-    /// `Sensors` for rates that do not divide, `Stopped` when `progress` said so.
+    /// `Sensors` for rates that do not divide, `Effect` for one with nothing to edit, `Stopped` when
+    /// `progress` said so.
     pub fn run(
         &self,
         seed: Seed,
@@ -45,10 +114,16 @@ impl Scenario {
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Trace, ExperimentError> {
         let rate = self.physics_rate();
-        let terrain = Terrain::generate(&self.terrain, seed, run);
-        let mut chain = SensorChain::new(&self.sensors, rate, self.wheel.radius, seed, run)?;
-        let mut truth = TruthRecorder::new(&self.wheel, self.window());
-        let mut simulation = Simulation::new(&terrain, &self.wheel, &self.rig, rate)?;
+        let Experiment {
+            terrain,
+            wheel,
+            rig,
+            sensors,
+        } = self.experiment()?;
+        let terrain = Terrain::generate(&terrain, seed, run);
+        let mut chain = SensorChain::new(&sensors, rate, self.wheel.radius, seed, run)?;
+        let mut truth = TruthRecorder::new(&wheel, self.window());
+        let mut simulation = Simulation::new(&terrain, &wheel, &rig, rate)?;
         let steps_in = |time: f64| (time * rate.hertz()).round() as u64;
         let lead_in = steps_in(self.lead_in);
         let mut way = [0.0_f64, 0.0];
@@ -108,6 +183,40 @@ impl Scenario {
         match &self.terrain {
             crate::terrain::TerrainSpec::Sequence(sections) if sections.len() > 1 => None,
             terrain => Some(terrain.label()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::catalogue;
+
+    fn quick() -> Scenario {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick.toml");
+        let scenario = Scenario::load(file).unwrap();
+        scenario
+            .with_all(&["duration=0.25", "physics_rate=8000"])
+            .unwrap()
+    }
+
+    fn trace(scenario: &Scenario) -> Trace {
+        let go_on = &mut |_| ControlFlow::Continue(());
+        scenario.run(Seed(5), 2, go_on).unwrap()
+    }
+
+    #[test]
+    fn every_effect_at_its_neutral_value_changes_no_bit_of_a_run() {
+        let ideal = trace(&quick());
+        for effect in catalogue() {
+            for seat in effect.seats {
+                let name = [effect.name, seat.channel].join(".");
+                let name = name.trim_end_matches('.');
+                let key = format!("effect.{name}={:?}", seat.neutral);
+                let neutral = trace(&quick().with(&key).unwrap());
+                assert_eq!(neutral.channels, ideal.channels, "{name}");
+                assert_eq!(neutral.attributes, ideal.attributes, "{name}");
+            }
         }
     }
 }
