@@ -18,8 +18,10 @@
 //! [`catalogue`] lists them all.
 
 mod application;
+mod ground;
 mod prior;
 mod sensing;
+mod soil;
 
 pub(crate) use application::ApplicationTable;
 pub use application::{Application, Form};
@@ -221,7 +223,9 @@ fn quoted(names: &[&str]) -> String {
 
 /// Every effect, by subject.
 pub fn catalogue() -> impl Iterator<Item = &'static Effect> {
-    [sensing::EFFECTS].into_iter().flatten()
+    [soil::EFFECTS, ground::EFFECTS, sensing::EFFECTS]
+        .into_iter()
+        .flatten()
 }
 
 /// The effect of that name, without a channel.

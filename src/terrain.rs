@@ -23,7 +23,8 @@ pub struct HardContact {
     pub exponent: f64,
     /// Dissipation `d` [s/m].
     pub dissipation: f64,
-    /// Thickness [m] of the dust on the stone; none if absent.
+    /// Thickness [m] of the dust on the stone; none if absent. It takes friction away; a cover that
+    /// also bears is a soil over a hard base ([`crate::soil::hard_base`]).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub dust: f64,
 }
@@ -68,10 +69,6 @@ pub struct Stones {
     pub density: f64,
     /// Friction coefficient [-] stone on stone.
     pub friction: f64,
-    /// Share [-] of the stones that are held where they lie, as if bonded to their bed; none if
-    /// absent.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub held: f64,
     /// Drag [1/s] of fines between the stones on their motion and spin, per mass and inertia; none
     /// if absent.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -195,13 +192,13 @@ impl TerrainSpec {
 impl HardContact {
     /// # Errors
     /// `RangeError` for a load or indentation that is not positive, an exponent outside [1, 3],
-    /// a negative dissipation, or more than 10 mm of dust.
+    /// a negative dissipation, or more than 2 mm of dust.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::positive("reference load", "N", self.reference_load)?;
         RangeError::positive("reference indentation", "m", self.reference_indentation)?;
         RangeError::check("contact exponent", "-", self.exponent, [1.0, 3.0])?;
         RangeError::check("contact dissipation", "s/m", self.dissipation, [0.0, 1.0e6])?;
-        RangeError::check("dust thickness", "m", self.dust, [0.0, 0.01])?;
+        RangeError::check("dust thickness", "m", self.dust, [0.0, 0.002])?;
         Ok(())
     }
 }
@@ -246,8 +243,7 @@ impl Joints {
 impl Stones {
     /// # Errors
     /// `RangeError` for sizes that do not grow from above 0 to 1 m, an angularity outside [0, 1],
-    /// a density that is not positive, a friction outside [0, 2], a share of held stones outside
-    /// [0, 1], or a negative drag.
+    /// a density that is not positive, a friction outside [0, 2], or a negative drag.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::check("min stone size", "m", self.size.min, [SMALLEST_STONE, 1.0])?;
         RangeError::check("max stone size", "m", self.size.max, [0.0, 1.0])?;
@@ -255,7 +251,6 @@ impl Stones {
         RangeError::check("stone angularity", "-", self.angularity, [0.0, 1.0])?;
         RangeError::positive("stone density", "kg/m³", self.density)?;
         RangeError::check("stone friction", "-", self.friction, [0.0, 2.0])?;
-        RangeError::check("share of held stones", "-", self.held, [0.0, 1.0])?;
         RangeError::check("drag of fines", "1/s", self.drag, [0.0, 1.0e4])?;
         Ok(())
     }
@@ -528,7 +523,6 @@ mod tests {
             angularity: 0.5,
             density: 2650.0,
             friction: 0.6,
-            held: 0.0,
             drag: 0.0,
         };
         assert_eq!(stones(0.02).check(), Ok(()));

@@ -10,19 +10,15 @@
 //! Where a stretch ends, its surface dives at [`RAMP`] under what comes next, as slate dips under
 //! drifted sand: a wheel that arrives sunk in soil climbs it, and meets no wall.
 //!
-//! A lug is its edge: flanks meet no bricks.
-//!
-//! Dust on the ground, if any, acts beside the stone ([`dust`]).
-
-mod dust;
+//! A lug is its edge: flanks meet no bricks. It presses dust out from under itself until single
+//! grains are left, so dust bears nothing here; it makes the ground slippery.
 
 use super::contact::{Edge, Reach, WheelGeometry};
 use super::world::{WheelMotion, Wrench};
 use crate::terrain::HardContact;
 use crate::terrain::profile::{Profile, Surface};
 use crate::wheel::Wheel;
-use dust::DustFilm;
-use libm::{pow, sqrt};
+use libm::{expm1, pow, sqrt};
 
 /// Tangential over normal stiffness of a contact (Mindlin 1949, ν = 0.3).
 const MINDLIN: f64 = 0.82;
@@ -33,22 +29,11 @@ pub(super) struct HardGround {
     contact: HardContact,
     friction: f64,
     range: [f64; 2],
-    lug_film: Option<DustFilm>,
-    rim_film: Option<DustFilm>,
-    /// At every lug's edge.
-    touches: [Touch; 64],
+    /// Stretch of the tangential spring at every lug's edge [m].
+    stretch: [f64; 64],
     rim_stretch: f64,
     /// Highest ground near the wheel and where that was looked up [m].
     ceiling: [f64; 2],
-}
-
-/// What a point of the wheel remembers of its stay on the ground.
-#[derive(Debug, Clone, Copy, Default)]
-struct Touch {
-    /// Stretch of the tangential spring [m].
-    stretch: f64,
-    /// Depth to which dust is crushed [m].
-    crushed: f64,
 }
 
 /// Slope at which hard ground dives under its neighbours [-]: 15°.
@@ -60,19 +45,38 @@ pub(super) const RAMP_LENGTH: f64 = 0.2;
 /// How far the wheel may roll before the highest ground near it is looked up again [m].
 const LOOK_UP: f64 = 0.005;
 
+/// Friction coefficient [-] of smooth metal on a bed of grains: tan 18.4°, sand on a plate.
+const FRICTION_ON_GRAINS: f64 = 0.33;
+
+/// Thickness [m] of dust that covers 63 % of the ground below it: a grain of fine sand. A guess.
+const COVERING: f64 = 1.0e-4;
+
+/// Friction coefficient [-] of a wheel with this `friction` on clean stone under `dust` [m].
+///
+/// ```text
+/// μ = μ_0 - (μ_0 - μ_g) (1 - e^(-h/h_0))
+/// ```
+///
+/// Where grains lie between wheel and stone they roll and slide; the thicker the dust, the less
+/// stone is bare. `μ_g = 0.33`, `h_0 = 0.1 mm`. A wheel more slippery than grains stays as it is.
+fn friction_on_dust(friction: f64, dust: f64) -> f64 {
+    let covered = -expm1(-dust / COVERING);
+    friction - (friction - FRICTION_ON_GRAINS).max(0.0) * covered
+}
+
 impl HardGround {
     /// Ground on `range` [m] under `wheel`.
     pub fn new(profile: Profile, contact: HardContact, wheel: &Wheel, range: [f64; 2]) -> Self {
+        let friction = friction_on_dust(wheel.friction, contact.dust);
+        let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
         Self {
             profile,
             contact,
-            friction: wheel.friction,
+            friction,
             range,
-            lug_film: DustFilm::under_lug(contact.dust, wheel),
-            rim_film: DustFilm::under_rim(contact.dust, wheel),
-            touches: [Touch::default(); 64],
+            stretch,
             rim_stretch: 0.0,
-            ceiling: [f64::NAN, f64::NAN],
+            ceiling,
         }
     }
 
@@ -93,12 +97,12 @@ impl HardGround {
         let mut reach = Reach::default();
         for edge in wheel.lowest_edges(motion) {
             if edge.y >= ceiling || !self.reaches(edge.x) {
-                self.touches[edge.lug] = Touch::default();
+                self.stretch[edge.lug] = 0.0;
                 continue;
             }
-            let mut touch = self.touches[edge.lug];
-            let wrench = self.press(&edge, motion, dt, self.lug_film.as_ref(), &mut touch);
-            self.touches[edge.lug] = touch;
+            let mut stretch = self.stretch[edge.lug];
+            let wrench = self.press(&edge, motion, dt, &mut stretch);
+            self.stretch[edge.lug] = stretch;
             if wrench.force() > wheel.touch_force {
                 reach.touching |= 1 << edge.lug;
             }
@@ -122,8 +126,7 @@ impl HardGround {
         self.profile.extend(x - span, x + span);
         let highest = self.profile.highest(x - span, x + span);
         // Between nodes the cubic overshoots a step between neighbours by less than 15 % of it.
-        let ceiling =
-            highest + 0.15 * self.profile.steepest_step(x - span, x + span) + self.contact.dust;
+        let ceiling = highest + 0.15 * self.profile.steepest_step(x - span, x + span);
         self.ceiling = [x, ceiling];
         ceiling
     }
@@ -148,20 +151,12 @@ impl HardGround {
     }
 
     /// Normal force and friction at one point of the wheel.
-    fn press(
-        &self,
-        point: &Edge,
-        motion: &WheelMotion,
-        dt: f64,
-        film: Option<&DustFilm>,
-        touch: &mut Touch,
-    ) -> Wrench {
+    fn press(&self, point: &Edge, motion: &WheelMotion, dt: f64, stretch: &mut f64) -> Wrench {
         let surface = self.surface(point.x);
         let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
         let indentation = (surface.height - point.y) * scale;
-        let on_dust = film.map_or(0.0, |film| film.push(indentation, &mut touch.crushed));
-        if indentation <= 0.0 && on_dust == 0.0 {
-            touch.stretch = 0.0;
+        if indentation <= 0.0 {
+            *stretch = 0.0;
             return Wrench::default();
         }
         let [rx, ry] = point.arm;
@@ -175,16 +170,10 @@ impl HardGround {
             dissipation,
             dust: _,
         } = self.contact;
-        let on_stone = reference_load * pow(indentation.max(0.0) / reference_indentation, exponent);
-        let elastic = on_stone + on_dust;
+        let elastic = reference_load * pow(indentation / reference_indentation, exponent);
         let normal = elastic * (1.0 + dissipation * rate).max(0.0);
         let stiffness = MINDLIN * exponent * reference_load / reference_indentation;
-        let slippery = (self.friction - dust::FRICTION).max(0.0) * on_dust / elastic;
-        let limit = (self.friction - slippery) * normal;
-        let viscous = dissipation * normal * MINDLIN * sliding;
-        touch.stretch = (touch.stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
-        // The same loss as along the normal, kept under the limit.
-        let friction = (-stiffness * touch.stretch - viscous).clamp(-limit, limit);
+        let friction = self.friction_of(normal, sliding, stiffness, dt, stretch);
         let fx = (friction - normal * surface.slope) * scale;
         let fy = (normal + friction * surface.slope) * scale;
         Wrench {
@@ -192,6 +181,22 @@ impl HardGround {
             fy,
             torque: ry * fx - rx * fy,
         }
+    }
+
+    /// Friction [N] along the ground from the stretch of the tangential spring.
+    fn friction_of(
+        &self,
+        normal: f64,
+        sliding: f64,
+        stiffness: f64,
+        dt: f64,
+        stretch: &mut f64,
+    ) -> f64 {
+        let limit = self.friction * normal;
+        *stretch = (*stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
+        // The same loss as along the normal, kept under the limit.
+        let viscous = self.contact.dissipation * normal * MINDLIN * sliding;
+        (-stiffness * *stretch - viscous).clamp(-limit, limit)
     }
 
     /// The rim against every summit that reaches into it.
@@ -242,18 +247,29 @@ impl HardGround {
         let (mut sum, mut most) = (Wrench::default(), 0.0);
         self.rim_stretch = 0.0;
         for point in &points {
-            // A rolling rim meets fresh dust.
-            let mut touch = Touch {
-                stretch: before,
-                crushed: 0.0,
-            };
-            let wrench = self.press(point, motion, dt, self.rim_film.as_ref(), &mut touch);
+            let mut stretch = before;
+            let wrench = self.press(point, motion, dt, &mut stretch);
             if wrench.force() > most {
                 most = wrench.force();
-                self.rim_stretch = touch.stretch;
+                self.rim_stretch = stretch;
             }
             sum += wrench;
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dust_takes_friction_from_that_of_stone_to_that_of_grains() {
+        assert_eq!(friction_on_dust(0.6, 0.0), 0.6);
+        // 63 % of the way at the covering thickness, all of it at ten.
+        let part = (0.6 - friction_on_dust(0.6, COVERING)) / (0.6 - FRICTION_ON_GRAINS);
+        assert!((part - (1.0 - (-1.0f64).exp())).abs() < 1e-12);
+        assert!((friction_on_dust(0.6, 0.001) - FRICTION_ON_GRAINS).abs() < 1e-4);
+        assert_eq!(friction_on_dust(0.2, 0.001), 0.2);
     }
 }

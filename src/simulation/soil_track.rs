@@ -276,6 +276,7 @@ impl SoilTrack {
             StressConvention::Triangular => Some(self.rim_shear.at(peak, motion.angle, d)),
             StressConvention::WongReece => None,
         };
+        let springing = contact.developed * (1.0 - contact.law.base.pressed(contact.depth.sinkage));
         let (behind, front) = (r * libm::sin(exit), r * libm::sin(entry));
         let [low, high] = if d > 0.0 {
             [behind, front]
@@ -292,12 +293,9 @@ impl SoilTrack {
             }
             let down = sqrt(r * r - u * u);
             let angle = asin(u / r);
-            // Behind straight down the ground springs back along the rim as far as θ_2.
-            let spring_back = if u < 0.0 {
-                contact.developed * (r - down)
-            } else {
-                0.0
-            };
+            // Behind straight down the ground springs back along the rim as far as θ_2; a base
+            // does not.
+            let spring_back = if u < 0.0 { springing * (r - down) } else { 0.0 };
             let level = motion.y - down - spring_back;
             let pressed = self.columns.press(index, level);
             let Some(bearing) = contact.bearing(
@@ -350,16 +348,19 @@ struct Bearing {
 struct Pressed {
     /// Undisturbed height [m].
     virgin: f64,
-    /// Lowest level it was pressed to [m].
+    /// Lowest level it was pressed to [m], with what it will spring back.
     lowest: f64,
+    /// Lowest level that the wheel itself has reached there [m]: so near is a hard base.
+    reached: f64,
 }
 
 impl Contact {
     /// Pressure of soil pressed to `pressed` under a wheel now at `level` [m], of whose depth
     /// `share` counts; `None` where they have parted.
     fn bearing(&self, pressed: Pressed, level: f64, angle: f64, share: f64) -> Option<Bearing> {
-        let depth = pressed.virgin - pressed.lowest;
-        let counted = depth * share;
+        let depth = pressed.virgin - pressed.reached;
+        let share = share + (1.0 - share) * self.law.base.pressed(depth);
+        let counted = (pressed.virgin - pressed.lowest) * share;
         if counted <= 0.0 || angle > std::f64::consts::FRAC_PI_2 {
             return None;
         }

@@ -4,6 +4,9 @@
 //! come in two forms of the same effect, one law and another, so that an effect found with one can
 //! be tried on the other.
 //!
+//! The laws of one place, of the soil's moduli and depths, hold in the quadrature of
+//! [`crate::soil::wheel_load`] too; rate and heap need a motion, and are the simulator's alone.
+//!
 //! | departure | law | where |
 //! |---|---|---|
 //! | slip digs | `z → z/(1 + w(g(s) - 1))` | [`Departures::depth_factor`] |
@@ -115,7 +118,7 @@ impl Departures {
     /// `RangeError` for a departure outside its physical range.
     pub fn check(&self) -> Result<(), RangeError> {
         let checks = [
-            ("slip digging", "-", self.slip_digging, 5.0),
+            ("slip digging", "-", self.slip_digging, 10.0),
             ("compaction", "-", self.compaction, 100.0),
             ("former passes", "-", self.former_passes, 1000.0),
             ("precompression", "m", self.precompression, 0.5),

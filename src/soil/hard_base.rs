@@ -37,6 +37,13 @@ impl Departures {
 }
 
 impl HardBase {
+    /// Part [-] of the layer that is pressed at `depth` [m]; 0 on deep soil. With it the stress
+    /// passes from that of soil which flows and springs back to that of hard ground, which does
+    /// neither.
+    pub fn pressed(&self, depth: f64) -> f64 {
+        (depth * self.nearness.max(self.sudden)).clamp(0.0, 1.0)
+    }
+
     /// Felt over real depth `ζ/z` [-] at `depth` [m]; 1 on deep soil.
     pub fn stretch(&self, depth: f64) -> f64 {
         let sudden = (depth * self.sudden).min(DEEPEST);
@@ -87,6 +94,7 @@ mod tests {
         }
         for depth in [0.0, 1e-3, 10.0] {
             assert_eq!(HardBase::default().stretch(depth), 1.0);
+            assert_eq!(HardBase::default().pressed(depth), 0.0);
             assert_eq!(HardBase::default().steepening(depth), 1.0);
         }
     }
@@ -98,6 +106,7 @@ mod tests {
             assert!(felt(0.01) > 0.01);
             assert!(felt(0.0199) > 2.0 * felt(0.015));
         }
+        assert!(BASES.iter().all(|base| base.pressed(0.03) == 1.0));
         // The last thousandth bears any load.
         assert!(BASES[0].stretch(0.02) > 999.0 && BASES[0].stretch(0.03).is_finite());
     }

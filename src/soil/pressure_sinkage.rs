@@ -203,6 +203,43 @@ mod tests {
     }
 
     #[test]
+    fn soil_pressed_before_has_its_former_pressure_back_after_what_it_sprung_back() {
+        let law = law(1.1, 1e8);
+        let former = 0.004;
+        let rebound = law.pressure(former) / law.unloading_stiffness;
+        let pressed = PressureSinkage {
+            precompression: former,
+            rebound,
+            ..law
+        };
+        let taken_up = pressed.pressure(rebound) / law.pressure(former + rebound);
+        assert!((taken_up - 1.0).abs() < 1e-12);
+        assert!((pressed.pressure(0.01) / law.pressure(0.014) - 1.0).abs() < 1e-12);
+        // Half of the way, near half of the pressure: the line bends as z^1.1.
+        let half = pressed.pressure(0.5 * rebound) / pressed.pressure(rebound);
+        assert!((half - 0.5f64.powf(1.1)).abs() < 1e-3, "{half}");
+    }
+
+    #[test]
+    fn stiffness_is_the_derivative_over_a_base_and_on_soil_pressed_before() {
+        let law = PressureSinkage {
+            precompression: 0.004,
+            rebound: 1.0e-4,
+            base: HardBase {
+                nearness: 40.0,
+                sudden: 20.0,
+            },
+            ..law(0.9, 1e8)
+        };
+        for z in [5e-5, 0.002, 0.012] {
+            let h = 1e-8;
+            let slope = (law.pressure(z + h) - law.pressure(z - h)) / (2.0 * h);
+            // Rounding of the difference: some 1e-8 of it.
+            assert!((slope / law.stiffness(z) - 1.0).abs() < 1e-6, "{z}");
+        }
+    }
+
+    #[test]
     fn no_unloading_line_lies_above_the_loading_curve_however_soft_it_was_asked() {
         for n in [0.5, 0.8, 1.0, 1.5] {
             let law = law(n, 1.0);

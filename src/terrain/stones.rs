@@ -211,7 +211,6 @@ mod tests {
             angularity,
             density: 2600.0,
             friction: 0.6,
-            held: 0.0,
             drag: 0.0,
         }
     }
