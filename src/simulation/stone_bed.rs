@@ -473,7 +473,7 @@ mod tests {
         };
         let (recipe, mut world) = (BedRecipe { stones, ..pile(0) }, world());
         world.gravity = Vector::ZERO;
-        let body = recipe.insert(&mut world, &POURED[0][0], RigidBodyType::Dynamic);
+        let body = recipe.insert(&mut world, &POURED[1][0], RigidBodyType::Dynamic);
         world.bodies[body].set_linvel(Vector::new(0.1, 0.0), true);
         world.bodies[body].set_angvel(1.0, true);
         for _ in 0..160 {
