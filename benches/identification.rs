@@ -3,6 +3,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use lugwheel::identification::{Identification, Setting, SteadyLoad, identify};
 use lugwheel::soil::closed_form::{self, Rim};
+use lugwheel::soil::departures::Departures;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::class::Wtic;
 use std::hint::black_box;
@@ -24,6 +25,7 @@ const SAND: Soil = Soil {
     damping: 0.0,
     bulk_density: 1600.0,
     repose_angle_deg: 30.0,
+    departures: Departures::NONE,
 };
 
 const RIM: Rim = Rim {

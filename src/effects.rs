@@ -18,9 +18,11 @@
 //! [`catalogue`] lists them all.
 
 mod application;
+mod ground;
 mod prior;
 mod rig;
 mod sensing;
+mod soil;
 mod wheel_and_drive;
 
 pub(crate) use application::ApplicationTable;
@@ -231,9 +233,15 @@ fn quoted(names: &[&str]) -> String {
 
 /// Every effect, by subject.
 pub fn catalogue() -> impl Iterator<Item = &'static Effect> {
-    [wheel_and_drive::EFFECTS, rig::EFFECTS, sensing::EFFECTS]
-        .into_iter()
-        .flatten()
+    [
+        soil::EFFECTS,
+        ground::EFFECTS,
+        wheel_and_drive::EFFECTS,
+        rig::EFFECTS,
+        sensing::EFFECTS,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// The effect of that name, without a channel.

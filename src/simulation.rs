@@ -64,8 +64,8 @@ pub struct WheelState {
     pub vertical_acceleration: f64,
     /// Loads of the ground on the wheel.
     pub ground: Loads,
-    /// Loads that pass from the wheel to its axle, as a transducer there feels them (tared):
-    /// the ground's, less the wheel's inertia.
+    /// Loads that pass from the wheel to its axle, as a transducer there feels them that was tared
+    /// on the level: the ground's, less the wheel's inertia, and less its weight along a slope.
     pub hub: Loads,
     /// Depth of the rim's lowest point below the undisturbed surface [m].
     pub sinkage: f64,
@@ -341,9 +341,10 @@ impl Simulation {
                 }
             }
         };
+        let [gained, carried] = self.rig.wheel_weight(&self.wheel);
         let hub = Loads {
-            normal_force: ground.normal_force - self.wheel.mass * ay,
-            drawbar_pull: ground.drawbar_pull - self.wheel.mass * ax,
+            normal_force: ground.normal_force - self.wheel.mass * ay + gained,
+            drawbar_pull: ground.drawbar_pull - self.wheel.mass * ax - carried,
             driving_torque: ground.driving_torque + spin_up,
         };
         let [_, rim] = self.geometry.rim_centre(after);

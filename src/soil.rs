@@ -26,14 +26,19 @@
 //! | `F_DP` | drawbar pull | N | [`wheel_load::WheelLoad`] |
 //! | `M_R`, `T_D` | resistance moment, driving torque | N·m | [`wheel_load::WheelLoad`] |
 
+pub mod bulldozing;
 pub mod closed_form;
 pub mod contact;
+pub mod departures;
+pub mod hard_base;
 pub mod lug_action;
+pub mod penetration_rate;
 pub mod pressure_sinkage;
 pub mod shear;
 pub mod wheel_load;
 
 use crate::quantity::RangeError;
+use departures::Departures;
 use serde::{Deserialize, Serialize};
 
 /// Which distribution of stress over the contact arc the soil follows.
@@ -80,6 +85,9 @@ pub struct Soil {
     pub bulk_density: f64,
     /// Angle of repose [°] to which loose slopes relax.
     pub repose_angle_deg: f64,
+    /// What this soil has beyond the ideal; nothing if absent.
+    #[serde(default, skip_serializing_if = "Departures::is_none")]
+    pub departures: Departures,
 }
 
 impl Soil {
@@ -151,6 +159,7 @@ impl Soil {
         RangeError::check("soil damping", "Pa·s/m", self.damping, [0.0, 1.0e9])?;
         RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
         RangeError::check("angle of repose", "°", self.repose_angle_deg, [5.0, 60.0])?;
+        self.departures.check()?;
         Ok(self)
     }
 }
@@ -158,7 +167,7 @@ impl Soil {
 /// Rows of Table 6, for tests: `c` of the sand in Pa (printed in kPa; corrected), `c_3 = 0`.
 #[cfg(test)]
 pub(crate) mod table_6 {
-    use super::{Soil, StressConvention};
+    use super::{Departures, Soil, StressConvention};
 
     /// T1, hard terrain.
     pub fn hard() -> Soil {
@@ -208,6 +217,7 @@ pub(crate) mod table_6 {
             damping: 0.0,
             bulk_density: 1600.0,
             repose_angle_deg: 30.0,
+            departures: Departures::NONE,
         }
     }
 }

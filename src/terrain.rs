@@ -23,6 +23,10 @@ pub struct HardContact {
     pub exponent: f64,
     /// Dissipation `d` [s/m].
     pub dissipation: f64,
+    /// Thickness [m] of the dust on the stone; none if absent. It takes friction away; a cover that
+    /// also bears is a soil over a hard base ([`crate::soil::hard_base`]).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub dust: f64,
 }
 
 /// Self-affine roughness: spectral density `∝ q^-(1+2H)` between two wavelengths, flat above the longest.
@@ -65,6 +69,10 @@ pub struct Stones {
     pub density: f64,
     /// Friction coefficient [-] stone on stone.
     pub friction: f64,
+    /// Drag [1/s] of fines between the stones on their motion and spin, per mass and inertia; none
+    /// if absent.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub drag: f64,
 }
 
 /// Smallest and largest size [m].
@@ -184,12 +192,13 @@ impl TerrainSpec {
 impl HardContact {
     /// # Errors
     /// `RangeError` for a load or indentation that is not positive, an exponent outside [1, 3],
-    /// or a negative dissipation.
+    /// a negative dissipation, or more than 2 mm of dust.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::positive("reference load", "N", self.reference_load)?;
         RangeError::positive("reference indentation", "m", self.reference_indentation)?;
         RangeError::check("contact exponent", "-", self.exponent, [1.0, 3.0])?;
         RangeError::check("contact dissipation", "s/m", self.dissipation, [0.0, 1.0e6])?;
+        RangeError::check("dust thickness", "m", self.dust, [0.0, 0.002])?;
         Ok(())
     }
 }
@@ -234,7 +243,7 @@ impl Joints {
 impl Stones {
     /// # Errors
     /// `RangeError` for sizes that do not grow from above 0 to 1 m, an angularity outside [0, 1],
-    /// a density that is not positive, or a friction outside [0, 2].
+    /// a density that is not positive, a friction outside [0, 2], or a negative drag.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::check("min stone size", "m", self.size.min, [SMALLEST_STONE, 1.0])?;
         RangeError::check("max stone size", "m", self.size.max, [0.0, 1.0])?;
@@ -242,6 +251,7 @@ impl Stones {
         RangeError::check("stone angularity", "-", self.angularity, [0.0, 1.0])?;
         RangeError::positive("stone density", "kg/m³", self.density)?;
         RangeError::check("stone friction", "-", self.friction, [0.0, 2.0])?;
+        RangeError::check("drag of fines", "1/s", self.drag, [0.0, 1.0e4])?;
         Ok(())
     }
 }
@@ -338,6 +348,10 @@ fn collect_numbers(prefix: &str, ground: &TerrainSpec, into: &mut BTreeMap<Strin
             walk(&format!("{prefix}{kind}"), value, into);
         }
     }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// Smallest stone [m]: what is finer is sand, and more than the engine can carry.
@@ -477,6 +491,7 @@ mod tests {
             reference_indentation: 1.0e-5,
             exponent: 1.11,
             dissipation: 100.0,
+            dust: 0.0,
         };
         TerrainSpec::Sequence(vec![Section {
             length: 1.0,
@@ -508,6 +523,7 @@ mod tests {
             angularity: 0.5,
             density: 2650.0,
             friction: 0.6,
+            drag: 0.0,
         };
         assert_eq!(stones(0.02).check(), Ok(()));
         assert_eq!(

@@ -15,6 +15,7 @@
 mod common;
 
 use common::{mean, rig, run};
+use lugwheel::soil::departures::Departures;
 use lugwheel::soil::wheel_load::{WheelLoad, loads, sinkage_at};
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::TerrainSpec;
@@ -40,6 +41,7 @@ fn soil() -> Soil {
         damping: 3.0e4,
         bulk_density: 1605.0,
         repose_angle_deg: 31.9,
+        departures: Departures::NONE,
     }
 }
 

@@ -12,6 +12,7 @@ use lugwheel::identification::{
 };
 use lugwheel::quantity::Seed;
 use lugwheel::soil::closed_form::{self, Rim};
+use lugwheel::soil::departures::Departures;
 use lugwheel::soil::wheel_load::sinkage_at;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::class::Wtic;
@@ -104,6 +105,7 @@ const BASE: Soil = Soil {
     damping: 0.0,
     bulk_density: 1600.0,
     repose_angle_deg: 30.0,
+    departures: Departures::NONE,
 };
 
 impl Terrain {

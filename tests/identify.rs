@@ -5,6 +5,7 @@ use lugwheel::dataset::hdf5::RunFileWriter;
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::soil::closed_form::{self, Rim};
+use lugwheel::soil::departures::Departures;
 use lugwheel::soil::wheel_load::sinkage_at;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -37,6 +38,7 @@ const SAND: Soil = Soil {
     damping: 0.0,
     bulk_density: 1600.0,
     repose_angle_deg: 30.0,
+    departures: Departures::NONE,
 };
 
 /// A run of means at `slip` under `load` [N] as Eq. (62)-(64) give them on `SAND`.

@@ -6,6 +6,7 @@ use super::row::{self, Setting, SteadyLoad};
 use super::stages::Stage;
 use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact};
 use crate::soil::contact::{ContactAngles, entry_angle};
+use crate::soil::departures::Departures;
 use crate::soil::{Soil, StressConvention};
 use crate::terrain::class::Wtic;
 
@@ -33,6 +34,7 @@ const UNUSED: Soil = Soil {
     damping: 0.0,
     bulk_density: 1.0,
     repose_angle_deg: 30.0,
+    departures: Departures::NONE,
 };
 
 impl Model {

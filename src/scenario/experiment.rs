@@ -227,8 +227,8 @@ mod tests {
     use super::*;
     use crate::effects::{Application, Effect, Form, Stage, catalogue};
 
-    fn quick() -> Scenario {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick.toml");
+    fn short(name: &str) -> Scenario {
+        let file = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let scenario = Scenario::load(file).unwrap();
         scenario
             .with_all(&["duration=0.25", "physics_rate=8000"])
@@ -250,45 +250,67 @@ mod tests {
         })
     }
 
+    /// A ground and what it gives without effects.
+    struct Ideal {
+        scenario: Scenario,
+        trace: Trace,
+        recording: Recording,
+    }
+
+    impl Ideal {
+        fn of(name: &str) -> Self {
+            let scenario = short(name);
+            let go_on = &mut |_| ControlFlow::Continue(());
+            Self {
+                trace: trace(&scenario),
+                recording: scenario.record(Seed(5), 2, go_on).unwrap(),
+                scenario,
+            }
+        }
+
+        /// The run with an effect; `None` where it has no meaning on this ground.
+        fn with(&self, effect: &Application, stage: Stage) -> Option<Trace> {
+            let edited = self.scenario.with_effect(effect).ok()?;
+            Some(match stage {
+                Stage::Physics => trace(&edited),
+                Stage::Sensors => {
+                    let experiment = edited.experiment().unwrap();
+                    assert_eq!(experiment.wheel, self.scenario.wheel);
+                    assert_eq!(experiment.rig, self.scenario.rig);
+                    assert_eq!(experiment.terrain, self.scenario.terrain);
+                    self.recording.measure(&experiment.sensors).unwrap()
+                }
+            })
+        }
+    }
+
     #[test]
     fn every_effect_at_its_neutral_value_changes_no_bit_of_a_run_in_either_form() {
-        let scenario = quick();
-        let ideal = trace(&scenario);
-        let recording = scenario
-            .record(Seed(5), 2, &mut |_| ControlFlow::Continue(()))
-            .unwrap();
+        // Sand, and a ground with all that sand has not.
+        let grounds = ["quick", "single_wheel_hgt"].map(Ideal::of);
         for (effect, name, neutral) in places() {
             let own = Application::new(&name, neutral).unwrap();
-            for effect_in_form in [Some(own), own.in_form(Form::Other).ok()]
-                .into_iter()
-                .flatten()
-            {
-                let neutral = scenario.with_effect(&effect_in_form).unwrap();
-                let found = match effect.stage {
-                    Stage::Physics => trace(&neutral),
-                    Stage::Sensors => {
-                        let experiment = neutral.experiment().unwrap();
-                        assert_eq!(experiment.wheel, scenario.wheel, "{name}");
-                        assert_eq!(experiment.rig, scenario.rig, "{name}");
-                        assert_eq!(experiment.terrain, scenario.terrain, "{name}");
-                        recording.measure(&experiment.sensors).unwrap()
-                    }
-                };
-                assert_eq!(found, ideal, "{name}");
+            let forms = [Some(own), own.in_form(Form::Other).ok()];
+            for form in forms.into_iter().flatten() {
+                let found = grounds
+                    .iter()
+                    .find_map(|ground| Some((ground, ground.with(&form, effect.stage)?)));
+                let (ground, found) = found.unwrap();
+                assert_eq!(found, ground.trace, "{name}");
             }
         }
     }
 
     #[test]
     fn a_recorded_motion_measured_again_is_the_direct_run_bit_by_bit() {
-        let noisy = quick()
+        let noisy = short("quick")
             .with_all(&[
                 "effect.added_noise.normal_force=0.5",
                 "effect.channel_delay=0.01",
             ])
             .unwrap();
         let go_on = &mut |_| ControlFlow::Continue(());
-        let recording = quick().record(Seed(5), 2, go_on).unwrap();
+        let recording = short("quick").record(Seed(5), 2, go_on).unwrap();
         let sensors = noisy.experiment().unwrap().sensors;
         assert_eq!(recording.measure(&sensors).unwrap(), trace(&noisy));
     }
@@ -296,7 +318,7 @@ mod tests {
     #[test]
     fn an_effect_stands_in_the_text_once_with_its_last_magnitude_and_form() {
         let tilt = |magnitude| Application::new("sensor_tilt.acceleration_y", magnitude).unwrap();
-        let scenario = quick().with_effect(&tilt(2.0)).unwrap();
+        let scenario = short("quick").with_effect(&tilt(2.0)).unwrap();
         let other = tilt(-3.0).in_form(Form::Other).unwrap();
         let scenario = scenario.with_effect(&other).unwrap();
         assert_eq!(scenario.effects, [other]);
@@ -309,7 +331,8 @@ mod tests {
 
     #[test]
     fn an_effect_that_finds_nothing_to_edit_is_refused() {
-        let smooth = quick().with("wheel.lugs={ count = 0, height = 0.01, thickness = 0.003 }");
+        let smooth =
+            short("quick").with("wheel.lugs={ count = 0, height = 0.01, thickness = 0.003 }");
         let error = smooth.unwrap().with("effect.lug_wear=0.1").unwrap_err();
         let message = error.to_string();
         assert!(

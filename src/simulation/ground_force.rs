@@ -101,11 +101,7 @@ impl GroundForce {
     pub fn undisturbed(&mut self, x: f64) -> (f64, bool) {
         let layer = self.layer(x);
         match &mut layer.filling {
-            Filling::Hard(ground) => {
-                let profile = ground.profile();
-                profile.extend(x, x);
-                (profile.at(x).height, false)
-            }
+            Filling::Hard(ground) => (ground.undisturbed(x), false),
             Filling::Soil(track) => (track.undisturbed(x), true),
             Filling::Stones => (0.0, false),
         }
@@ -192,8 +188,7 @@ impl Layer {
             TerrainSpec::Reference { contact }
             | TerrainSpec::Hard { contact, .. }
             | TerrainSpec::GravelOnHard { contact, .. } => {
-                let friction = wheel.friction;
-                let ground = HardGround::new(profile.clone(), *contact, friction, range);
+                let ground = HardGround::new(profile.clone(), *contact, wheel, range);
                 Filling::Hard(Box::new(ground))
             }
             TerrainSpec::Gravel { .. } => Filling::Stones,

@@ -10,13 +10,15 @@
 //! Where a stretch ends, its surface dives at [`RAMP`] under what comes next, as slate dips under
 //! drifted sand: a wheel that arrives sunk in soil climbs it, and meets no wall.
 //!
-//! A lug is its edge: flanks meet no bricks.
+//! A lug is its edge: flanks meet no bricks. It presses dust out from under itself until single
+//! grains are left, so dust bears nothing here; it makes the ground slippery.
 
 use super::contact::{Edge, Reach, WheelGeometry};
 use super::world::{WheelMotion, Wrench};
 use crate::terrain::HardContact;
 use crate::terrain::profile::{Profile, Surface};
-use libm::{pow, sqrt};
+use crate::wheel::Wheel;
+use libm::{expm1, pow, sqrt};
 
 /// Tangential over normal stiffness of a contact (Mindlin 1949, ν = 0.3).
 const MINDLIN: f64 = 0.82;
@@ -43,9 +45,29 @@ pub(super) const RAMP_LENGTH: f64 = 0.2;
 /// How far the wheel may roll before the highest ground near it is looked up again [m].
 const LOOK_UP: f64 = 0.005;
 
+/// Friction coefficient [-] of smooth metal on a bed of grains: tan 18.4°, sand on a plate.
+const FRICTION_ON_GRAINS: f64 = 0.33;
+
+/// Thickness [m] of dust that covers 63 % of the ground below it: a grain of fine sand. A guess.
+const COVERING: f64 = 1.0e-4;
+
+/// Friction coefficient [-] of a wheel with this `friction` on clean stone under `dust` [m].
+///
+/// ```text
+/// μ = μ_0 - (μ_0 - μ_g) (1 - e^(-h/h_0))
+/// ```
+///
+/// Where grains lie between wheel and stone they roll and slide; the thicker the dust, the less
+/// stone is bare. `μ_g = 0.33`, `h_0 = 0.1 mm`. A wheel more slippery than grains stays as it is.
+fn friction_on_dust(friction: f64, dust: f64) -> f64 {
+    let covered = -expm1(-dust / COVERING);
+    friction - (friction - FRICTION_ON_GRAINS).max(0.0) * covered
+}
+
 impl HardGround {
-    /// Ground on `range` [m] under a wheel with this friction.
-    pub fn new(profile: Profile, contact: HardContact, friction: f64, range: [f64; 2]) -> Self {
+    /// Ground on `range` [m] under `wheel`.
+    pub fn new(profile: Profile, contact: HardContact, wheel: &Wheel, range: [f64; 2]) -> Self {
+        let friction = friction_on_dust(wheel.friction, contact.dust);
         let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
         Self {
             profile,
@@ -56,6 +78,12 @@ impl HardGround {
             rim_stretch: 0.0,
             ceiling,
         }
+    }
+
+    /// Height [m] of the undisturbed ground at `x` [m], its dust included.
+    pub fn undisturbed(&mut self, x: f64) -> f64 {
+        self.profile.extend(x, x);
+        self.profile.at(x).height + self.contact.dust
     }
 
     /// The ground's profile.
@@ -140,6 +168,7 @@ impl HardGround {
             reference_indentation,
             exponent,
             dissipation,
+            dust: _,
         } = self.contact;
         let elastic = reference_load * pow(indentation / reference_indentation, exponent);
         let normal = elastic * (1.0 + dissipation * rate).max(0.0);
@@ -228,5 +257,20 @@ impl HardGround {
             sum += wrench;
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dust_takes_friction_from_that_of_stone_to_that_of_grains() {
+        assert_eq!(friction_on_dust(0.6, 0.0), 0.6);
+        // 63 % of the way at the covering thickness, all of it at ten.
+        let part = (0.6 - friction_on_dust(0.6, COVERING)) / (0.6 - FRICTION_ON_GRAINS);
+        assert!((part - (1.0 - (-1.0f64).exp())).abs() < 1e-12);
+        assert!((friction_on_dust(0.6, 0.001) - FRICTION_ON_GRAINS).abs() < 1e-4);
+        assert_eq!(friction_on_dust(0.2, 0.001), 0.2);
     }
 }

@@ -403,6 +403,16 @@ impl Rig {
         })
     }
 
+    /// What a slope changes in the weight [N] of the wheel beyond a transducer tared on the level:
+    /// how much less presses it off the track, and how much pulls it down the slope.
+    pub(super) fn wheel_weight(&self, wheel: &Wheel) -> [f64; 2] {
+        let weight = wheel.mass * GRAVITY;
+        [
+            weight * (1.0 - cos(self.slope())),
+            weight * sin(self.slope()),
+        ]
+    }
+
     /// Weight [N] below the leg's spring, normal to the track.
     pub(super) fn unsprung_weight(&self, wheel: &Wheel) -> f64 {
         wheel.mass * GRAVITY * cos(self.slope())

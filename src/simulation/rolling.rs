@@ -19,6 +19,7 @@ const DEAD: HardContact = HardContact {
     reference_indentation: 2.0e-6,
     exponent: 1.11,
     dissipation: 400.0,
+    dust: 0.0,
 };
 
 /// Rolls `wheel` at `speed` [m/s] for `seconds`, and shows every state to `see`.
@@ -33,7 +34,7 @@ fn roll(
     let geometry = WheelGeometry::new(wheel, weight);
     let profile = Profile::new(None, None, 1.0e-3, Seed(0), 0);
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-    let mut ground = HardGround::new(profile, contact, wheel.friction, everywhere);
+    let mut ground = HardGround::new(profile, contact, wheel, everywhere);
     let indentation = contact.reference_indentation
         * (weight / contact.reference_load).powf(1.0 / contact.exponent);
     let start = wheel.tip_radius() - indentation;

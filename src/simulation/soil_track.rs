@@ -20,6 +20,7 @@
 //! its own stiffness.
 
 mod columns;
+mod front_heap;
 mod lug_bite;
 mod rim_shear;
 
@@ -29,12 +30,14 @@ use super::world::{WheelMotion, Wrench};
 use crate::quantity::SlipRatio;
 use crate::soil::contact::{ContactAngles, EffectiveDepth};
 use crate::soil::lug_action::shear_radius;
+use crate::soil::penetration_rate::penetration_rate;
 use crate::soil::pressure_sinkage::PressureSinkage;
 use crate::soil::shear::Shear;
 use crate::soil::{Soil, StressConvention};
 use crate::terrain::profile::Profile;
 use crate::wheel::Wheel;
 use columns::{COLUMN, Columns};
+use front_heap::FrontHeap;
 use libm::{asin, exp, sqrt};
 use lug_bite::LugBites;
 use rim_shear::RimShear;
@@ -91,6 +94,7 @@ pub(super) struct SoilTrack {
     shear_radius: f64,
     rim_shear: RimShear,
     bites: LugBites,
+    heap: FrontHeap,
     facing: Facing,
     field: Field,
     since_field: f64,
@@ -105,6 +109,7 @@ impl SoilTrack {
             shear_radius: shear_radius(wheel, &soil),
             rim_shear: RimShear::new(),
             bites: LugBites::new(wheel, &soil),
+            heap: FrontHeap::default(),
             facing: Facing {
                 direction: 1.0,
                 rolled: 0.0,
@@ -166,8 +171,8 @@ impl SoilTrack {
             let pressed = self.columns.press(index, level);
             let arm = x - stone.centre[0];
             let rise = stone.velocity[1] + stone.spin * arm;
-            let elastic = law.pressure(pressed.virgin - pressed.lowest)
-                - self.soil.unloading_stiffness * (level - pressed.lowest);
+            let depth = pressed.virgin - pressed.lowest;
+            let elastic = law.pressure(depth) - law.unloading_at(depth) * (level - pressed.lowest);
             if elastic <= 0.0 {
                 continue;
             }
@@ -220,6 +225,7 @@ impl SoilTrack {
         self.push_rim(wheel, motion, &contact, &mut field);
         self.bites
             .push(wheel, motion, &contact, &mut self.columns, &mut field);
+        self.heap.push(wheel, &contact, &mut field);
         field
     }
 
@@ -242,7 +248,10 @@ impl SoilTrack {
             direction,
             developed,
             depth: EffectiveDepth::over(angles, &soil, wheel.radius, slip),
-            law: soil.pressure_sinkage(wheel.width, slip),
+            law: soil.pressure_sinkage(wheel.width, slip).at_rate(
+                soil.departures
+                    .rate_factor(penetration_rate(motion.vx, entry)),
+            ),
             shear: soil.shear(),
             wheel_speed: motion.omega * direction,
             forward_speed: motion.vx * direction,
@@ -267,6 +276,7 @@ impl SoilTrack {
             StressConvention::Triangular => Some(self.rim_shear.at(peak, motion.angle, d)),
             StressConvention::WongReece => None,
         };
+        let springing = contact.developed * (1.0 - contact.law.base.pressed(contact.depth.sinkage));
         let (behind, front) = (r * libm::sin(exit), r * libm::sin(entry));
         let [low, high] = if d > 0.0 {
             [behind, front]
@@ -283,12 +293,9 @@ impl SoilTrack {
             }
             let down = sqrt(r * r - u * u);
             let angle = asin(u / r);
-            // Behind straight down the ground springs back along the rim as far as θ_2.
-            let spring_back = if u < 0.0 {
-                contact.developed * (r - down)
-            } else {
-                0.0
-            };
+            // Behind straight down the ground springs back along the rim as far as θ_2; a base
+            // does not.
+            let spring_back = if u < 0.0 { springing * (r - down) } else { 0.0 };
             let level = motion.y - down - spring_back;
             let pressed = self.columns.press(index, level);
             let Some(bearing) = contact.bearing(
@@ -332,6 +339,8 @@ struct Bearing {
     pressure: f64,
     /// Its growth when pressed deeper [Pa/m].
     loading: f64,
+    /// Its fall when let up [Pa/m].
+    unloading: f64,
 }
 
 /// Where soil was pressed to.
@@ -339,31 +348,40 @@ struct Bearing {
 struct Pressed {
     /// Undisturbed height [m].
     virgin: f64,
-    /// Lowest level it was pressed to [m].
+    /// Lowest level it was pressed to [m], with what it will spring back.
     lowest: f64,
+    /// Lowest level that the wheel itself has reached there [m]: so near is a hard base.
+    reached: f64,
 }
 
 impl Contact {
     /// Pressure of soil pressed to `pressed` under a wheel now at `level` [m], of whose depth
     /// `share` counts; `None` where they have parted.
     fn bearing(&self, pressed: Pressed, level: f64, angle: f64, share: f64) -> Option<Bearing> {
+        let depth = pressed.virgin - pressed.reached;
+        let share = share + (1.0 - share) * self.law.base.pressed(depth);
         let counted = (pressed.virgin - pressed.lowest) * share;
         if counted <= 0.0 || angle > std::f64::consts::FRAC_PI_2 {
             return None;
         }
-        let virgin = self.law.pressure(counted);
+        let virgin = self.law.pressure_of(counted, depth);
+        let unloading = self.law.unloading_at(depth);
         let gap = level - pressed.lowest;
-        let elastic = virgin - self.soil.unloading_stiffness * gap;
+        let elastic = virgin - unloading * gap;
         if elastic <= 0.0 {
             return None;
         }
         let loading = if gap > 0.0 {
-            self.soil.unloading_stiffness
+            unloading
         } else {
-            self.law.exponent * virgin / counted.max(1.0e-6)
+            self.law.exponent * virgin / counted.max(1.0e-6) * self.law.growth(counted, depth)
         };
         let pressure = (elastic - self.soil.damping * self.rise).max(0.0);
-        Some(Bearing { pressure, loading })
+        Some(Bearing {
+            pressure,
+            loading,
+            unloading,
+        })
     }
 }
 
@@ -398,7 +416,7 @@ impl Field {
     /// Counts a loaded area [m²] in.
     fn stiffen(&mut self, area: f64, bearing: &Bearing, soil: &Soil) {
         self.stiffness[0] += area * bearing.loading;
-        self.stiffness[1] += area * soil.unloading_stiffness;
+        self.stiffness[1] += area * bearing.unloading;
         self.damping += area * soil.damping;
     }
 
@@ -421,6 +439,7 @@ impl Field {
 mod tests {
     use super::*;
     use crate::quantity::Seed;
+    use crate::soil::departures::Departures;
     use crate::wheel::Lugs;
 
     const DT: f64 = 1.0 / FULL_RATE;
@@ -442,6 +461,7 @@ mod tests {
             damping: 3.0e4,
             bulk_density: 1600.0,
             repose_angle_deg: 32.0,
+            departures: Departures::NONE,
         }
     }
 

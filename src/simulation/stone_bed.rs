@@ -100,7 +100,11 @@ impl BedRecipe {
             .friction(self.stones.friction)
             .friction_combine_rule(CoefficientCombineRule::Min)
             .collision_groups(groups::STONES);
-        let body = RigidBodyBuilder::new(kind).pose(pose).can_sleep(false);
+        let body = RigidBodyBuilder::new(kind)
+            .pose(pose)
+            .linear_damping(self.stones.drag)
+            .angular_damping(self.stones.drag)
+            .can_sleep(false);
         world.insert(body, collider).0
     }
 }
@@ -426,6 +430,7 @@ mod tests {
                 angularity: 0.5,
                 density: 2600.0,
                 friction: 0.6,
+                drag: 0.0,
             },
             laying,
             width: 0.15,
@@ -459,6 +464,32 @@ mod tests {
 
     /// Three sections poured for several tests to look at.
     static POURED: LazyLock<Vec<Vec<PlacedStone>>> = LazyLock::new(|| pour(0, 3));
+
+    #[test]
+    fn drag_slows_a_stone_by_63_percent_in_its_time_constant() {
+        let stones = Stones {
+            drag: 50.0,
+            ..pile(0).stones
+        };
+        let (recipe, mut world) = (BedRecipe { stones, ..pile(0) }, world());
+        world.gravity = Vector::ZERO;
+        let body = recipe.insert(&mut world, &POURED[1][0], RigidBodyType::Dynamic);
+        world.bodies[body].set_linvel(Vector::new(0.1, 0.0), true);
+        world.bodies[body].set_angvel(1.0, true);
+        for _ in 0..160 {
+            world.step();
+        }
+        // 20 ms, a step being 1/160 of that: implicit damping errs by half as much.
+        let left = [
+            world.bodies[body].linvel().x / 0.1,
+            world.bodies[body].angvel(),
+        ];
+        assert!(
+            left.iter()
+                .all(|left| (left * 1f64.exp() - 1.0).abs() < 0.005),
+            "{left:?}"
+        );
+    }
 
     /// Speed [m/s] of the fastest free stone.
     fn fastest(world: &PhysicsWorld, bed: &StoneBed) -> f64 {

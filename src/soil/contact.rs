@@ -125,6 +125,15 @@ impl EffectiveDepth {
         }
     }
 
+    /// Depth [m] to which the rim has pressed the ground at `angle` [rad]: its own ahead of
+    /// straight down, the deepest behind.
+    pub fn pressed(&self, angle: f64) -> f64 {
+        if angle < 0.0 {
+            return self.sinkage;
+        }
+        (self.radius * (libm::cos(angle) - self.cos_entry)).max(0.0)
+    }
+
     /// Height [-] of the triangle that is 1 at the peak and 0 at entry and exit.
     pub fn triangle(&self, angle: f64) -> f64 {
         let ContactAngles { entry, peak, exit } = self.angles;
@@ -191,7 +200,9 @@ impl NormalStress {
     /// Wong and Reece (1967), J. Terramechanics 4(1):81-98; Eq. (62)-(65) for the triangles.
     pub fn at(&self, angle: f64) -> f64 {
         match self.depth.convention {
-            StressConvention::WongReece => self.law.pressure(self.depth.at(angle)),
+            StressConvention::WongReece => self
+                .law
+                .pressure_of(self.depth.at(angle), self.depth.pressed(angle)),
             StressConvention::Triangular => self.peak * self.depth.triangle(angle),
         }
     }

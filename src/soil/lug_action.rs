@@ -29,10 +29,11 @@ use std::f64::consts::TAU;
 ///                 λ = 1 - p/(2L)  otherwise
 /// ```
 ///
-/// `L = l cot(45° - φ/2)` is the wedge's length, `p = 2πr/n_l` the pitch at the rim.
+/// `L = l cot(45° - φ/2)` is the wedge's length, `p = 2πr/n_l` the pitch at the rim. A layer of
+/// soil that clings to the wheel ([`crate::soil::departures`]) adds its thickness.
 pub fn shear_radius(wheel: &Wheel, soil: &Soil) -> f64 {
     let Some(Lugs { count, height, .. }) = wheel.lugs else {
-        return wheel.radius;
+        return wheel.radius + soil.departures.clinging_layer;
     };
     let wedge = height * libm::sqrt(soil.passive_pressure_coefficient());
     let pitch = TAU * wheel.radius / f64::from(count);
@@ -41,7 +42,7 @@ pub fn shear_radius(wheel: &Wheel, soil: &Soil) -> f64 {
     } else {
         1.0 - 0.5 * pitch / wedge
     };
-    wheel.radius + fill * height
+    wheel.radius + fill * height + soil.departures.clinging_layer
 }
 
 /// Part [-] of the arc of `radius` [m] that lugs cover.

@@ -211,6 +211,7 @@ mod tests {
             angularity,
             density: 2600.0,
             friction: 0.6,
+            drag: 0.0,
         }
     }
 

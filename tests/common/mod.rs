@@ -6,6 +6,7 @@ use lugwheel::quantity::{SampleRate, Seed, SlipRatio};
 use lugwheel::simulation::rig::flaws::{DriveFlaws, FrameFlaws};
 use lugwheel::simulation::rig::{Drive, Rig, RoverLeg, SingleWheel};
 use lugwheel::simulation::{Simulation, WheelState};
+use lugwheel::soil::departures::Departures;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::{HardContact, Roughness, Terrain, TerrainSpec};
 use lugwheel::wheel::Wheel;
@@ -15,6 +16,7 @@ pub const CONTACT: HardContact = HardContact {
     reference_indentation: 1.0e-5,
     exponent: 1.11,
     dissipation: 100.0,
+    dust: 0.0,
 };
 
 pub fn sand() -> Soil {
@@ -34,6 +36,7 @@ pub fn sand() -> Soil {
         damping: 3.0e4,
         bulk_density: 1600.0,
         repose_angle_deg: 32.0,
+        departures: Departures::NONE,
     }
 }
 

@@ -116,6 +116,7 @@ impl Columns {
         Pressed {
             virgin: column.virgin,
             lowest: column.pressed,
+            reached: column.pressed,
         }
     }
 

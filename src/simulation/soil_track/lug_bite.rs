@@ -25,14 +25,17 @@ const ENTERED: f64 = 1.0e-3;
 /// What a lug's edge remembers of its stay in the soil.
 #[derive(Debug, Clone, Copy)]
 struct Bite {
-    /// Lowest level pressed [m].
+    /// Lowest level pressed [m], with what it will spring back.
     lowest: f64,
+    /// Lowest level of the edge itself [m].
+    reached: f64,
     /// Shear displacement [m].
     shear: f64,
 }
 
 const NO_BITE: Bite = Bite {
     lowest: f64::INFINITY,
+    reached: f64::INFINITY,
     shear: 0.0,
 };
 
@@ -74,7 +77,10 @@ impl LugBites {
             if edge.y >= surface {
                 let bite = std::mem::replace(&mut self.bites[edge.lug], NO_BITE);
                 if bite.lowest.is_finite() {
-                    columns.print(index, bite.lowest.max(surface - self.wheel.lug_height()));
+                    // What lies on a base does not spring back, and no print reaches into it.
+                    let base = contact.law.base.pressed(virgin - bite.reached);
+                    let bottom = bite.lowest + base * (bite.reached - bite.lowest);
+                    columns.print(index, bottom.max(surface - self.wheel.lug_height()));
                 }
                 continue;
             }
@@ -101,13 +107,15 @@ impl LugBites {
         let (radius, d) = (edge.radius, contact.direction);
         let (sine, cosine) = (edge.arm[0] * d / radius, -edge.arm[1] / radius);
         let angle = asin(sine.clamp(-1.0, 1.0));
+        let bite = &mut self.bites[edge.lug];
+        bite.reached = bite.reached.min(edge.y);
         let spring_back = if angle < 0.0 {
-            contact.developed * radius * (1.0 - cosine)
+            let springing = 1.0 - contact.law.base.pressed(virgin - bite.reached);
+            contact.developed * springing * radius * (1.0 - cosine)
         } else {
             0.0
         };
         let level = edge.y - spring_back;
-        let bite = &mut self.bites[edge.lug];
         bite.lowest = bite.lowest.min(level);
         bite.shear +=
             (radius * contact.wheel_speed - contact.forward_speed * cosine) * contact.elapsed;
@@ -115,6 +123,7 @@ impl LugBites {
             Pressed {
                 virgin,
                 lowest: bite.lowest,
+                reached: bite.reached,
             },
             contact.shear.mobilised(bite.shear),
         );

@@ -1,0 +1,207 @@
+//! What the ideal soil leaves out: it lies deep, is fresh, alike at every speed and never heaped.
+//!
+//! Each number is a departure from that, 0 on ideal soil, where it changes no bit of a run. Some
+//! come in two forms of the same effect, one law and another, so that an effect found with one can
+//! be tried on the other.
+//!
+//! The laws of one place, of the soil's moduli and depths, hold in the quadrature of
+//! [`crate::soil::wheel_load`] too; rate and heap need a motion, and are the simulator's alone.
+//!
+//! | departure | law | where |
+//! |---|---|---|
+//! | slip digs | `z → z/(1 + w(g(s) - 1))` | [`Departures::depth_factor`] |
+//! | former passes | `k_s → k_s (1 + m (1 - e^(-p/p_0)))` | [`Departures::modulus_factor`] |
+//! | precompression | virgin curve from `z_p` on | [`crate::soil::pressure_sinkage`] |
+//! | hard base, two forms | `z → z/(1 - z/H)`, `z → -H ln(1 - z/H)` | [`crate::soil::hard_base`] |
+//! | penetration rate, two forms | `p ∝ żᵐ`, `p ∝ 1 + κ ln(1 + ż/ż_0)` | [`crate::soil::penetration_rate`] |
+//! | heap, two forms | passive pressure on a heap, or on the sunken face | [`crate::soil::bulldozing`] |
+//! | clinging layer | `r_s → r_s + h` | [`crate::soil::lug_action::shear_radius`] |
+
+use crate::quantity::RangeError;
+use libm::expm1;
+use serde::{Deserialize, Serialize};
+
+/// Departures of a soil from the ideal; all 0 on ideal soil.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Departures {
+    /// Weight `w` [-] of the sinkage that slip adds by digging, beside `n_1`; 1 is Lyasko's.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub slip_digging: f64,
+    /// Gain `m` [-] of the soil's moduli where many wheels have passed before.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub compaction: f64,
+    /// Number `p` [-] of wheels that passed before; the surface is that of their rut.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub former_passes: f64,
+    /// Depth `z_p` [m] by which the soil was pressed before, below what was then its surface.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub precompression: f64,
+    /// Nearness `1/H` [1/m] of a hard base at the depth `H`, felt as `1/(1 - z/H)`.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub base_nearness: f64,
+    /// The same, felt as `-ln(1 - z/H)`: later and more suddenly.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub sudden_base_nearness: f64,
+    /// Exponent `m` [-] of pressure over penetration rate.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rate_exponent: f64,
+    /// Share `κ` [-] by which pressure grows with the logarithm of the penetration rate.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rate_logarithm: f64,
+    /// Share `χ` [-] of the soil in its way that the wheel pushes ahead as a heap.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub heap: f64,
+    /// Multiple `B` [-] of the passive pressure on a wall of the wheel's width and sinkage.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub front_pressure: f64,
+    /// Thickness [m] of a layer of soil that clings to the wheel and shears at its outside.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub clinging_layer: f64,
+}
+
+/// Number of passes `p_0` [-] that bring 63 % of the gain: the first does most. A guess.
+const LASTING_PASSES: f64 = 1.5;
+
+impl Departures {
+    /// Ideal soil.
+    pub const NONE: Self = Self {
+        slip_digging: 0.0,
+        compaction: 0.0,
+        former_passes: 0.0,
+        precompression: 0.0,
+        base_nearness: 0.0,
+        sudden_base_nearness: 0.0,
+        rate_exponent: 0.0,
+        rate_logarithm: 0.0,
+        heap: 0.0,
+        front_pressure: 0.0,
+        clinging_layer: 0.0,
+    };
+
+    /// Whether the soil is ideal.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// How many times as deep as in ideal soil a pressure presses this soil at `slip` [-].
+    ///
+    /// ```text
+    /// f = 1 + w (g(s) - 1),  g(s) = (1 + s)/(1 - s/2)
+    /// ```
+    ///
+    /// A slipping wheel digs: its depth at slip `s` is `g(s)` times that at 0. 1 on ideal soil.
+    ///
+    /// # Reference
+    /// Lyasko (2010), J. Terramechanics 47(1):21-31.
+    pub fn depth_factor(&self, slip: f64) -> f64 {
+        let slip = slip.abs();
+        1.0 + self.slip_digging * ((1.0 + slip) / (1.0 - 0.5 * slip) - 1.0)
+    }
+
+    /// How many times as hard as fresh soil this soil is [-].
+    ///
+    /// ```text
+    /// 1 + m (1 - e^(-p/p_0)),  p_0 = 1.5
+    /// ```
+    ///
+    /// `p` wheels passed before, the first of which changed most. 1 on ideal soil.
+    ///
+    /// # Reference
+    /// Holm (1969), J. Terramechanics 6(3):47-71, on passes of wheels; the form and `p_0` are a
+    /// guess.
+    pub fn modulus_factor(&self) -> f64 {
+        1.0 - self.compaction * expm1(-self.former_passes / LASTING_PASSES)
+    }
+
+    /// # Errors
+    /// `RangeError` for a departure outside its physical range.
+    pub fn check(&self) -> Result<(), RangeError> {
+        let checks = [
+            ("slip digging", "-", self.slip_digging, 10.0),
+            ("compaction", "-", self.compaction, 100.0),
+            ("former passes", "-", self.former_passes, 1000.0),
+            ("precompression", "m", self.precompression, 0.5),
+            ("nearness of the hard base", "1/m", self.base_nearness, 1e4),
+            (
+                "sudden nearness of the hard base",
+                "1/m",
+                self.sudden_base_nearness,
+                1e4,
+            ),
+            ("penetration-rate exponent", "-", self.rate_exponent, 1.0),
+            ("penetration-rate logarithm", "-", self.rate_logarithm, 1.0),
+            ("heap share", "-", self.heap, 1.0),
+            ("front pressure", "-", self.front_pressure, 10.0),
+            ("clinging layer", "m", self.clinging_layer, 0.1),
+        ];
+        checks
+            .into_iter()
+            .try_for_each(|(quantity, unit, value, most)| {
+                RangeError::check(quantity, unit, value, [0.0, most]).map(drop)
+            })
+    }
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::soil::{Soil, table_6};
+
+    fn depth(departures: Departures, slip: f64) -> f64 {
+        let soil = Soil {
+            departures,
+            sinkage_exponent_slip: 0.0,
+            ..table_6::sand()
+        };
+        soil.pressure_sinkage(0.15, slip).sinkage(5.0e3)
+    }
+
+    #[test]
+    fn ideal_soil_is_the_soil_without_departures_bit_for_bit() {
+        let none = Departures::NONE;
+        for slip in [-0.5, 0.0, 0.1, 0.9] {
+            assert_eq!(none.depth_factor(slip), 1.0);
+            let (soil, slip_law) = (table_6::sand(), table_6::sand().exponent(slip));
+            let law = soil.pressure_sinkage(0.15, slip);
+            assert_eq!(law.modulus, soil.sinkage_modulus(0.15));
+            for z in [1e-6, 0.003, 0.02] {
+                assert_eq!(law.pressure(z), law.modulus * libm::pow(z, slip_law));
+            }
+        }
+    }
+
+    #[test]
+    fn a_wheel_that_digs_as_lyasko_says_sinks_by_g_of_slip() {
+        let digging = Departures {
+            slip_digging: 1.0,
+            ..Departures::NONE
+        };
+        let deeper = |slip| depth(digging, slip) / depth(Departures::NONE, slip);
+        assert!((deeper(0.0) - 1.0).abs() < 1e-12);
+        assert!((deeper(0.4) - 1.75).abs() < 1e-12);
+        assert!((deeper(-0.4) - 1.75).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_first_former_pass_hardens_soil_more_than_any_later_one() {
+        let hardness = |former_passes| {
+            let departures = Departures {
+                compaction: 0.5,
+                former_passes,
+                ..Departures::NONE
+            };
+            departures.modulus_factor()
+        };
+        assert_eq!(hardness(0.0), 1.0);
+        let gains: Vec<f64> = (0..6)
+            .map(|p| hardness(f64::from(p + 1)) - hardness(f64::from(p)))
+            .collect();
+        assert!(gains.windows(2).all(|pair| pair[1] < 0.6 * pair[0]));
+        assert!((hardness(100.0) - 1.5).abs() < 1e-12);
+    }
+}
