@@ -548,13 +548,7 @@ fn noisy_slip_and_sinkage_need_their_uncertainties_stated() {
         }
     });
     for (stated, hidden) in stated.iter().zip(&hidden) {
-        // Linear propagation of errors of a tenth of the sinkage: not quite 95 %.
-        assert!(
-            stated.coverage > 0.85,
-            "{}: {}",
-            stated.name,
-            stated.coverage
-        );
+        assert_covers(stated.coverage, stated.name);
         assert!(stated.sd <= 1.1 * hidden.sd, "{}", stated.name);
     }
 }

@@ -210,6 +210,10 @@ fn print_errors(title: &str, foretold: &[&Foretold], all: &[SteadyLoad]) -> [f64
         .map(|channel| (channel.name, errors(foretold, all, channel)));
     print!("  {title:12}");
     for (name, errors) in &found {
+        if errors.of_range.iter().all(|error| error.is_nan()) {
+            print!("  {name} not measured");
+            continue;
+        }
         let [range, value] = [&errors.of_range, &errors.relative].map(|e| median(e));
         let n = foretold.len();
         print!(
@@ -333,14 +337,22 @@ fn a_shear_modulus_from_the_ring_is_several_times_that_of_the_wheels() {
     );
     for wheel in ding() {
         for variant in &VARIANTS {
+            let by_tips = variant.cylinder == Cylinder::LugTips;
+            if by_tips && wheel.lug_height == 0.0 {
+                continue;
+            }
             let [pull, sinkage, _] = foretell(&wheel, variant);
             assert!(sinkage <= 15.0, "{sinkage}");
-            // Asked are 10 %; a shear modulus from the ring does not fit these wheels.
-            let ring = variant
-                .fixed
-                .iter()
-                .any(|(p, _)| *p == Parameter::ShearModulus);
-            assert_eq!(pull > 10.0, ring, "{}: {pull}", variant.title);
+            // Asked are 10 %. The ring's shear modulus fits neither wheel by its rim; the lugged
+            // one by the circle through its lugs' edges.
+            let fixed = variant.fixed.iter();
+            let by_ring = fixed.map(|(p, _)| p).any(|p| *p == Parameter::ShearModulus);
+            assert_eq!(
+                pull > 10.0,
+                by_ring && !by_tips,
+                "{}: {pull}",
+                variant.title
+            );
         }
         let setting = VARIANTS[1].setting(wheel.rim, wheel.lug_height);
         let estimate = identify(&wheel.rows, Wtic::Leis, &setting).unwrap();
