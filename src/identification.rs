@@ -37,6 +37,7 @@ mod precision;
 mod prediction;
 mod profile;
 mod row;
+mod search;
 mod stages;
 mod steady;
 mod warning;
@@ -61,12 +62,12 @@ use crate::terrain::class::Wtic;
 use directions::Directions;
 use forces::Knowledge;
 use joint::Joint;
-use least_squares::{Minimum, Residuals, minimise_from};
+use least_squares::Minimum;
 use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
-use stages::{ANGLES, STRENGTHS};
+use search::Search;
 use weight::Scale;
 
 /// Why rows cannot be identified.
@@ -160,18 +161,6 @@ pub struct Identification {
 /// Slips [-] closer than this are one.
 const SAME_SLIP: f64 = 1.0e-3;
 
-/// Where fits begin: the middle of sands, and of the paper's exponents `n_0` for hard ground.
-const START: TerrainParameters = TerrainParameters {
-    stress_angle: 0.4,
-    stress_angle_slip: 0.0,
-    sinkage_modulus: 1.0e6,
-    sinkage_exponent: 0.5,
-    sinkage_exponent_slip: 0.5,
-    cohesion: 300.0,
-    friction_angle_deg: 30.0,
-    shear_modulus: 0.01,
-};
-
 impl Identification {
     /// # Errors
     /// `UnknownClass` for [`Wtic::Uwtic`]; `Setting` and `Row` for numbers out of range, the row
@@ -201,14 +190,14 @@ impl Identification {
     /// The paper's three stages, one after the other; `None` without torques, which all three
     /// need.
     pub fn staged(&self) -> Option<Staged> {
-        self.rows[0].has_torque().then(|| {
-            let mut at = self.start();
-            let terminations = Stage::ALL.map(|stage| self.advance(stage, &self.rows, &mut at));
-            Staged {
-                parameters: TerrainParameters::at(&at),
-                terminations,
-            }
-        })
+        self.search().staged()
+    }
+
+    fn search(&self) -> Search<'_> {
+        Search {
+            model: &self.model,
+            rows: &self.rows,
+        }
     }
 
     /// The stages, then all rows and channels at once, with intervals from the covariance.
@@ -218,7 +207,8 @@ impl Identification {
     pub fn estimate(&self) -> Result<Estimate, IdentifyError> {
         let staged = self.staged();
         let joint = Joint::new(self.model, &self.rows);
-        let best = self.best(&joint, staged.as_ref())?;
+        let best = self.search().best(&joint, staged.as_ref());
+        let best = best.ok_or(IdentifyError::NotFinite)?;
         let directions = Directions::new(&joint, &best.at, &self.model.free());
         let precision = self.precision(&joint, &best, &directions);
         let mut estimate = Estimate {
@@ -353,122 +343,6 @@ impl Identification {
         estimate.combinations = combination::fixed(&self.model, at, &self.rows, directions, told);
     }
 
-    /// What is known before any row: the start, switched to the class.
-    fn start(&self) -> Coordinates {
-        let mut start = START.coordinates();
-        self.model.switch(&mut start);
-        start
-    }
-
-    fn advance(&self, stage: Stage, rows: &[SteadyLoad], at: &mut Coordinates) -> Termination {
-        match stages::run(stage, &self.model, rows, *at) {
-            Some(minimum) => {
-                *at = minimum.at;
-                minimum.termination
-            }
-            None => Termination::NotFinite,
-        }
-    }
-
-    /// The least of the minima that the starts lead to; of many more where the first ends at the
-    /// end of a range or misses the rows, as along the ridge that one load makes of `k_s` and
-    /// `n_0`.
-    fn best(&self, joint: &Joint, staged: Option<&Staged>) -> Result<Minimum, IdentifyError> {
-        let moved = self.model.moved();
-        let first = minimise_from(joint, self.starts(staged), &moved);
-        let first = first.ok_or(IdentifyError::NotFinite)?;
-        let freedom = joint.forces().saturating_sub(moved.len());
-        let missed = Precision::new(Scale::of(&self.rows).known, first.chi_square, freedom);
-        let held = |p: &Parameter| p.is_at_bound(first.at[*p as usize]);
-        if missed.misfit.is_none() && !moved.iter().any(held) {
-            return Ok(first);
-        }
-        let nearest = nearest(joint, self.more_starts(first.at));
-        let more = minimise_from(joint, nearest, &moved);
-        Ok(more
-            .filter(|more| more.chi_square < first.chi_square)
-            .unwrap_or(first))
-    }
-
-    /// Starts with the angles of `at`, exponents from plates on loose to layered soils, and
-    /// strengths from loose to crusted sands.
-    fn more_starts(&self, at: Coordinates) -> Vec<Coordinates> {
-        const EXPONENTS: [f64; 4] = [0.3, 0.8, 1.3, 2.0];
-        let angles = ANGLES.map(|[c_1, c_2]| {
-            [
-                (Parameter::StressAngle, c_1),
-                (Parameter::StressAngleSlip, c_2),
-            ]
-        });
-        let mut starts = Vec::new();
-        for exponent in EXPONENTS {
-            for angles in angles {
-                for strength in STRENGTHS {
-                    let mut start = at;
-                    let shear = Stage::ShearStress.parameters().iter().copied();
-                    let set = angles.into_iter().chain(shear.zip(strength));
-                    for (parameter, value) in set.chain([(Parameter::SinkageExponent, exponent)]) {
-                        start[parameter as usize] = parameter.coordinate(value);
-                    }
-                    self.model.switch(&mut start);
-                    starts.push(self.with_pressure(start));
-                }
-            }
-        }
-        starts
-    }
-
-    /// `at` with the sinkage modulus that carries the mean load.
-    fn with_pressure(&self, mut at: Coordinates) -> Coordinates {
-        let modulus = Parameter::SinkageModulus;
-        if !self.model.moved().contains(&modulus) {
-            return at;
-        }
-        let soil = self.model.soil(&at);
-        let ratio =
-            |row: &SteadyLoad| row.load / self.model.contact(&at, row).loads(&soil).normal_force;
-        let logarithms = self
-            .rows
-            .iter()
-            .map(ratio)
-            .filter(|r| *r > 0.0)
-            .map(libm::log);
-        let sum: f64 = logarithms.sum();
-        at[modulus as usize] += sum / self.rows.len() as f64;
-        at
-    }
-
-    /// Where the fit of all rows begins: at the stages' result, and at that of the later stages
-    /// with the usual angles, for noise may lead the first stage far astray. Without torques, at
-    /// the later stages' results for those torques that different angles leave.
-    fn starts(&self, staged: Option<&Staged>) -> Vec<Coordinates> {
-        let usual = self.start();
-        if let Some(staged) = staged {
-            let begun = staged.parameters.coordinates();
-            return vec![begun, self.later_stages(&self.rows, usual)];
-        }
-        let angles = ANGLES.map(|[c_1, c_2]| {
-            let mut at = usual;
-            at[Parameter::StressAngle as usize] = c_1;
-            at[Parameter::StressAngleSlip as usize] = c_2;
-            self.model.switch(&mut at);
-            at
-        });
-        let begun = angles.into_iter().chain([usual]).map(|at| {
-            let torque = |row| self.model.with_torque(&at, row);
-            let rows: Vec<SteadyLoad> = self.rows.iter().map(torque).collect();
-            self.later_stages(&rows, at)
-        });
-        begun.collect()
-    }
-
-    fn later_stages(&self, rows: &[SteadyLoad], mut at: Coordinates) -> Coordinates {
-        for stage in [Stage::NormalStress, Stage::ShearStress] {
-            self.advance(stage, rows, &mut at);
-        }
-        at
-    }
-
     /// What the data say of one parameter.
     fn identified(
         &self,
@@ -517,16 +391,6 @@ struct Around {
     best: Minimum,
     directions: Directions,
     precision: Precision,
-}
-
-/// The few starts that explain the rows best as they are.
-fn nearest(joint: &Joint, starts: Vec<Coordinates>) -> impl Iterator<Item = Coordinates> {
-    const DESCENTS: usize = 4;
-    let square = |at: &Coordinates| joint.residuals(at).iter().map(|r| r * r).sum::<f64>();
-    let mut ranked: Vec<(f64, Coordinates)> =
-        starts.into_iter().map(|at| (square(&at), at)).collect();
-    ranked.sort_by(|one, other| one.0.total_cmp(&other.0));
-    ranked.into_iter().take(DESCENTS).map(|(_, at)| at)
 }
 
 /// # Errors
@@ -583,6 +447,7 @@ fn correlation(directions: &Directions) -> Vec<Vec<Option<f64>>> {
 
 #[cfg(test)]
 mod tests {
+    use super::least_squares::minimise_from;
     use super::*;
     use crate::quantity::Seed;
     use crate::soil::closed_form::{self, Rim};

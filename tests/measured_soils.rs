@@ -9,7 +9,7 @@
 use lugwheel::dataset::csv::Campaign;
 use lugwheel::identification::{
     Cylinder, Estimate, Identification, Known, Parameter, PlateFit, Predicted, Prediction,
-    Predictor, Setting, SteadyLoad, Uncertainty, identify, steady_loads,
+    Predictor, Setting, Standing, SteadyLoad, Uncertainty, identify, steady_loads,
 };
 use lugwheel::soil::closed_form::Rim;
 use lugwheel::terrain::class::Wtic;
@@ -227,19 +227,23 @@ fn print_errors(title: &str, foretold: &[&Foretold], all: &[SteadyLoad]) -> [f64
 
 fn print_estimate(estimate: &Estimate) {
     for identified in &estimate.parameters {
+        let told = match (identified.standing, identified.ci95()) {
+            (Standing::Identified, [Some(low), Some(high)]) => format!("[{low:.4}, {high:.4}]"),
+            (Standing::Given, _) => "given".to_owned(),
+            _ => "not identifiable".to_owned(),
+        };
+        let (parameter, value) = (identified.parameter, identified.value);
         println!(
-            "  {:4} {:12.5} {:?} {:.4?} {}",
-            identified.parameter.name(),
-            identified.value,
-            identified.standing,
-            identified.ci95(),
-            identified.parameter.unit()
+            "  {:4} {value:12.4} {told} {}",
+            parameter.name(),
+            parameter.unit()
         );
     }
-    println!(
-        "  chi2 {:.1} of {} degrees of freedom; force errors {:?}; {:?}",
-        estimate.chi_square, estimate.degrees_of_freedom, estimate.force_errors, estimate.warnings
-    );
+    let per_freedom = estimate.chi_square / estimate.degrees_of_freedom as f64;
+    println!("  reduced chi square {per_freedom:.1}");
+    for warning in &estimate.warnings {
+        println!("  warning: {warning}");
+    }
 }
 
 /// What is fixed, and the cylinder that stands for the wheel.
@@ -400,7 +404,10 @@ fn carnegie_mellons_wheel_follows_from_its_plates() {
     let nearest = plates.iter().filter(|(diameter, _)| *diameter < 0.07);
     let points: Vec<[f64; 2]> = nearest.flat_map(|(_, points)| points.clone()).collect();
     let plate = PlateFit::of(&points).unwrap();
-    println!("60 mm together: {plate:?}");
+    println!(
+        "60 mm together: k {:.3e} N/m^(n+2), n {:.3}",
+        plate.modulus, plate.exponent
+    );
     let mut rows: Vec<SteadyLoad> = campaign("cmu-single-wheel/smooth_wheel_runs.toml")
         .iter()
         .flat_map(|trace| steady_loads(trace).unwrap())
@@ -440,12 +447,10 @@ fn carnegie_mellons_wheel_follows_from_its_plates() {
         let estimate = identification.estimate().unwrap();
         print_estimate(&estimate);
         for combination in &estimate.combinations {
+            let [low, high] = combination.interval;
+            let (name, place, value) = (combination.name, &combination.place, combination.value);
             println!(
-                "  {} ({}) = {:.4e} {:?} {}",
-                combination.name,
-                combination.place,
-                combination.value,
-                combination.interval,
+                "  {name} ({place}) = {value:.3e} [{low:.3e}, {high:.3e}] {}",
                 combination.unit
             );
         }
