@@ -3,30 +3,9 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use lugwheel::identification::{Identification, Setting, SteadyLoad, identify};
 use lugwheel::soil::closed_form::{self, Rim};
-use lugwheel::soil::departures::Departures;
-use lugwheel::soil::{Soil, StressConvention};
+use lugwheel::soil::table_6;
 use lugwheel::terrain::class::Wtic;
 use std::hint::black_box;
-
-/// The sand of Table 6.
-const SAND: Soil = Soil {
-    convention: StressConvention::Triangular,
-    cohesive_modulus: 0.0,
-    frictional_modulus: 2.4904e6,
-    sinkage_exponent: 0.8169,
-    sinkage_exponent_slip: 1.296,
-    cohesion: 308.6,
-    friction_angle_deg: 29.67,
-    shear_modulus: 0.0066,
-    stress_angle: 0.4424,
-    stress_angle_slip: -0.6379,
-    exit_angle: 0.0,
-    unloading_stiffness: 2.0e8,
-    damping: 0.0,
-    bulk_density: 1600.0,
-    repose_angle_deg: 30.0,
-    departures: Departures::NONE,
-};
 
 const RIM: Rim = Rim {
     radius: 0.155,
@@ -42,7 +21,7 @@ fn rows(depths: &[f64]) -> Vec<SteadyLoad> {
         .flat_map(|&depth| slips.map(|slip| (depth, slip)));
     let row = |(index, (depth, slip)): (usize, (f64, f64))| {
         let sinkage = depth * (1.0 + 8.0 * slip);
-        let loads = closed_form::loads(RIM, &SAND, sinkage, slip);
+        let loads = closed_form::loads(RIM, &table_6::sand(), sinkage, slip);
         let off = 1.0 + 0.02 * f64::sin(index as f64);
         SteadyLoad {
             slip,

@@ -470,14 +470,7 @@ mod tests {
         let row = |slip: f64, load: f64| {
             let sinkage = sinkage_at(&smooth, soil, load, slip).unwrap();
             let loads = closed_form::loads(setting().rim, soil, sinkage, slip);
-            SteadyLoad {
-                slip,
-                sinkage,
-                drawbar_pull: loads.drawbar_pull,
-                load: loads.normal_force,
-                driving_torque: loads.driving_torque,
-                uncertainty: None,
-            }
+            SteadyLoad::new(slip, sinkage, loads)
         };
         let pairs = loads
             .iter()
@@ -489,14 +482,7 @@ mod tests {
     fn rigid(soil: &Soil, rim: Rim, slips: &[f64]) -> Vec<SteadyLoad> {
         let row = |&slip: &f64| {
             let loads = closed_form::loads(rim, soil, RIGID_SINKAGE, slip);
-            SteadyLoad {
-                slip,
-                sinkage: f64::NAN,
-                drawbar_pull: loads.drawbar_pull,
-                load: loads.normal_force,
-                driving_torque: loads.driving_torque,
-                uncertainty: None,
-            }
+            SteadyLoad::new(slip, f64::NAN, loads)
         };
         slips.iter().map(row).collect()
     }

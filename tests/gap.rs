@@ -14,7 +14,7 @@ use lugwheel::identification::{Setting, SteadyLoad};
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::soil::closed_form::{self, Rim};
-use lugwheel::soil::{Soil, StressConvention};
+use lugwheel::soil::table_6;
 use lugwheel::terrain::class::Wtic;
 use lugwheel::trace::{Channel, RunAttributes, Trace};
 use proptest::prelude::*;
@@ -578,31 +578,11 @@ fn a_torque_read_too_high_is_the_stage_that_moves_the_terrain() {
         radius: 0.155,
         width: 0.15,
     };
-    let soil = Soil {
-        convention: StressConvention::Triangular,
-        cohesive_modulus: 0.0,
-        frictional_modulus: 2.4904e6,
-        sinkage_exponent: 0.8169,
-        sinkage_exponent_slip: 1.296,
-        cohesion: 308.6,
-        friction_angle_deg: 29.67,
-        shear_modulus: 0.0066,
-        stress_angle: 0.4424,
-        stress_angle_slip: -0.6379,
-        exit_angle: 0.0,
-        ..common::sand()
-    };
+    let soil = table_6::sand();
     let row = |slip: f64| {
         let sinkage = 0.01 * (1.0 + 3.0 * slip);
         let loads = closed_form::loads(rim, &soil, sinkage, slip);
-        SteadyLoad {
-            slip,
-            sinkage,
-            drawbar_pull: loads.drawbar_pull,
-            load: loads.normal_force,
-            driving_torque: loads.driving_torque,
-            uncertainty: None,
-        }
+        SteadyLoad::new(slip, sinkage, loads)
     };
     let made: Vec<SteadyLoad> = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6].map(row).to_vec();
     let real: Vec<SteadyLoad> = made

@@ -12,9 +12,8 @@ use lugwheel::identification::{
 };
 use lugwheel::quantity::Seed;
 use lugwheel::soil::closed_form::{self, Rim};
-use lugwheel::soil::departures::Departures;
+use lugwheel::soil::table_6;
 use lugwheel::soil::wheel_load::sinkage_at;
-use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::class::Wtic;
 use lugwheel::wheel::Wheel;
 use rand_distr::{Distribution, StandardNormal};
@@ -88,30 +87,10 @@ fn setting() -> Setting {
     Setting::new(Rim::from(&Wheel::rover()))
 }
 
-/// What the closed forms do not ask of a soil, and `c_3 = 0`.
-const BASE: Soil = Soil {
-    convention: StressConvention::Triangular,
-    cohesive_modulus: 0.0,
-    frictional_modulus: 1.0,
-    sinkage_exponent: 1.0,
-    sinkage_exponent_slip: 0.0,
-    cohesion: 0.0,
-    friction_angle_deg: 30.0,
-    shear_modulus: 0.0,
-    stress_angle: 0.0,
-    stress_angle_slip: 0.0,
-    exit_angle: 0.0,
-    unloading_stiffness: 2.0e8,
-    damping: 0.0,
-    bulk_density: 1600.0,
-    repose_angle_deg: 30.0,
-    departures: Departures::NONE,
-};
-
 impl Terrain {
     /// Rows without noise at every slip and load.
     fn rows(&self, loads: &[f64]) -> Vec<SteadyLoad> {
-        let soil = self.truth.on(&BASE);
+        let soil = self.truth.on(&table_6::sand());
         let rows = loads.iter().flat_map(|&load| {
             SLIPS.map(|slip| {
                 let sinkage = match self.class {
@@ -119,14 +98,7 @@ impl Terrain {
                     _ => RIGID_SINKAGE,
                 };
                 let loads = closed_form::loads(setting().rim, &soil, sinkage, slip);
-                SteadyLoad {
-                    slip,
-                    sinkage,
-                    drawbar_pull: loads.drawbar_pull,
-                    load: loads.normal_force,
-                    driving_torque: loads.driving_torque,
-                    uncertainty: None,
-                }
+                SteadyLoad::new(slip, sinkage, loads)
             })
         });
         rows.collect()

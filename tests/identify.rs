@@ -5,9 +5,8 @@ use lugwheel::dataset::hdf5::RunFileWriter;
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::soil::closed_form::{self, Rim};
-use lugwheel::soil::departures::Departures;
+use lugwheel::soil::table_6;
 use lugwheel::soil::wheel_load::sinkage_at;
-use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{Channel, Mean, RunAttributes, Trace, unit_of};
 use lugwheel::wheel::Wheel;
@@ -21,35 +20,15 @@ use tempfile::TempDir;
 const SLIPS: [f64; 8] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
 const LOADS: [f64; 3] = [60.0, 109.0, 200.0];
 
-/// Sand of Table 6, its cohesion in Pa.
-const SAND: Soil = Soil {
-    convention: StressConvention::Triangular,
-    cohesive_modulus: 0.0,
-    frictional_modulus: 2.4904e6,
-    sinkage_exponent: 0.8169,
-    sinkage_exponent_slip: 1.296,
-    cohesion: 308.6,
-    friction_angle_deg: 29.67,
-    shear_modulus: 0.0066,
-    stress_angle: 0.4424,
-    stress_angle_slip: -0.6379,
-    exit_angle: 0.0,
-    unloading_stiffness: 2.0e8,
-    damping: 0.0,
-    bulk_density: 1600.0,
-    repose_angle_deg: 30.0,
-    departures: Departures::NONE,
-};
-
-/// A run of means at `slip` under `load` [N] as Eq. (62)-(64) give them on `SAND`.
+/// A run of means at `slip` under `load` [N] as Eq. (62)-(64) give them on the sand of Table 6.
 fn run(slip: f64, load: f64) -> Trace {
     let wheel = Wheel::rover();
     let smooth = Wheel {
         lugs: None,
         ..wheel
     };
-    let sinkage = sinkage_at(&smooth, &SAND, load, slip).unwrap();
-    let loads = closed_form::loads(Rim::from(&wheel), &SAND, sinkage, slip);
+    let sinkage = sinkage_at(&smooth, &table_6::sand(), load, slip).unwrap();
+    let loads = closed_form::loads(Rim::from(&wheel), &table_6::sand(), sinkage, slip);
     let mean = |(name, value): (&str, f64)| Mean {
         name: name.to_owned(),
         unit: unit_of(name).unwrap().to_owned(),

@@ -14,14 +14,7 @@ impl Estimate {
             class: self.class,
             setting: *setting,
         };
-        let measured = SteadyLoad {
-            slip,
-            sinkage,
-            drawbar_pull: f64::NAN,
-            load: f64::NAN,
-            driving_torque: f64::NAN,
-            uncertainty: None,
-        };
+        let measured = SteadyLoad::at(slip, sinkage);
         let seen = setting.seen(&measured, self.class);
         let soil = model.soil(&self.terrain.coordinates());
         closed_form::loads(model.surface(), &soil, seen.sinkage, seen.slip)

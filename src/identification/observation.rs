@@ -350,14 +350,7 @@ mod tests {
     /// What the sand carries at 12 mm and slip 0.3, read at another sinkage and slip.
     fn read(sinkage: f64, slip: f64) -> Observation {
         let loads = closed_form::loads(model().surface(), &table_6::sand(), 0.012, 0.3);
-        let row = SteadyLoad {
-            slip,
-            sinkage,
-            drawbar_pull: loads.drawbar_pull,
-            load: loads.normal_force,
-            driving_torque: loads.driving_torque,
-            uncertainty: None,
-        };
+        let row = SteadyLoad::new(slip, sinkage, loads);
         let sd = Uncertainty {
             slip: 0.02,
             sinkage: 0.002,

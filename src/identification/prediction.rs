@@ -153,26 +153,14 @@ fn solve(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Soluti
     }
 }
 
-/// A row that says no more than where a wheel rolls.
-fn place(sinkage: f64, slip: f64) -> SteadyLoad {
-    SteadyLoad {
-        slip,
-        sinkage,
-        drawbar_pull: f64::NAN,
-        load: f64::NAN,
-        driving_torque: f64::NAN,
-        uncertainty: None,
-    }
-}
-
 fn sunk(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solution> {
     let soil = model.soil(at);
     let loads = |log_sinkage: f64| {
-        let row = place(libm::exp(log_sinkage), slip);
+        let row = SteadyLoad::at(slip, libm::exp(log_sinkage));
         model.contact(at, &row).loads(&soil)
     };
     let log_sinkage = first_root(|x| loads(x).normal_force - load, model.surface().radius)?;
-    let row = place(libm::exp(log_sinkage), slip);
+    let row = SteadyLoad::at(slip, libm::exp(log_sinkage));
     let here = loads(log_sinkage);
     // Central difference: relative rounding of 1e-13 over 1e-5.
     const STEP: f64 = 1e-5;
@@ -196,7 +184,7 @@ fn sunk(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solutio
 
 fn on_top(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Solution {
     let soil = model.soil(at);
-    let contact = model.contact(at, &place(RIGID_SINKAGE, slip));
+    let contact = model.contact(at, &SteadyLoad::at(slip, RIGID_SINKAGE));
     let here = contact.loads(&soil);
     let part = load / here.normal_force;
     let slopes = in_order(contact.load_gradient(&soil)).map(|by| {
@@ -263,14 +251,7 @@ mod tests {
         let sand = table_6::sand();
         let sinkage = sinkage_at(&smooth(), &sand, load, slip).unwrap();
         let loads = closed_form::loads(Rim::from(&smooth()), &sand, sinkage, slip);
-        SteadyLoad {
-            slip,
-            sinkage,
-            drawbar_pull: loads.drawbar_pull,
-            load: loads.normal_force,
-            driving_torque: loads.driving_torque,
-            uncertainty: None,
-        }
+        SteadyLoad::new(slip, sinkage, loads)
     }
 
     fn rows(loads: &[f64]) -> Vec<SteadyLoad> {

@@ -4,7 +4,7 @@ use super::IdentifyError;
 use super::known::Known;
 use crate::quantity::RangeError;
 use crate::soil::closed_form::Rim;
-use crate::soil::wheel_load::Rolling;
+use crate::soil::wheel_load::{Rolling, WheelLoad};
 use crate::terrain::class::Wtic;
 use crate::trace::RunAttributes;
 use serde::Deserialize;
@@ -50,6 +50,28 @@ pub struct Uncertainty {
 }
 
 impl SteadyLoad {
+    /// `loads` at a `slip` [-] and `sinkage` [m], their uncertainties unknown.
+    pub fn new(slip: f64, sinkage: f64, loads: WheelLoad) -> Self {
+        Self {
+            slip,
+            sinkage,
+            drawbar_pull: loads.drawbar_pull,
+            load: loads.normal_force,
+            driving_torque: loads.driving_torque,
+            uncertainty: None,
+        }
+    }
+
+    /// Where a wheel rolls, its loads unknown.
+    pub(super) fn at(slip: f64, sinkage: f64) -> Self {
+        let unknown = WheelLoad {
+            normal_force: f64::NAN,
+            drawbar_pull: f64::NAN,
+            driving_torque: f64::NAN,
+        };
+        Self::new(slip, sinkage, unknown)
+    }
+
     /// Whether the row has a torque.
     pub fn has_torque(&self) -> bool {
         !self.driving_torque.is_nan()
