@@ -62,12 +62,13 @@ use crate::terrain::class::Wtic;
 use directions::Directions;
 use forces::Knowledge;
 use joint::Joint;
-use least_squares::Minimum;
+use least_squares::{Minimum, minimise_from};
 use model::Model;
 use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
 use search::Search;
+use std::cell::Cell;
 use weight::Scale;
 
 /// Why rows cannot be identified.
@@ -175,13 +176,19 @@ impl Identification {
             setting: *setting,
         };
         let rows = row::seen(rows, class, setting)?;
-        if rows[0].has_torque() {
+        if rows.iter().all(SteadyLoad::has_torque) {
             enough_for_stages(&model, &rows)?;
         } else {
             enough_without_torque(&model, &rows)?;
         }
         let slip = rows[0].slip;
-        if rows.iter().all(|row| (row.slip - slip).abs() < SAME_SLIP) {
+        let same = rows.iter().all(|row| (row.slip - slip).abs() < SAME_SLIP);
+        let of_slip = [
+            Parameter::StressAngleSlip,
+            Parameter::SinkageExponentSlip,
+            Parameter::ShearModulus,
+        ];
+        if same && !model.moved_among(&of_slip).is_empty() {
             return Err(IdentifyError::OneSlip { slip });
         }
         Ok(Self { model, rows })
@@ -209,8 +216,13 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = self.search().best(&joint, staged.as_ref());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        let directions = Directions::new(&joint, &best.at, &self.model.free());
-        let precision = self.precision(&joint, &best, &directions);
+        Ok(self.told(&joint, best, staged))
+    }
+
+    /// What a minimum says.
+    fn told(&self, joint: &Joint, best: Minimum, staged: Option<Staged>) -> Estimate {
+        let directions = Directions::new(joint, &best.at, &self.model.seen_in(&best.at));
+        let precision = self.precision(joint, &best, &directions);
         let mut estimate = Estimate {
             class: self.model.class,
             terrain: TerrainParameters::at(&best.at),
@@ -225,14 +237,29 @@ impl Identification {
             termination: best.termination,
             warnings: warning::all(&self.model, &self.rows, &best, (&directions, precision)),
         };
-        self.demote(&mut estimate, &best.at);
+        self.demote(&mut estimate, &best.at, &directions);
         self.combine(&mut estimate, &best.at, &directions, precision);
-        Ok(estimate)
+        estimate
     }
 
     /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
-    /// parameter whose profile says nothing useful is then no longer identified.
+    /// parameter whose profile says nothing useful is then no longer identified. Where the profile
+    /// meets a lower minimum, the estimate moves there first.
     pub fn profile(&self, estimate: &mut Estimate) {
+        const MOVES: u32 = 3;
+        for _ in 0..MOVES {
+            let Some(lower) = self.profile_once(estimate) else {
+                return;
+            };
+            let joint = Joint::new(self.model, &self.rows);
+            let moved = minimise_from(&joint, [lower.at], &self.model.moved());
+            *estimate = self.told(&joint, moved.unwrap_or(lower), estimate.staged);
+        }
+        self.profile_once(estimate);
+    }
+
+    /// The same without moving; the lower minimum where it met one.
+    fn profile_once(&self, estimate: &mut Estimate) -> Option<Minimum> {
         let Around {
             joint,
             best,
@@ -244,30 +271,41 @@ impl Identification {
             best,
             moved: &self.model.moved(),
             limit: precision.limit(),
+            lower: Cell::new(None),
         };
         for identified in &mut estimate.parameters {
-            if directions.free().contains(&identified.parameter) {
+            if self.model.standing(identified.parameter).is_none() {
                 profile.complete(identified);
             }
         }
         self.combine(estimate, &best.at, &directions, precision);
+        profile.lower.get()
     }
 
-    /// Identifies no parameter that goes with one which the end of its range holds: it would be
-    /// elsewhere if that one could go on.
-    fn demote(&self, estimate: &mut Estimate, at: &Coordinates) {
+    /// Identifies no parameter that the end of its range holds, nor one of the same stage or one
+    /// that goes with it: they would be elsewhere if that one could go on.
+    fn demote(&self, estimate: &mut Estimate, at: &Coordinates, directions: &Directions) {
         const TOGETHER: f64 = 0.9;
-        let free = self.model.free();
-        let moved = self.model.moved();
-        let held = |p: Parameter| moved.contains(&p) && p.is_at_bound(at[p as usize]);
-        for (row, parameter) in free.iter().enumerate() {
-            let goes_with = |column: usize| {
-                let correlation = estimate.correlation[row][column];
-                column != row && correlation.is_none_or(|c| c.abs() > TOGETHER)
-            };
-            let leans = (0..free.len()).any(|column| held(free[column]) && goes_with(column));
-            let identified = &mut estimate.parameters[*parameter as usize];
-            if held(*parameter) || leans {
+        let free = directions.free();
+        let held: Vec<Parameter> = self
+            .model
+            .moved()
+            .into_iter()
+            .filter(|p| p.is_at_bound(at[*p as usize]) && !p.is_as_good_as_zero(at[*p as usize]))
+            .collect();
+        for parameter in self.model.free() {
+            let leans = held.iter().any(|held| {
+                let place = |of: Parameter| free.iter().position(|p| *p == of);
+                let together = place(parameter)
+                    .zip(place(*held))
+                    .is_some_and(|(row, column)| {
+                        let correlation = estimate.correlation[row][column];
+                        correlation.is_none_or(|c| c.abs() > TOGETHER)
+                    });
+                parameter == *held || together || Stage::of(parameter) == Stage::of(*held)
+            });
+            if leans {
+                let identified = &mut estimate.parameters[parameter as usize];
                 identified.standing = Standing::NotIdentifiable;
                 identified.interval = [None; 2];
             }
@@ -314,7 +352,7 @@ impl Identification {
             chi_square: estimate.chi_square,
             termination: estimate.termination,
         };
-        let directions = Directions::new(&joint, &best.at, &self.model.free());
+        let directions = Directions::new(&joint, &best.at, &self.model.seen_in(&best.at));
         let precision = self.precision(&joint, &best, &directions);
         Around {
             joint,
@@ -363,6 +401,9 @@ impl Identification {
         };
         if let Some(standing) = self.model.standing(parameter) {
             return told(standing, 0.0, [Some(value); 2]);
+        }
+        if parameter.is_as_good_as_zero(coordinate) {
+            return told(Standing::Identified, f64::INFINITY, [Some(0.0), None]);
         }
         let unit = directions.function(unit(parameter));
         let deviation = directions
@@ -447,7 +488,6 @@ fn correlation(directions: &Directions) -> Vec<Vec<Option<f64>>> {
 
 #[cfg(test)]
 mod tests {
-    use super::least_squares::minimise_from;
     use super::*;
     use crate::quantity::Seed;
     use crate::soil::closed_form::{self, Rim};

@@ -22,6 +22,7 @@ use crate::features::{Extractor, Settings};
 use crate::quantity::RangeError;
 use crate::terrain::class::Wtic;
 use crate::trace::Trace;
+use confusion::CLASSES;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -151,4 +152,11 @@ impl Recognizer {
             p,
         }
     }
+}
+/// The class of more than half of some windows, of which so many read [`CLASSES`] each; UWTIC where
+/// there is none.
+pub fn class_of_most(windows: [u64; 4]) -> Wtic {
+    let all: u64 = windows.iter().sum();
+    let most = CLASSES.into_iter().zip(windows).find(|(_, n)| 2 * n > all);
+    most.map_or(Wtic::Uwtic, |(class, _)| class)
 }

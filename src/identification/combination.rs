@@ -4,7 +4,7 @@ use super::directions::Directions;
 use super::model::Model;
 use super::parameter::{Coordinates, Parameter};
 use super::row::SteadyLoad;
-use std::f64::consts::LN_10;
+use std::f64::consts::LN_2;
 
 /// A combination that the data fix.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,7 @@ struct Candidate {
 }
 
 /// The combinations that hold a parameter which is not `identified`, and that the data fix to
-/// better than a factor of ten (or 0.5 where they are angles' shares).
+/// better than a factor of two (or 0.2 where they are angles' shares).
 ///
 /// `reach` is the half-width of a 95 % interval in standard deviations of weighted errors.
 pub(super) fn fixed(
@@ -61,7 +61,7 @@ impl Candidate {
             known.map_or(0.0, |(_, slope)| *slope)
         });
         let half = reach * libm::sqrt(directions.covariance(&function, &function)?);
-        let widest = if self.logarithmic { LN_10 } else { 0.5 };
+        let widest = if self.logarithmic { LN_2 } else { 0.2 };
         let told = |x: f64| if self.logarithmic { libm::exp(x) } else { x };
         (half <= widest).then(|| Combination {
             name: self.name,

@@ -3,7 +3,6 @@
 use super::estimate::Estimate;
 use super::model::Model;
 use super::row::{Setting, SteadyLoad};
-use crate::soil::closed_form;
 use crate::soil::wheel_load::WheelLoad;
 
 impl Estimate {
@@ -17,6 +16,7 @@ impl Estimate {
         let measured = SteadyLoad::at(slip, sinkage);
         let seen = setting.seen(&measured, self.class);
         let soil = model.soil(&self.terrain.coordinates());
-        closed_form::loads(model.surface(), &soil, seen.sinkage, seen.slip)
+        let at = self.terrain.coordinates();
+        model.contact(&at, &seen).loads(&soil)
     }
 }

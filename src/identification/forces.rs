@@ -5,7 +5,7 @@ use super::model::Model;
 use super::observation::{in_order, measured, variances};
 use super::parameter::Coordinates;
 use super::precision::Precision;
-use super::row::{self, SteadyLoad, Uncertainty};
+use super::row::{SteadyLoad, Uncertainty};
 use super::weight::Scale;
 use crate::soil::wheel_load::WheelLoad;
 use serde::Serialize;
@@ -57,7 +57,7 @@ pub struct PredictedForce {
     pub force: Force,
     /// Measured.
     pub measured: f64,
-    /// PredictedForce from the row's slip and sinkage.
+    /// Predicted from the row's slip and sinkage.
     pub predicted: f64,
     /// Standard uncertainty of the measured value, where the row states it.
     pub uncertainty: Option<f64>,
@@ -107,7 +107,7 @@ pub(super) fn forces(
     let predicted = model.contact(at, row).loads(&soil);
     let measured = measured(row);
     let uncertainty = row.uncertainty;
-    let slips = row::slips(row, model.class);
+    let slips = !model.setting.holds(row, model.class);
     let told = Force::ALL.into_iter();
     told.filter(move |force| slips || *force == Force::Load)
         .filter(move |force| !force.of(&measured).is_nan())

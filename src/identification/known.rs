@@ -24,9 +24,10 @@ impl Known {
     /// `RangeError` for the first value outside the [range](Parameter::range) of its parameter.
     pub(super) fn checked(&self) -> Result<(), RangeError> {
         for parameter in Parameter::ALL {
-            if let Some(value) = self.get(parameter) {
-                RangeError::check(parameter.name(), parameter.unit(), value, parameter.range())?;
-            }
+            let Some(value) = self.get(parameter) else {
+                continue;
+            };
+            parameter.checked(value)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::parameter::{Coordinates, Parameter};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra_lm::storage::Owned;
 use nalgebra_lm::{DMatrix, DVector, Dyn};
+use std::fmt;
 
 /// Why a fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +17,17 @@ pub enum Termination {
     OutOfPatience,
     /// The equations gave a number that is not finite.
     NotFinite,
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Converged => "converged",
+            Self::PrecisionReached => "double precision allows no further step",
+            Self::OutOfPatience => "the steps allowed were used up",
+            Self::NotFinite => "the equations gave a number that is not finite",
+        })
+    }
 }
 
 impl Termination {

@@ -2,7 +2,7 @@
 
 use super::estimate::Standing;
 use super::parameter::{Coordinates, Parameter, TerrainParameters};
-use super::row::{self, Setting, SteadyLoad};
+use super::row::{Setting, SteadyLoad};
 use super::stages::Stage;
 use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact};
 use crate::soil::contact::{ContactAngles, entry_angle};
@@ -46,6 +46,14 @@ impl Model {
     /// The parameters that are fitted: neither set by the class nor known.
     pub fn free(&self) -> Vec<Parameter> {
         self.free_among(&Parameter::ALL)
+    }
+
+    /// The parameters whose neighbourhood the forces show at `at`: not that of a cohesion which
+    /// is as good as zero.
+    pub fn seen_in(&self, at: &Coordinates) -> Vec<Parameter> {
+        let mut free = self.free();
+        free.retain(|parameter| !parameter.is_as_good_as_zero(at[*parameter as usize]));
+        free
     }
 
     fn free_among(&self, parameters: &[Parameter]) -> Vec<Parameter> {
@@ -95,7 +103,8 @@ impl Model {
     /// The rows that say something to a stage: on hard ground, a torque held by static friction
     /// is not that of Eq. (75).
     pub fn rows_of(&self, stage: Stage, rows: &[SteadyLoad]) -> Vec<SteadyLoad> {
-        let used = |row: &&SteadyLoad| stage != Stage::ShearStress || row::slips(row, self.class);
+        let used =
+            |row: &&SteadyLoad| stage != Stage::ShearStress || !self.setting.holds(row, self.class);
         rows.iter().filter(used).copied().collect()
     }
 

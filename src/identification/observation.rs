@@ -10,7 +10,7 @@
 
 use super::model::Model;
 use super::parameter::Coordinates;
-use super::row::{self, SteadyLoad, Uncertainty};
+use super::row::{SteadyLoad, Uncertainty};
 use crate::soil::Soil;
 use crate::soil::closed_form::gradient::LoadGradient;
 use crate::soil::wheel_load::WheelLoad;
@@ -47,7 +47,7 @@ enum Latent {
 impl Observation {
     pub fn new(model: &Model, row: &SteadyLoad, sd: Uncertainty) -> Self {
         let forces = match row.has_torque() {
-            _ if !row::slips(row, model.class) => 1,
+            _ if model.setting.holds(row, model.class) => 1,
             false => 2,
             true => 3,
         };

@@ -1,5 +1,6 @@
 //! The terrain parameters, the coordinates in which they are fitted, and what a class fixes.
 
+use crate::quantity::RangeError;
 use crate::soil::{Soil, StressConvention};
 use crate::terrain::class::Wtic;
 use serde::Serialize;
@@ -107,6 +108,25 @@ impl Parameter {
             Self::FrictionAngle => coordinate.to_degrees(),
             _ => coordinate,
         }
+    }
+
+    /// A value in its [`range`](Self::range), or 0 where a soil may have none of it: cohesion, and
+    /// the deformation that shear needs.
+    ///
+    /// # Errors
+    /// `RangeError` for any other.
+    pub fn checked(self, value: f64) -> Result<f64, RangeError> {
+        let may_be_zero = matches!(self, Self::Cohesion | Self::ShearModulus);
+        if may_be_zero && value == 0.0 {
+            return Ok(value);
+        }
+        RangeError::check(self.name(), self.unit(), value, self.range())
+    }
+
+    /// Whether a fit ended where the soil has no cohesion: a natural end, not one that holds it.
+    pub(super) fn is_as_good_as_zero(self, coordinate: f64) -> bool {
+        let [low, high] = self.bounds();
+        self == Self::Cohesion && coordinate - low < 1e-3 * (high - low)
     }
 
     /// Coordinates of the [`range`](Self::range).

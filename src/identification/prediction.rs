@@ -80,15 +80,25 @@ impl Predictor {
             precision,
             ..
         } = identification.around(estimate);
-        // The rows' errors are fitted by the parameters, a third of them in each channel.
-        let freedom = rows.len() as f64 - directions.rank() as f64 / 3.0;
+        let rows: Vec<SteadyLoad> = rows
+            .iter()
+            .filter(|row| !model.setting.holds(row, model.class))
+            .copied()
+            .collect();
+        // The parameters take their share of freedom from each force.
+        let forces = if rows.iter().all(SteadyLoad::has_torque) {
+            3.0
+        } else {
+            2.0
+        };
+        let freedom = rows.len() as f64 - directions.rank() as f64 / forces;
         Self {
             model,
             at,
             sigma: precision.sigma,
             directions,
             quantile: quantile(freedom),
-            scatter: scatter(&model, &at, rows, freedom),
+            scatter: scatter(&model, &at, &rows, freedom),
         }
     }
 

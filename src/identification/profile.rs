@@ -5,6 +5,7 @@ use super::estimate::{Identified, Standing};
 use super::joint::Joint;
 use super::least_squares::{Minimum, minimise};
 use super::parameter::Parameter;
+use std::cell::Cell;
 
 /// First step from a minimum that data without noise make sharper than this.
 const SHORTEST_STEP: f64 = 1e-9;
@@ -17,6 +18,8 @@ pub(super) struct Profile<'a> {
     pub moved: &'a [Parameter],
     /// Rise of the sum of squares at the ends of the interval.
     pub limit: f64,
+    /// A lower minimum met on the way.
+    pub lower: Cell<Option<Minimum>>,
 }
 
 impl Profile<'_> {
@@ -25,10 +28,32 @@ impl Profile<'_> {
     /// ranges, the profile sees where the model bends.
     pub fn complete(&self, identified: &mut Identified) {
         let parameter = identified.parameter;
+        if parameter.is_as_good_as_zero(self.best.at[parameter as usize]) {
+            return self.complete_none(identified);
+        }
         let ends = self.interval(identified);
         identified.profile = Some(ends.map(|end| end.map(|end| parameter.value(end))));
         let told = ends[0].zip(ends[1]);
         if told.is_none_or(|(low, high)| high - low > 2.0 * parameter.uninformative()) {
+            identified.standing = Standing::NotIdentifiable;
+        }
+    }
+
+    /// Keeps what lies below the minimum by more than a fit ends above it.
+    fn keep(&self, found: Minimum) {
+        let known = self.lower.get().unwrap_or(self.best).chi_square;
+        if found.chi_square < known - 1e-3 * (1.0 + known) {
+            self.lower.set(Some(found));
+        }
+    }
+
+    /// Tells how much there may be of a parameter of which the fit found none.
+    fn complete_none(&self, identified: &mut Identified) {
+        let parameter = identified.parameter;
+        let [_, high] = parameter.bounds();
+        let end = self.end(parameter, parameter.uninformative(), high);
+        identified.profile = Some([Some(0.0), end.map(|end| parameter.value(end))]);
+        if end.is_none() || !self.limit.is_finite() {
             identified.standing = Standing::NotIdentifiable;
         }
     }
@@ -65,6 +90,7 @@ impl Profile<'_> {
             let mut trial = at;
             trial[parameter as usize] = start + distance * step.signum();
             let found = minimise(self.joint, trial, &others);
+            self.keep(found);
             let rise = (found.chi_square - self.best.chi_square).max(0.0);
             if rise < self.limit {
                 at = found.at;

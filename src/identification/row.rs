@@ -12,8 +12,9 @@ use serde::Deserialize;
 /// Sinkage [m] that stands for ground that lugs do not enter (Section 5.3).
 pub const RIGID_SINKAGE: f64 = 1.0e-5;
 
-/// Slip ratio [-] up to which a wheel on hard ground (ALCT) is held by static friction: there
-/// pull and torque are below what Eq. (68) gives, and the row counts for the load only.
+/// Slip ratio [-] of the outermost circle up to which a wheel on hard ground (ALCT) is held by
+/// static friction: there pull and torque are below what Eq. (68) gives, and the row counts for
+/// the load only. A lugged wheel rolls on its lugs' edges.
 pub const STATIC_SLIP: f64 = 0.01;
 
 /// Loads, slip and sinkage of one interval of steady rolling.
@@ -138,6 +139,21 @@ impl Setting {
         }
     }
 
+    /// Whether static friction holds a wheel at `slip` [-] by the rim's radius on ground of
+    /// `class`, so that the shear law does not describe its pull and torque.
+    pub fn is_held(&self, slip: f64, class: Wtic) -> bool {
+        let outermost = self.rim.radius + self.lug_height;
+        let slip = Rolling::new(self.rim.radius, slip).slip_at(outermost);
+        class == Wtic::Alct && slip.abs() <= STATIC_SLIP
+    }
+
+    /// The same of a row that the cylinder has seen.
+    pub(super) fn holds(&self, seen: &SteadyLoad, class: Wtic) -> bool {
+        let radius = self.surface().radius;
+        let rim = Rolling::new(radius, seen.slip).slip_at(self.rim.radius);
+        self.is_held(rim, class)
+    }
+
     /// By how much the cylinder sinks deeper than the rim [m].
     pub(super) fn offset(&self) -> f64 {
         match self.cylinder {
@@ -172,8 +188,19 @@ impl Setting {
         SteadyLoad {
             slip,
             sinkage,
-            uncertainty: row.uncertainty.map(|u| u.of_seen(class)),
+            uncertainty: row
+                .uncertainty
+                .map(|u| self.seen_uncertainty(u, row.slip, class)),
             ..*row
+        }
+    }
+
+    fn seen_uncertainty(&self, uncertainty: Uncertainty, slip: f64, class: Wtic) -> Uncertainty {
+        const STEP: f64 = 1e-6;
+        let steeper = (self.slip_seen(slip + STEP) - self.slip_seen(slip - STEP)) / (2.0 * STEP);
+        Uncertainty {
+            slip: steeper.abs() * uncertainty.slip,
+            ..uncertainty.of_seen(class)
         }
     }
 
@@ -276,10 +303,4 @@ pub(super) fn seen(
         Ok(setting.seen(row, class))
     });
     seen.collect()
-}
-
-/// Whether pull and torque of a row are those of a slipping contact, which the shear law
-/// describes.
-pub(super) fn slips(row: &SteadyLoad, class: Wtic) -> bool {
-    class != Wtic::Alct || row.slip.abs() > STATIC_SLIP
 }

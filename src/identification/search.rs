@@ -80,6 +80,11 @@ impl Search<'_> {
     /// strengths from loose to crusted sands.
     fn more_starts(&self, at: Coordinates) -> Vec<Coordinates> {
         const EXPONENTS: [f64; 4] = [0.3, 0.8, 1.3, 2.0];
+        let exponent = Parameter::SinkageExponent;
+        let exponents = match self.model.moved().contains(&exponent) {
+            true => EXPONENTS.to_vec(),
+            false => vec![at[exponent as usize]],
+        };
         let angles = ANGLES.map(|[c_1, c_2]| {
             [
                 (Parameter::StressAngle, c_1),
@@ -87,7 +92,7 @@ impl Search<'_> {
             ]
         });
         let mut starts = Vec::new();
-        for exponent in EXPONENTS {
+        for exponent in exponents {
             for angles in angles {
                 for strength in STRENGTHS {
                     let mut start = at;
@@ -154,7 +159,7 @@ impl Search<'_> {
 
 /// The few starts that explain the rows best as they are.
 fn nearest(joint: &Joint, starts: Vec<Coordinates>) -> impl Iterator<Item = Coordinates> {
-    const DESCENTS: usize = 4;
+    const DESCENTS: usize = 12;
     let square = |at: &Coordinates| joint.residuals(at).iter().map(|r| r * r).sum::<f64>();
     let mut ranked: Vec<(f64, Coordinates)> =
         starts.into_iter().map(|at| (square(&at), at)).collect();

@@ -34,6 +34,13 @@ impl Stage {
     /// All of them, in the order in which each needs those before.
     pub const ALL: [Self; 3] = [Self::Angles, Self::NormalStress, Self::ShearStress];
 
+    /// The stage that finds a parameter.
+    pub fn of(parameter: Parameter) -> Self {
+        let finds = |stage: &Self| stage.parameters().contains(&parameter);
+        let found = Self::ALL.into_iter().find(finds);
+        found.expect("the stages find all parameters between them")
+    }
+
     /// What the stage finds.
     pub fn parameters(self) -> &'static [Parameter] {
         use Parameter as P;

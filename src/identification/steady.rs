@@ -7,7 +7,9 @@ use crate::trace::{Channel, Trace};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SteadyError {
     /// A quantity is neither a channel nor a mean.
-    #[error("{0} is missing: the identification needs it as a channel or as a mean")]
+    #[error(
+        "{0} is missing or holds no number: the identification needs it as a channel or as a mean"
+    )]
     Missing(&'static str),
     /// Slip never stays long enough.
     #[error("slip never stays within {tolerance} for a tenth of the run: no steady interval")]
@@ -17,10 +19,9 @@ pub enum SteadyError {
     },
 }
 
-/// Parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
+/// Most parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
 /// a tenth of the run or longer.
 const PARTS: usize = 60;
-const SHORTEST: usize = PARTS / 10;
 
 /// Change of slip [-] below which it is steady, where its noise is smaller.
 const TOLERANCE: f64 = 0.01;
@@ -125,8 +126,10 @@ fn value(trace: &Trace, name: &str, interval: [f64; 2]) -> Option<Value> {
         .and_then(|channel| sampled(channel, interval));
     sampled.or_else(|| {
         let mean = trace.means.iter().find(|mean| mean.name == name)?;
-        let sd = if mean.sd > 0.0 && mean.n > 0 {
-            mean.sd / libm::sqrt(mean.n as f64)
+        // Of how many samples is not known: as if it were one.
+        let count = mean.n.max(1) as f64;
+        let sd = if mean.sd > 0.0 {
+            mean.sd / libm::sqrt(count)
         } else {
             0.0
         };
@@ -170,12 +173,13 @@ fn mean_of(values: &[f64]) -> Option<f64> {
 
 /// Intervals of steady slip [s].
 fn plateaus(slip: &Channel) -> Result<Vec<[f64; 2]>, SteadyError> {
-    let means = part_means(&slip.samples, PARTS);
+    let parts = PARTS.min(slip.samples.len());
+    let means = part_means(&slip.samples, parts);
     let tolerance = TOLERANCE.max(4.0 * noise(&means));
-    let part = slip.duration() / PARTS as f64;
+    let part = slip.duration() / parts as f64;
     let found: Vec<[f64; 2]> = stretches(&means, tolerance)
         .into_iter()
-        .filter(|[from, to]| to - from >= SHORTEST)
+        .filter(|[from, to]| 10 * (to - from) >= parts)
         .filter(|[from, to]| !drifts(&means[*from..*to], tolerance))
         .map(|[from, to]| middle_half(from as f64 * part, to as f64 * part, slip.start))
         .collect();

@@ -61,16 +61,16 @@ impl fmt::Display for Warning {
             ),
             Self::Misfit { reduced_chi_square } => write!(
                 f,
-                "the rows scatter about the model by more than their uncertainties explain \
-                 (reduced chi square {reduced_chi_square:.3}); intervals are widened accordingly"
+                "the rows scatter about the model by more than their uncertainties explain, stated \
+                 ones or 1 % of each force where there are none (reduced chi square \
+                 {reduced_chi_square:.3}); intervals are widened accordingly"
             ),
             Self::UncertaintiesIgnored => f.write_str(
                 "some rows state no uncertainty: none is used, the scatter about the model stands \
                  for them",
             ),
             Self::NoFreedom => f.write_str(
-                "no more measured forces than parameters: add rows, or uncertainties to all rows, \
-                 for intervals",
+                "no more measured forces than parameters: nothing tests the model; add rows",
             ),
             Self::LoadsDiffer { least, most } => write!(
                 f,
@@ -78,7 +78,7 @@ impl fmt::Display for Warning {
                  not enter: k_s z^N is their mean; identify each load alone"
             ),
             Self::NotAMinimum(termination) => {
-                write!(f, "the fit did not end at a minimum: {termination:?}")
+                write!(f, "the fit did not end at a minimum: {termination}")
             }
         }
     }
@@ -99,7 +99,7 @@ pub(super) fn all(
     if stated > 0 && stated < rows.len() {
         warnings.push(Warning::UncertaintiesIgnored);
     }
-    if !precision.sigma.is_finite() {
+    if precision.freedom == 0 {
         warnings.push(Warning::NoFreedom);
     }
     warnings.extend(loads_differ(model, rows));
@@ -112,7 +112,7 @@ pub(super) fn all(
 fn at_bounds(model: &Model, at: &Coordinates) -> Vec<Warning> {
     let coordinate = |parameter: Parameter| at[parameter as usize];
     let mut held = model.moved();
-    held.retain(|parameter| parameter.is_at_bound(coordinate(*parameter)));
+    held.retain(|p| p.is_at_bound(coordinate(*p)) && !p.is_as_good_as_zero(coordinate(*p)));
     let told = held.into_iter().map(|parameter| {
         let ([low, high], [least, most]) = (parameter.bounds(), parameter.range());
         let lower = coordinate(parameter) - low < high - coordinate(parameter);

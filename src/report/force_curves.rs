@@ -2,7 +2,7 @@
 
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
-use crate::identification::{Estimate, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad};
+use crate::identification::{Estimate, RIGID_SINKAGE, Setting, SteadyLoad};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
 
@@ -218,7 +218,7 @@ impl Curves<'_> {
     }
 
     fn is_held(&self, slip: f64) -> bool {
-        self.estimate.class == Wtic::Alct && slip.abs() <= STATIC_SLIP
+        self.setting.is_held(slip, self.estimate.class)
     }
 
     fn holds_any(&self) -> bool {

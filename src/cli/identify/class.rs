@@ -5,7 +5,7 @@ use lugwheel::features::reference::Reference;
 use lugwheel::quantity::RangeError;
 use lugwheel::recognition::confusion::CLASSES;
 use lugwheel::recognition::known::{Source, known_class};
-use lugwheel::recognition::{Method, Recognizer};
+use lugwheel::recognition::{Method, Recognizer, class_of_most};
 use lugwheel::terrain::class::Wtic;
 use lugwheel::trace::Trace;
 use serde::Serialize;
@@ -94,9 +94,11 @@ impl Teller {
             let of_class = answers.iter().filter(|answer| answer.class == class);
             (class, of_class.count())
         });
-        let [(class, windows), ..] = sorted(counts);
         let of_windows = answers.len();
-        if class != Wtic::Uwtic && 2 * windows > of_windows {
+        let class = class_of_most(counts.map(|(_, count)| count as u64));
+        if class != Wtic::Uwtic {
+            let windows = counts.iter().find(|(of, _)| *of == class);
+            let windows = windows.map_or(0, |(_, count)| *count);
             let by = ToldBy::Recognized {
                 windows,
                 of_windows,
@@ -112,10 +114,4 @@ impl Teller {
         let found = found.join(", ");
         Err(format!("read as {found} of {of_windows} windows{why}"))
     }
-}
-
-/// Most windows first.
-fn sorted<const N: usize>(mut counts: [(Wtic, usize); N]) -> [(Wtic, usize); N] {
-    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-    counts
 }

@@ -153,6 +153,10 @@ pub struct RowTold {
     pub measured: Forces<f64>,
     /// Their standard uncertainties, where they are known.
     pub uncertainty: Option<Forces<f64>>,
+    /// Standard uncertainty of the slip ratio [-]; 0 where it counts as exact.
+    pub slip_uncertainty: f64,
+    /// Standard uncertainty of the sinkage [m]; 0 where it counts as exact.
+    pub sinkage_uncertainty: f64,
     /// The forces fitted.
     pub fitted: Forces<f64>,
 }
@@ -303,6 +307,10 @@ fn row_told(run: &str, row: &SteadyLoad, (estimate, setting): (&Estimate, &Setti
             load: uncertainty.load,
             driving_torque: uncertainty.driving_torque,
         }),
+        slip_uncertainty: row.uncertainty.map_or(0.0, |uncertainty| uncertainty.slip),
+        sinkage_uncertainty: row
+            .uncertainty
+            .map_or(0.0, |uncertainty| uncertainty.sinkage),
         fitted: forces(estimate.loads_at(setting, row.slip, row.sinkage)),
     }
 }

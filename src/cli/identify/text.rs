@@ -53,11 +53,16 @@ fn named(runs: &[&str]) -> String {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.files)?;
+        if !self.left_out.is_empty() {
+            let count = counted(self.left_out.len(), "run");
+            writeln!(
+                f,
+                "\nWARNING, {count} left out\n{}",
+                reasons(&self.left_out)
+            )?;
+        }
         for report in &self.reports {
             writeln!(f, "\n{report}")?;
-        }
-        if !self.left_out.is_empty() {
-            writeln!(f, "Left out\n{}", reasons(&self.left_out))?;
         }
         Ok(())
     }

@@ -62,6 +62,14 @@ pub(super) enum Given {
     Column(ColumnTable),
 }
 
+/// A standard deviation for all rows, or the column that holds each row's.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "sd is a number or the name of a column")]
+pub(super) enum Spread {
+    Constant(f64),
+    Column(String),
+}
+
 /// A column of a CSV file, and what to make of its numbers.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -70,7 +78,7 @@ pub(super) struct ColumnTable {
     pub(super) unit: Option<String>,
     pub(super) scale: Option<f64>,
     pub(super) subtract: Option<f64>,
-    pub(super) sd: Option<String>,
+    pub(super) sd: Option<Spread>,
     pub(super) n: Option<String>,
 }
 

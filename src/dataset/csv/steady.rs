@@ -1,16 +1,26 @@
 //! Steady means: every row a run.
 
+use super::description;
 use super::sheet::{Header, Row};
 use super::source::{Measure, Source};
 use super::{Misplaced, condition};
 use crate::trace::{Mean, Trace};
 use std::path::Path;
 
-/// A quantity of every row: its mean, and the columns of its spread and count.
+/// A quantity of every row: its mean, its spread, and the column of its count.
 struct Quantity {
     mean: Measure,
-    sd: Option<usize>,
+    sd: Spread,
     n: Option<usize>,
+}
+
+/// Standard deviations in the mean's own unit.
+enum Spread {
+    Unknown,
+    /// In this column.
+    Column(usize),
+    /// The same in every row.
+    Constant(f64),
 }
 
 /// The runs that `source` describes, each with its id where one is given.
@@ -57,9 +67,14 @@ fn quantity(source: Source<'_>, name: &str, header: &Header) -> Result<Quantity,
     let at = |message| source.fault(&format!("columns.{name}"), message);
     let column = source.column(name).map_err(at)?;
     let place = |name: &Option<String>| name.as_ref().map(|name| header.column(name)).transpose();
+    let sd = match &column.sd {
+        None => Ok(Spread::Unknown),
+        Some(description::Spread::Constant(sd)) => Ok(Spread::Constant(*sd)),
+        Some(description::Spread::Column(name)) => header.column(name).map(Spread::Column),
+    };
     Ok(Quantity {
         mean,
-        sd: place(&column.sd).map_err(at)?,
+        sd: sd.map_err(at)?,
         n: place(&column.n).map_err(at)?,
     })
 }
@@ -72,7 +87,11 @@ fn mean(quantity: &Quantity, header: &Header, row: &Row) -> Result<Option<Mean>,
         None => Ok(f64::NAN),
     };
     let value = mean.value(header, row)?;
-    let sd = mean.spread(number(sd)?);
+    let sd = mean.spread(match sd {
+        Spread::Unknown => f64::NAN,
+        Spread::Column(column) => header.number(row, *column)?,
+        Spread::Constant(sd) => *sd,
+    });
     if sd < 0.0 {
         return Err(format!(
             "{}: a standard deviation is 0 or more, got {sd}",

@@ -3,11 +3,11 @@
 use super::Plan;
 use super::group::{Group, value_in};
 use super::reading::Row;
-use super::steady::most_frequent;
 use crate::identification::{
     Estimate, Identification, IdentifyError, PredictedForce, RIGID_SINKAGE, Setting, SteadyLoad,
     Uncertainty,
 };
+use crate::recognition::class_of_most;
 use crate::scenario::Scenario;
 use crate::study::Study;
 use crate::terrain::class::Wtic;
@@ -75,7 +75,7 @@ impl GroupRows {
 
     /// The class recognised.
     pub fn recognized(&self) -> Wtic {
-        most_frequent(self.answers)
+        class_of_most(self.answers)
     }
 
     /// Rows whose rim stands above the ground on its lugs.

@@ -4,7 +4,7 @@ use crate::features::reference::Reference;
 use crate::features::{Settings, Window};
 use crate::identification::{SteadyLoad, Uncertainty, steady_loads};
 use crate::recognition::confusion::CLASSES;
-use crate::recognition::{Method, RecognitionError, Recognizer};
+use crate::recognition::{Method, RecognitionError, Recognizer, class_of_most};
 use crate::study::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
 use crate::study::{Run, Study};
 use crate::terrain::class::Wtic;
@@ -42,7 +42,7 @@ impl<'s> SteadyRows<'s> {
         cells.extend([label.as_str(), label.class().as_str()].map(str::to_owned));
         let answers = self.answers(run, trace)?;
         cells.extend(answers.map(|count| count.to_string()));
-        cells.push(most_frequent(answers).to_string());
+        cells.push(class_of_most(answers).to_string());
         Ok(cells)
     }
 
@@ -116,17 +116,6 @@ pub(super) fn answered_column(class: Wtic) -> String {
     format!("answered_{}", class.as_str().to_lowercase())
 }
 
-/// The class answered most often, UWTIC aside; UWTIC where there is none, or no single one.
-pub(super) fn most_frequent(answers: [u64; 4]) -> Wtic {
-    let known = &answers[..3];
-    let most = known.iter().copied().max().unwrap_or_default();
-    let mut with_most = (0..3).filter(|&class| answers[class] == most);
-    match (with_most.next(), with_most.next()) {
-        (Some(class), None) => CLASSES[class],
-        _ => Wtic::Uwtic,
-    }
-}
-
 fn value_cells(load: &SteadyLoad) -> Vec<String> {
     let values = [
         load.slip,
@@ -149,16 +138,4 @@ fn value_cells(load: &SteadyLoad) -> Vec<String> {
         .collect();
     cells.push(String::new());
     cells
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_class_of_a_run_is_its_most_frequent_answer_and_unknown_where_there_is_no_single_one() {
-        assert_eq!(most_frequent([1, 0, 2, 9]), Wtic::Leis);
-        assert_eq!(most_frequent([1, 1, 0, 0]), Wtic::Uwtic);
-        assert_eq!(most_frequent([0, 0, 0, 3]), Wtic::Uwtic);
-    }
 }
