@@ -33,6 +33,7 @@ mod model;
 mod observation;
 mod parameter;
 mod plates;
+mod pooling;
 mod precision;
 mod prediction;
 mod profile;
@@ -51,6 +52,7 @@ pub use known::Known;
 pub use least_squares::Termination;
 pub use parameter::{Parameter, TerrainParameters};
 pub use plates::{PlateError, PlateFit};
+pub use pooling::pool;
 pub use prediction::{Predicted, Prediction, Predictor};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use stages::{Stage, Staged};
@@ -217,6 +219,19 @@ impl Identification {
         let best = self.search().best(&joint, staged.as_ref());
         let best = best.ok_or(IdentifyError::NotFinite)?;
         Ok(self.told(&joint, best, staged))
+    }
+
+    /// An estimate sought from another one's parameters only: of rows most of which made that one.
+    ///
+    /// # Errors
+    /// `NotFinite` where the equations give no finite loads.
+    pub fn estimate_near(&self, other: &Estimate) -> Result<Estimate, IdentifyError> {
+        let mut start = other.terrain.coordinates();
+        self.model.switch(&mut start);
+        let joint = Joint::new(self.model, &self.rows);
+        let best = minimise_from(&joint, [start], &self.model.moved());
+        let best = best.ok_or(IdentifyError::NotFinite)?;
+        Ok(self.told(&joint, best, None))
     }
 
     /// What a minimum says.

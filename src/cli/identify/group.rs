@@ -4,7 +4,7 @@ use super::Convention;
 use super::class::{Teller, Told};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
-    Cylinder, Estimate, IdentifyError, Setting, SteadyLoad, identify, steady_loads,
+    Cylinder, Estimate, IdentifyError, Setting, SteadyLoad, identify, pool, steady_loads,
 };
 use lugwheel::quantity::RangeError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -113,6 +113,8 @@ pub struct Rows {
     pub terrain: Option<TerrainLabel>,
     /// One for each steady interval.
     pub rows: Vec<SteadyLoad>,
+    /// Whether they were cut from time series.
+    sampled: bool,
 }
 
 /// Runs of one class and wheel.
@@ -172,6 +174,7 @@ impl Groups {
             told,
             terrain: trace.attributes.terrain,
             rows,
+            sampled: trace.channel("drawbar_pull").is_some(),
         };
         let mut groups = self.groups.iter_mut();
         match groups.find(|group| group.class == class && group.wheel.is(&wheel)) {
@@ -190,13 +193,23 @@ impl Groups {
         let left_out = &mut self.left_out;
         let fits = self.groups.into_iter();
         let fits = fits
-            .filter_map(|group| group.fit(convention, left_out))
+            .filter_map(|mut group| {
+                group.pool();
+                group.fit(convention, left_out)
+            })
             .collect();
         (fits, self.left_out)
     }
 }
 
 impl Group {
+    /// Rows from time series have their uncertainties in common.
+    fn pool(&mut self) {
+        let sampled = self.runs.iter_mut().filter(|run| run.sampled);
+        let mut rows: Vec<&mut SteadyLoad> = sampled.flat_map(|run| &mut run.rows).collect();
+        pool(&mut rows);
+    }
+
     /// The parameters of the runs whose rows are all in their ranges; the others are left out.
     fn fit(mut self, convention: &Convention, left_out: &mut Vec<LeftOut>) -> Option<Fit> {
         let setting = self.wheel.setting(convention);

@@ -5,12 +5,13 @@ use super::group::{Group, value_in};
 use super::reading::Row;
 use crate::identification::{
     Estimate, Identification, IdentifyError, PredictedForce, RIGID_SINKAGE, Setting, SteadyLoad,
-    Uncertainty,
+    Uncertainty, pool,
 };
 use crate::recognition::class_of_most;
 use crate::scenario::Scenario;
 use crate::study::Study;
 use crate::terrain::class::Wtic;
+use rayon::prelude::*;
 
 /// The steady rows of a group.
 pub(super) struct GroupRows {
@@ -65,6 +66,8 @@ impl GroupRows {
                 Err(reason) => found.without.push((row.run, reason.clone())),
             }
         }
+        let loads = found.rows.iter_mut().map(|row| &mut row.load);
+        pool(&mut loads.collect::<Vec<_>>());
         found
     }
 
@@ -107,7 +110,7 @@ impl GroupRows {
         Ok(Fitted {
             fitted: identification.predict(&estimate, &rows)?,
             means: self.means(&identification, &estimate)?,
-            left_out: self.left_out(class),
+            left_out: self.left_out(&estimate),
             estimate,
         })
     }
@@ -130,7 +133,8 @@ impl GroupRows {
 
     /// The forces at each value of the first key joined, predicted by a fit to the others; none
     /// where the others are too few.
-    fn left_out(&self, class: Wtic) -> Vec<PredictedForce> {
+    fn left_out(&self, whole: &Estimate) -> Vec<PredictedForce> {
+        let class = whole.class;
         let mut values: Vec<&str> = Vec::new();
         for row in &self.rows {
             if !values.contains(&row.value.as_str()) {
@@ -141,10 +145,11 @@ impl GroupRows {
             let others = self.loads(class, |row| row.value != *value);
             let left_out = self.loads(class, |row| row.value == *value);
             let identification = Identification::new(&others, class, &self.setting).ok()?;
-            let estimate = identification.estimate().ok()?;
+            let estimate = identification.estimate_near(whole).ok()?;
             identification.predict(&estimate, &left_out).ok()
         };
-        values.iter().filter_map(predicted).flatten().collect()
+        let predicted: Vec<Vec<PredictedForce>> = values.par_iter().filter_map(predicted).collect();
+        predicted.concat()
     }
 }
 

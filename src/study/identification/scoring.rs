@@ -47,8 +47,12 @@ impl Study {
 
 impl FittedGroup {
     fn new(rows: GroupRows) -> Self {
+        let fit = |class| rows.fit(class).map_err(|error| error.to_string());
+        let [all, some, into] = MODELS;
+        let (all, (some, into)) =
+            rayon::join(|| fit(all), || rayon::join(|| fit(some), || fit(into)));
         Self {
-            fits: MODELS.map(|class| rows.fit(class).map_err(|error| error.to_string())),
+            fits: [all, some, into],
             repeats: repeats::scores(&rows, rows.label_class()),
             rows,
         }
