@@ -210,14 +210,6 @@ fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() 
             );
         }
         assert!(warned(one, "at_bound"), "{}", one["warnings"]);
-        let combinations = one["combinations"].as_array().unwrap();
-        let pressure = combinations
-            .iter()
-            .find(|combination| combination["name"] == "k_s z^(n0 + n1 s)")
-            .unwrap();
-        let high = pressure["ci95"][1].as_f64().unwrap() / pressure["value"].as_f64().unwrap();
-        // The README says "to a tenth".
-        assert!((1.0..1.13).contains(&high), "{pressure}");
     }
     let said = done(identify(&folder, ""));
     let [warning, table, errors] =

@@ -186,7 +186,7 @@ const BULLDOZING: Effect = Effect {
 const MULTIPASS: Effect = Effect {
     name: "multipass",
     title: "former wheels have compacted the track",
-    edits: "soil.departures.compaction, and former_passes where the scenario tells none",
+    edits: "soil.departures.compaction; one wheel has passed, or more where the scenario tells of earlier ones",
     stage: Stage::Physics,
     seats: &[seat("-", 5.0, [0.15, 0.5, 1.5], log_normal(0.5, 2.0))],
     signature: Signature {
@@ -198,12 +198,7 @@ const MULTIPASS: Effect = Effect {
     source: Source::Guess(
         "Holm (1969), J. Terramechanics 6(3):47-71, and Tanaka et al. (2024), 16th ISTVS conference, measured the effect; its size on sand is a guess",
     ),
-    law: |setup, gain, seated| {
-        on_soil(setup, seated, |soil| {
-            soil.departures.compaction += gain;
-            compact(soil);
-        })
-    },
+    law: |setup, gain, seated| on_soil(setup, seated, |soil| soil.departures.compaction += gain),
     other_form: Some(OtherForm {
         not_on: &[],
         description: "moduli unchanged, but soil pressed by 2.5 mm times the magnitude and sprung back",
@@ -214,12 +209,6 @@ const MULTIPASS: Effect = Effect {
         },
     }),
 };
-
-/// One former pass where the soil tells of none.
-fn compact(soil: &mut Soil) {
-    let passes = &mut soil.departures.former_passes;
-    *passes = if *passes == 0.0 { 1.0 } else { *passes };
-}
 
 const RATE_DEPENDENT_SOIL: Effect = Effect {
     name: "rate_dependent_soil",

@@ -28,12 +28,13 @@ pub struct Departures {
     /// Weight `w` [-] of the sinkage that slip adds by digging, beside `n_1`; 1 is Lyasko's.
     #[serde(skip_serializing_if = "is_zero")]
     pub slip_digging: f64,
-    /// Gain `m` [-] of the soil's moduli where many wheels have passed before.
+    /// Gain `m` [-] of the soil's moduli where many wheels have passed; one has, unless
+    /// [`earlier_passes`](Self::earlier_passes) tells of more.
     #[serde(skip_serializing_if = "is_zero")]
     pub compaction: f64,
-    /// Number `p` [-] of wheels that passed before; the surface is that of their rut.
+    /// Number [-] of wheels that passed before the last one; the surface is that of their rut.
     #[serde(skip_serializing_if = "is_zero")]
-    pub former_passes: f64,
+    pub earlier_passes: f64,
     /// Depth `z_p` [m] by which the soil was pressed before, below what was then its surface.
     #[serde(skip_serializing_if = "is_zero")]
     pub precompression: f64,
@@ -68,7 +69,7 @@ impl Departures {
     pub const NONE: Self = Self {
         slip_digging: 0.0,
         compaction: 0.0,
-        former_passes: 0.0,
+        earlier_passes: 0.0,
         precompression: 0.0,
         base_nearness: 0.0,
         sudden_base_nearness: 0.0,
@@ -105,13 +106,14 @@ impl Departures {
     /// 1 + m (1 - e^(-p/p_0)),  p_0 = 1.5
     /// ```
     ///
-    /// `p` wheels passed before, the first of which changed most. 1 on ideal soil.
+    /// `p` wheels passed before, one and the [earlier ones](Self::earlier_passes); the first changed
+    /// most. 1 on ideal soil.
     ///
     /// # Reference
     /// Holm (1969), J. Terramechanics 6(3):47-71, on passes of wheels; the form and `p_0` are a
     /// guess.
     pub fn modulus_factor(&self) -> f64 {
-        1.0 - self.compaction * expm1(-self.former_passes / LASTING_PASSES)
+        1.0 - self.compaction * expm1(-(1.0 + self.earlier_passes) / LASTING_PASSES)
     }
 
     /// # Errors
@@ -120,7 +122,7 @@ impl Departures {
         let checks = [
             ("slip digging", "-", self.slip_digging, 10.0),
             ("compaction", "-", self.compaction, 100.0),
-            ("former passes", "-", self.former_passes, 1000.0),
+            ("earlier passes", "-", self.earlier_passes, 1000.0),
             ("precompression", "m", self.precompression, 0.5),
             ("nearness of the hard base", "1/m", self.base_nearness, 1e4),
             (
@@ -189,18 +191,18 @@ mod tests {
 
     #[test]
     fn the_first_former_pass_hardens_soil_more_than_any_later_one() {
-        let hardness = |former_passes| {
+        let hardness = |earlier_passes| {
             let departures = Departures {
                 compaction: 0.5,
-                former_passes,
+                earlier_passes,
                 ..Departures::NONE
             };
             departures.modulus_factor()
         };
-        assert_eq!(hardness(0.0), 1.0);
         let gains: Vec<f64> = (0..6)
-            .map(|p| hardness(f64::from(p + 1)) - hardness(f64::from(p)))
+            .map(|p| hardness(f64::from(p)) - hardness(f64::from(p - 1)))
             .collect();
+        assert_eq!(hardness(-1.0), 1.0);
         assert!(gains.windows(2).all(|pair| pair[1] < 0.6 * pair[0]));
         assert!((hardness(100.0) - 1.5).abs() < 1e-12);
     }
