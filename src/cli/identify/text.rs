@@ -202,7 +202,7 @@ impl Report {
         match table_7 {
             Some(_) => writeln!(
                 f,
-                "(Table 7 of Lv et al. 2023 is of another rig and ground)"
+                "(at the slip and sinkage measured; Table 7 of Lv et al. 2023 is of another rig and ground)"
             ),
             None => Ok(()),
         }
