@@ -66,7 +66,6 @@ use forces::Knowledge;
 use joint::Joint;
 use least_squares::{Minimum, minimise_from};
 use model::Model;
-use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
 use search::Search;
@@ -218,7 +217,7 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = self.search().best(&joint, staged.as_ref());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        Ok(self.told(&joint, best, staged))
+        Ok(self.told(&self.around(joint, best), staged))
     }
 
     /// An estimate sought from another one's parameters only: of rows most of which made that one.
@@ -231,29 +230,32 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = minimise_from(&joint, [start], &self.model.moved());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        Ok(self.told(&joint, best, None))
+        Ok(self.told(&self.around(joint, best), None))
     }
 
     /// What a minimum says.
-    fn told(&self, joint: &Joint, best: Minimum, staged: Option<Staged>) -> Estimate {
-        let directions = Directions::new(joint, &best.at, &self.model.seen_in(&best.at));
-        let precision = self.precision(joint, &best, &directions);
+    fn told(&self, around: &Around, staged: Option<Staged>) -> Estimate {
+        let Around {
+            best,
+            directions,
+            precision,
+            ..
+        } = around;
         let mut estimate = Estimate {
             class: self.model.class,
             terrain: TerrainParameters::at(&best.at),
-            parameters: Parameter::ALL
-                .map(|parameter| self.identified(parameter, &best.at, &directions, precision)),
-            correlation: correlation(&directions),
+            parameters: Parameter::ALL.map(|parameter| self.identified(parameter, around)),
+            correlation: correlation(directions),
             combinations: Vec::new(),
             staged,
             force_errors: ForceErrors::new(&self.model, &best.at, &self.rows),
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
-            warnings: warning::all(&self.model, &self.rows, &best, (&directions, precision)),
+            warnings: warning::all(&self.model, &self.rows, best, (directions, *precision)),
         };
-        self.demote(&mut estimate, &best.at, &directions);
-        self.combine(&mut estimate, &best.at, &directions, precision);
+        self.demote(&mut estimate, around);
+        self.combine(&mut estimate, around);
         estimate
     }
 
@@ -268,24 +270,20 @@ impl Identification {
             };
             let joint = Joint::new(self.model, &self.rows);
             let moved = minimise_from(&joint, [lower.at], &self.model.moved());
-            *estimate = self.told(&joint, moved.unwrap_or(lower), estimate.staged);
+            let moved = moved.unwrap_or(lower);
+            *estimate = self.told(&self.around(joint, moved), estimate.staged);
         }
         self.profile_once(estimate);
     }
 
     /// The same without moving; the lower minimum where it met one.
     fn profile_once(&self, estimate: &mut Estimate) -> Option<Minimum> {
-        let Around {
-            joint,
-            best,
-            directions,
-            precision,
-        } = self.around(estimate);
+        let around = self.around_estimate(estimate);
         let profile = Profile {
-            joint: &joint,
-            best,
+            joint: &around.joint,
+            best: around.best,
             moved: &self.model.moved(),
-            limit: precision.limit(),
+            limit: around.precision.limit(),
             lower: Cell::new(None),
         };
         for identified in &mut estimate.parameters {
@@ -293,37 +291,33 @@ impl Identification {
                 profile.complete(identified);
             }
         }
-        self.combine(estimate, &best.at, &directions, precision);
+        self.combine(estimate, &around);
         profile.lower.get()
     }
 
     /// Identifies no parameter that the end of its range holds, nor one of the same stage or one
     /// that goes with it: they would be elsewhere if that one could go on.
-    fn demote(&self, estimate: &mut Estimate, at: &Coordinates, directions: &Directions) {
+    fn demote(&self, estimate: &mut Estimate, around: &Around) {
         const TOGETHER: f64 = 0.9;
-        let free = directions.free();
-        let held: Vec<Parameter> = self
-            .model
-            .moved()
-            .into_iter()
-            .filter(|p| p.is_at_bound(at[*p as usize]) && !p.is_as_good_as_zero(at[*p as usize]))
-            .collect();
-        for parameter in self.model.free() {
-            let leans = held.iter().any(|held| {
-                let place = |of: Parameter| free.iter().position(|p| *p == of);
-                let together = place(parameter)
-                    .zip(place(*held))
-                    .is_some_and(|(row, column)| {
-                        let correlation = estimate.correlation[row][column];
-                        correlation.is_none_or(|c| c.abs() > TOGETHER)
-                    });
-                parameter == *held || together || Stage::of(parameter) == Stage::of(*held)
-            });
-            if leans {
-                let identified = &mut estimate.parameters[parameter as usize];
-                identified.standing = Standing::NotIdentifiable;
-                identified.interval = [None; 2];
-            }
+        let held = self.model.held_at(&around.best.at);
+        let free = around.directions.free();
+        let place = |of: Parameter| free.iter().position(|p| *p == of);
+        let correlated = |one: Parameter, other: Parameter| {
+            let places = place(one).zip(place(other));
+            let correlation = places.map(|(row, column)| estimate.correlation[row][column]);
+            correlation.is_some_and(|known| known.is_none_or(|c| c.abs() > TOGETHER))
+        };
+        let leans = |parameter: &Parameter| {
+            let on = |held: &Parameter| {
+                Stage::of(*parameter) == Stage::of(*held) || correlated(*parameter, *held)
+            };
+            held.iter().any(on)
+        };
+        let leaning: Vec<Parameter> = self.model.free().into_iter().filter(leans).collect();
+        for parameter in leaning {
+            let identified = &mut estimate.parameters[parameter as usize];
+            identified.standing = Standing::NotIdentifiable;
+            identified.interval = [None; 2];
         }
     }
 
@@ -346,7 +340,7 @@ impl Identification {
             directions,
             precision,
             ..
-        } = self.around(estimate);
+        } = self.around_estimate(estimate);
         let knowledge = Knowledge {
             model: &self.model,
             at: best.at,
@@ -360,15 +354,21 @@ impl Identification {
     }
 
     /// How the rows see an estimate made of them.
-    fn around(&self, estimate: &Estimate) -> Around {
-        let joint = Joint::new(self.model, &self.rows);
+    fn around_estimate(&self, estimate: &Estimate) -> Around {
         let best = Minimum {
             at: estimate.terrain.coordinates(),
             chi_square: estimate.chi_square,
             termination: estimate.termination,
         };
+        self.around(Joint::new(self.model, &self.rows), best)
+    }
+
+    /// How the rows see a minimum.
+    fn around(&self, joint: Joint, best: Minimum) -> Around {
         let directions = Directions::new(&joint, &best.at, &self.model.seen_in(&best.at));
-        let precision = self.precision(&joint, &best, &directions);
+        let freedom = joint.forces().saturating_sub(directions.rank());
+        let known = Scale::of(&self.rows).known;
+        let precision = Precision::new(known, best.chi_square, freedom);
         Around {
             joint,
             best,
@@ -378,13 +378,7 @@ impl Identification {
     }
 
     /// Names what is known of the parameters that are not identified.
-    fn combine(
-        &self,
-        estimate: &mut Estimate,
-        at: &Coordinates,
-        directions: &Directions,
-        precision: Precision,
-    ) {
+    fn combine(&self, estimate: &mut Estimate, around: &Around) {
         let identified = |of: &&Identified| of.is_identifiable();
         let known: Vec<Parameter> = estimate
             .parameters
@@ -392,19 +386,20 @@ impl Identification {
             .filter(identified)
             .map(|identified| identified.parameter)
             .collect();
-        let told = (&known[..], precision.reach());
+        let told = (&known[..], around.precision.reach());
+        let (at, directions) = (&around.best.at, &around.directions);
         estimate.combinations = combination::fixed(&self.model, at, &self.rows, directions, told);
     }
 
     /// What the data say of one parameter.
-    fn identified(
-        &self,
-        parameter: Parameter,
-        at: &Coordinates,
-        directions: &Directions,
-        precision: Precision,
-    ) -> Identified {
-        let coordinate = at[parameter as usize];
+    fn identified(&self, parameter: Parameter, around: &Around) -> Identified {
+        let Around {
+            best,
+            directions,
+            precision,
+            ..
+        } = around;
+        let coordinate = best.at[parameter as usize];
         let value = parameter.value(coordinate);
         let told = |standing, standard_error, interval| Identified {
             parameter,
@@ -434,14 +429,9 @@ impl Identification {
             told(Standing::NotIdentifiable, standard_error, [None; 2])
         }
     }
-
-    fn precision(&self, joint: &Joint, best: &Minimum, directions: &Directions) -> Precision {
-        let freedom = joint.forces().saturating_sub(directions.rank());
-        Precision::new(Scale::of(&self.rows).known, best.chi_square, freedom)
-    }
 }
 
-/// An estimate as the rows it was made of see it.
+/// A minimum as the rows it was found for see it.
 struct Around {
     joint: Joint,
     best: Minimum,

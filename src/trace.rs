@@ -202,6 +202,12 @@ impl Trace {
             .or_else(|| self.channel(name)?.steady_mean())
     }
 
+    /// Slip ratio [-]: the measured steady one, else that commanded.
+    pub fn slip(&self) -> f64 {
+        self.steady_mean("slip_ratio")
+            .unwrap_or(self.attributes.slip_ratio)
+    }
+
     /// Length of the longest channel [s]; 0 where there is none.
     pub fn duration(&self) -> f64 {
         let durations = self.channels.iter().map(Channel::duration);
@@ -234,6 +240,21 @@ pub fn unwrapped(angles: &[f64]) -> Vec<f64> {
         angle + offset
     };
     angles.iter().map(|&angle| unwrap(angle)).collect()
+}
+
+/// The angle [rad] that a wheel turns through along a channel of forward `speed` [m/s], with
+/// `per_speed` the wheel speed per forward speed [rad/m].
+pub fn turned_along(speed: &Channel, per_speed: f64) -> Channel {
+    let mut turned = 0.0;
+    let samples = speed.samples.iter().map(|v| {
+        let now = turned;
+        turned += v * per_speed / speed.sample_rate;
+        now
+    });
+    Channel {
+        samples: samples.collect(),
+        ..speed.clone()
+    }
 }
 
 /// Mean of the samples that are numbers.

@@ -180,8 +180,8 @@ fn loads_made_by_the_equations_give_the_sand_of_table_6_back() {
     assert_eq!(found["termination"], "converged");
 }
 
-#[test]
-fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() {
+/// The published points of two wheels, imported.
+fn published() -> TempDir {
     let data = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/tests/data/ding2011/points.toml"
@@ -192,6 +192,12 @@ fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() 
         "import",
         &format!("{data} --out runs.h5"),
     ));
+    folder
+}
+
+#[test]
+fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() {
+    let folder = published();
     let found = json(&folder, "");
     let [smooth, lugged] = &found.as_array().unwrap()[..] else {
         panic!("{found}");
@@ -566,16 +572,7 @@ fn a_run_whose_vibration_tells_nothing_has_the_class_of_its_label_or_none() {
 
 #[test]
 fn a_figure_is_drawn_for_every_estimate() {
-    let data = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/tests/data/ding2011/points.toml"
-    );
-    let folder = tempfile::tempdir().unwrap();
-    done(lugwheel(
-        &folder,
-        "import",
-        &format!("{data} --out runs.h5"),
-    ));
+    let folder = published();
     let found = json(&folder, "--out drawn");
     let figures = [&found[0]["figure"], &found[1]["figure"]];
     assert_eq!(

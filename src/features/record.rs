@@ -3,7 +3,7 @@
 use super::Window;
 use crate::dataset::inspection::samples::clipped_levels;
 use crate::quantity::SlipRatio;
-use crate::trace::{Channel, Trace, unit_of, unwrapped};
+use crate::trace::{Channel, Trace, turned_along, unit_of, unwrapped};
 use crate::wheel::Wheel;
 use std::ops::Range;
 
@@ -333,24 +333,12 @@ fn rotation(trace: &Trace, wheel: &Wheel) -> Result<(Channel, bool), RecordError
         return Ok((continuous, true));
     }
     let speed = known(trace, "forward_speed")?.ok_or(RecordError::NoMotion)?;
-    let slip = trace
-        .steady_mean("slip_ratio")
-        .unwrap_or(trace.attributes.slip_ratio);
+    let slip = trace.slip();
     let per_speed = SlipRatio::new(slip)
         .ok()
         .and_then(|slip| slip.wheel_speed(wheel.radius, 1.0))
         .ok_or(RecordError::NoSlip(slip))?;
-    let mut turned = 0.0;
-    let samples = speed.samples.iter().map(|v| {
-        let now = turned;
-        turned += v * per_speed / speed.sample_rate;
-        now
-    });
-    let angle = Channel {
-        samples: samples.collect(),
-        ..speed.clone()
-    };
-    Ok((angle, false))
+    Ok((turned_along(speed, per_speed), false))
 }
 
 /// The samples of `channel` that lie within the time of `other`.

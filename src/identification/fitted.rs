@@ -15,8 +15,7 @@ impl Estimate {
         };
         let measured = SteadyLoad::at(slip, sinkage);
         let seen = setting.seen(&measured, self.class);
-        let soil = model.soil(&self.terrain.coordinates());
         let at = self.terrain.coordinates();
-        model.contact(&at, &seen).loads(&soil)
+        model.contact(&at, &seen).loads(&model.soil(&at))
     }
 }

@@ -93,6 +93,14 @@ impl Model {
         self.moved_among(&Parameter::ALL)
     }
 
+    /// The parameters that a fit moved to an end of their range which holds them there.
+    pub fn held_at(&self, at: &Coordinates) -> Vec<Parameter> {
+        let coordinate = |parameter: Parameter| at[parameter as usize];
+        let mut held = self.moved();
+        held.retain(|p| p.is_at_bound(coordinate(*p)) && !p.is_as_good_as_zero(coordinate(*p)));
+        held
+    }
+
     /// Those of `parameters` that a fit moves.
     pub fn moved_among(&self, parameters: &[Parameter]) -> Vec<Parameter> {
         let mut moved = self.free_among(parameters);

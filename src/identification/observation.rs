@@ -334,17 +334,7 @@ mod tests {
     }
 
     fn at() -> Coordinates {
-        TerrainParameters {
-            stress_angle: 0.4424,
-            stress_angle_slip: -0.6379,
-            sinkage_modulus: 2.4904e6,
-            sinkage_exponent: 0.8169,
-            sinkage_exponent_slip: 1.296,
-            cohesion: 308.6,
-            friction_angle_deg: 29.67,
-            shear_modulus: 0.0066,
-        }
-        .coordinates()
+        TerrainParameters::of(&table_6::sand(), model().surface().width).coordinates()
     }
 
     /// What the sand carries at 12 mm and slip 0.3, read at another sinkage and slip.

@@ -173,6 +173,20 @@ pub struct TerrainParameters {
 }
 
 impl TerrainParameters {
+    /// Those of a `soil` under a wheel of `width` [m].
+    pub fn of(soil: &Soil, width: f64) -> Self {
+        Self {
+            stress_angle: soil.stress_angle,
+            stress_angle_slip: soil.stress_angle_slip,
+            sinkage_modulus: soil.sinkage_modulus(width),
+            sinkage_exponent: soil.sinkage_exponent,
+            sinkage_exponent_slip: soil.sinkage_exponent_slip,
+            cohesion: soil.cohesion,
+            friction_angle_deg: soil.friction_angle_deg,
+            shear_modulus: soil.shear_modulus,
+        }
+    }
+
     /// The value of one of them, in its [`unit`](Parameter::unit).
     pub fn get(&self, parameter: Parameter) -> f64 {
         self.values()[parameter as usize]
@@ -233,18 +247,10 @@ impl TerrainParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::soil::table_6;
 
     fn sand() -> TerrainParameters {
-        TerrainParameters {
-            stress_angle: 0.4424,
-            stress_angle_slip: -0.6379,
-            sinkage_modulus: 2.4904e6,
-            sinkage_exponent: 0.8169,
-            sinkage_exponent_slip: 1.296,
-            cohesion: 308.6,
-            friction_angle_deg: 29.67,
-            shear_modulus: 0.0066,
-        }
+        TerrainParameters::of(&table_6::sand(), 0.15)
     }
 
     #[test]

@@ -28,7 +28,7 @@ impl Precision {
         let (sigma, quantile) = match freedom {
             _ if known && misfit.is_none() => (1.0, Normal::standard().inverse_cdf(0.975)),
             0 => (f64::INFINITY, f64::INFINITY),
-            _ => (libm::sqrt(reduced), student(freedom)),
+            _ => (libm::sqrt(reduced), student(freedom as f64)),
         };
         Self {
             sigma,
@@ -55,9 +55,9 @@ fn by_chance(chi_square: f64, freedom: usize) -> f64 {
     distribution.map_or(1.0, |distribution| distribution.sf(chi_square))
 }
 
-/// 97.5 % quantile of Student's t.
-fn student(freedom: usize) -> f64 {
-    let distribution = StudentsT::new(0.0, 1.0, freedom as f64);
+/// 97.5 % quantile of Student's t; infinite without a degree of freedom.
+pub(super) fn student(freedom: f64) -> f64 {
+    let distribution = StudentsT::new(0.0, 1.0, freedom);
     distribution.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 

@@ -5,11 +5,11 @@ use super::estimate::Estimate;
 use super::model::Model;
 use super::observation::in_order;
 use super::parameter::Coordinates;
+use super::precision::student;
 use super::row::{RIGID_SINKAGE, SteadyLoad};
 use super::{Around, Identification};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A predicted quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +79,7 @@ impl Predictor {
             directions,
             precision,
             ..
-        } = identification.around(estimate);
+        } = identification.around_estimate(estimate);
         let rows: Vec<SteadyLoad> = rows
             .iter()
             .filter(|row| !model.setting.holds(row, model.class))
@@ -97,7 +97,7 @@ impl Predictor {
             at,
             sigma: precision.sigma,
             directions,
-            quantile: quantile(freedom),
+            quantile: student(freedom),
             scatter: scatter(&model, &at, &rows, freedom),
         }
     }
@@ -128,11 +128,6 @@ impl Predictor {
             driving_torque: predicted(2),
         })
     }
-}
-
-/// 97.5 % quantile of Student's t; infinite without a degree of freedom.
-fn quantile(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
 /// Root mean square, per degree of freedom, of the rows' errors about what is predicted for them.

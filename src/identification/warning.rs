@@ -111,9 +111,7 @@ pub(super) fn all(
 
 fn at_bounds(model: &Model, at: &Coordinates) -> Vec<Warning> {
     let coordinate = |parameter: Parameter| at[parameter as usize];
-    let mut held = model.moved();
-    held.retain(|p| p.is_at_bound(coordinate(*p)) && !p.is_as_good_as_zero(coordinate(*p)));
-    let told = held.into_iter().map(|parameter| {
+    let told = model.held_at(at).into_iter().map(|parameter| {
         let ([low, high], [least, most]) = (parameter.bounds(), parameter.range());
         let lower = coordinate(parameter) - low < high - coordinate(parameter);
         Warning::AtBound {

@@ -4,7 +4,7 @@ use super::signal::{Signal, bridged, mean, mean_square};
 use crate::gap::cell::Statistic;
 use crate::gap::readings::Readings;
 use crate::quantity::SlipRatio;
-use crate::trace::{Channel, Trace, unwrapped};
+use crate::trace::{Channel, Trace, turned_along, unwrapped};
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -214,10 +214,7 @@ fn whole(angle: &[f64], unit: f64) -> Range<usize> {
 /// Angle from speed and slip, as it comes to be; from the command where no speed was measured.
 fn summed_up(trace: &Trace) -> Option<Channel> {
     let radius = trace.attributes.wheel_radius;
-    let slip = trace
-        .steady_mean("slip_ratio")
-        .unwrap_or(trace.attributes.slip_ratio);
-    let per_speed = SlipRatio::new(slip)
+    let per_speed = SlipRatio::new(trace.slip())
         .ok()
         .and_then(|slip| slip.wheel_speed(radius, 1.0))
         .filter(|per_speed| radius > 0.0 && per_speed.is_finite())?;
@@ -225,17 +222,10 @@ fn summed_up(trace: &Trace) -> Option<Channel> {
         Some(channel) if channel.samples.iter().all(|v| v.is_finite()) => channel.clone(),
         _ => commanded(trace)?,
     };
-    let mut turned = 0.0;
-    let samples = speed.samples.iter().map(|v| {
-        let now = turned;
-        turned += v * per_speed / speed.sample_rate;
-        now
-    });
-    let angle = Channel {
-        samples: samples.collect(),
-        ..speed.clone()
-    };
-    (angle.samples.len() > 1 && turned.abs() > 0.0).then_some(angle)
+    let steps = speed.samples.iter();
+    let turned: f64 = steps.map(|v| v * per_speed / speed.sample_rate).sum();
+    let turns = speed.samples.len() > 1 && turned.abs() > 0.0;
+    turns.then(|| turned_along(&speed, per_speed))
 }
 
 /// The commanded speed as a channel over the run.

@@ -1,6 +1,6 @@
 //! The values that a scenario's own ground has for what is identified.
 
-use crate::identification::{Identified, Parameter};
+use crate::identification::{Identified, Parameter, TerrainParameters};
 use crate::scenario::Scenario;
 use crate::terrain::TerrainSpec;
 
@@ -8,16 +8,8 @@ use crate::terrain::TerrainSpec;
 pub(super) fn own_value(scenario: &Scenario, parameter: Parameter) -> Option<f64> {
     match &scenario.terrain {
         TerrainSpec::Sand { soil, .. } | TerrainSpec::GravelInSand { soil, .. } => {
-            Some(match parameter {
-                Parameter::StressAngle => soil.stress_angle,
-                Parameter::StressAngleSlip => soil.stress_angle_slip,
-                Parameter::SinkageModulus => soil.sinkage_modulus(scenario.wheel.width),
-                Parameter::SinkageExponent => soil.sinkage_exponent,
-                Parameter::SinkageExponentSlip => soil.sinkage_exponent_slip,
-                Parameter::Cohesion => soil.cohesion,
-                Parameter::FrictionAngle => soil.friction_angle_deg,
-                Parameter::ShearModulus => soil.shear_modulus,
-            })
+            let own = TerrainParameters::of(soil, scenario.wheel.width);
+            Some(own.get(parameter))
         }
         TerrainSpec::Hard { .. } | TerrainSpec::Reference { .. } => (parameter
             == Parameter::FrictionAngle)
