@@ -174,7 +174,7 @@ impl Cases {
         let mut records = Vec::new();
         let mut other_wheel = None;
         for (run, trace) in measured.iter().enumerate() {
-            match Record::of(trace, &scenario.wheel, longest) {
+            match Record::of(trace, scenario, longest) {
                 Ok((record, taken)) => {
                     caveats.extend(taken);
                     records.push(Record { run, ..record });
@@ -320,7 +320,12 @@ impl fmt::Display for Refusal {
 }
 
 impl Record {
-    fn of(trace: &Trace, wheel: &Wheel, longest: f64) -> Result<(Self, Vec<Caveat>), Refusal> {
+    fn of(
+        trace: &Trace,
+        scenario: &Scenario,
+        longest: f64,
+    ) -> Result<(Self, Vec<Caveat>), Refusal> {
+        let wheel = &scenario.wheel;
         let shape = Shape::of(trace, longest);
         if shape.is_empty() {
             return Err(Refusal::NoOverlap(names(trace)));
@@ -364,7 +369,8 @@ impl Record {
         let force = (mean("normal_force"), "the measured normal force");
         complete(&mut attributes.load, "load", [force, nothing])?;
         let speed = (mean("forward_speed"), "the measured speed");
-        complete(&mut attributes.speed, "forward speed", [speed, nothing])?;
+        let [own, _] = of_scenario(scenario.rig.drive().forward_speed);
+        complete(&mut attributes.speed, "forward speed", [speed, own])?;
         let slip = (mean("slip_ratio"), "the measured slip");
         let of_angle = turning.map(|turning| {
             SlipRatio::from_motion(attributes.wheel_radius, turning, attributes.speed).get()
