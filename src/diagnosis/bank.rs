@@ -27,6 +27,7 @@ use std::io;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use store::{Key, Store};
 
@@ -134,7 +135,7 @@ impl Bank {
     /// `NoCase`.
     pub fn left(&self, requests: &[Request], trial: &Trial) -> Result<Cost, BankError> {
         let mut cost = Cost::default();
-        for group in by_motion(self.found(requests)?.missing) {
+        for group in by_motion(self.missing(requests, &|_, _| ())?) {
             let case = &self.cases[requests[group[0].place].case];
             let keys: BTreeSet<&Key> = group.iter().map(|task| &task.key).collect();
             cost.add(trial, case, [1, keys.len() as u64]);
@@ -142,8 +143,28 @@ impl Bank {
         Ok(cost)
     }
 
-    /// What came of each request, in their order; what is not in the folder is simulated, on the
-    /// threads of the pool that this is called in.
+    /// What came of each request, in their order: [`for_each`](Self::for_each), all kept.
+    ///
+    /// # Errors
+    /// Those of [`for_each`](Self::for_each).
+    pub fn readings(
+        &self,
+        requests: &[Request],
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Vec<Outcome>, BankError> {
+        let answers = Mutex::new(vec![None; requests.len()]);
+        let keep = |place: usize, outcome| {
+            // A lock is poisoned by a panic only, and storing an answer has none.
+            answers.lock().expect("nobody panicked")[place] = Some(outcome);
+        };
+        self.for_each(requests, progress, &keep)?;
+        let answers = answers.into_inner().expect("nobody panicked");
+        Ok(answers.into_iter().flatten().collect())
+    }
+
+    /// Tells `seen` what came of each request, with its place among them, from several threads and
+    /// in any order; what is not in the folder is simulated, on the threads of the pool that this is
+    /// called in. Nothing is kept in memory.
     ///
     /// `progress` hears of every answer and of many moments within a run, from several threads; a
     /// `Break` stops all at once, and what is done stays in the folder. A run that fails has its
@@ -151,51 +172,45 @@ impl Bank {
     ///
     /// # Errors
     /// `Stopped` when `progress` said so; `NoCase`; `File` where an answer cannot be kept.
-    pub fn readings(
+    pub fn for_each(
         &self,
         requests: &[Request],
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Vec<Outcome>, BankError> {
-        let Ledger {
-            mut answers,
-            missing,
-        } = self.found(requests)?;
+        seen: &(dyn Fn(usize, Outcome) + Sync),
+    ) -> Result<(), BankError> {
+        let missing = self.missing(requests, seen)?;
         let work = Work {
             bank: self,
             requests,
             progress,
+            seen,
             done: AtomicU64::new((requests.len() - missing.len()) as u64),
             motions: AtomicU64::new(0),
             stopped: AtomicBool::new(false),
         };
         let groups = by_motion(missing);
         let each = groups.par_iter().with_max_len(1);
-        let made: Result<Vec<_>, Halt> = each.map(|group| work.finish(group)).collect();
-        for (place, outcome) in made.map_err(|halt| work.error(halt))?.into_iter().flatten() {
-            answers[place] = Some(outcome);
-        }
-        Ok(answers.into_iter().flatten().collect())
+        let finished = each.try_for_each(|group| work.finish(group));
+        finished.map_err(|halt| work.error(halt))
     }
 
-    /// The answers that are known without simulating, in their places, and what is to be done.
-    fn found(&self, requests: &[Request]) -> Result<Ledger, BankError> {
-        let found: Result<Vec<Found>, BankError> = requests
-            .par_iter()
-            .enumerate()
-            .map(|(place, request)| self.find(place, request))
-            .collect();
-        let mut answers = Vec::with_capacity(requests.len());
-        let mut missing = Vec::new();
-        for found in found? {
-            match found {
-                Found::Answer(outcome) => answers.push(Some(*outcome)),
-                Found::Missing(task) => {
-                    answers.push(None);
-                    missing.push(task);
+    /// What is to be simulated; `seen` is told the answers that are known.
+    fn missing(
+        &self,
+        requests: &[Request],
+        seen: &(dyn Fn(usize, Outcome) + Sync),
+    ) -> Result<Vec<Task>, BankError> {
+        let places = requests.par_iter().enumerate();
+        let found: Result<Vec<Option<Task>>, BankError> = places
+            .map(|(place, request)| match self.find(place, request)? {
+                Found::Missing(task) => Ok(Some(task)),
+                Found::Answer(outcome) => {
+                    seen(place, *outcome);
+                    Ok(None)
                 }
-            }
-        }
-        Ok(Ledger { answers, missing })
+            })
+            .collect();
+        Ok(found?.into_iter().flatten().collect())
     }
 
     /// The answer to a request where it is known without simulating, else what is to be done.
@@ -235,13 +250,6 @@ impl Bank {
             scenario.to_toml(),
         ))
     }
-}
-
-/// Requests, answered and not.
-struct Ledger {
-    /// The answers that are known, each in the place of its request.
-    answers: Vec<Option<Outcome>>,
-    missing: Vec<Task>,
 }
 
 /// A request on its way.
@@ -324,6 +332,7 @@ struct Work<'b> {
     bank: &'b Bank,
     requests: &'b [Request],
     progress: &'b (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    seen: &'b (dyn Fn(usize, Outcome) + Sync),
     done: AtomicU64,
     motions: AtomicU64,
     stopped: AtomicBool,
@@ -331,25 +340,32 @@ struct Work<'b> {
 
 impl Work<'_> {
     /// Answers and keeps the tasks of one motion.
-    fn finish(&self, group: &[Task]) -> Result<Vec<(usize, Outcome)>, Halt> {
+    fn finish(&self, group: &[Task]) -> Result<(), Halt> {
         let mut statistician = statistician().map_err(|error| Halt::Failed(error.into()))?;
         let traces = Traces::of(group, self)?;
-        let mut known = BTreeMap::<Key, usize>::new();
-        let mut answers: Vec<(usize, Outcome)> = Vec::with_capacity(group.len());
+        let mut kept = BTreeSet::new();
         for task in group {
             if self.report().is_break() {
                 return Err(Halt::Stopped);
             }
-            let outcome = match known.get(&task.key) {
-                Some(earlier) => answers[*earlier].1.clone(),
+            let again = !kept.insert(task.key);
+            let known = again.then(|| self.kept(task)).flatten();
+            let outcome = match known {
+                Some(outcome) => outcome,
                 None => self.answer(task, &traces, &mut statistician)?,
             };
-            known.insert(task.key, answers.len());
-            answers.push((task.place, outcome));
+            (self.seen)(task.place, outcome);
             self.done.fetch_add(1, Ordering::Relaxed);
         }
+        // These are kept: a wish to stop concerns the next.
         let _ = self.report();
-        Ok(answers)
+        Ok(())
+    }
+
+    /// The answer to a request that was made twice, from the folder.
+    fn kept(&self, task: &Task) -> Option<Outcome> {
+        let case = &self.bank.cases[self.requests[task.place].case];
+        self.bank.store.read(&task.key, &case.attributes)
     }
 
     fn answer(

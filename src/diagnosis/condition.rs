@@ -16,7 +16,6 @@ use crate::terrain::class::TerrainLabel;
 use crate::trace::{RunAttributes, Trace, unit_of, unwrapped};
 use crate::wheel::Wheel;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;
 
@@ -28,6 +27,12 @@ const OTHER_WHEEL: f64 = 0.02;
 
 /// Part [-] of the longest repeat below which a run is no repeat but broke off.
 const BROKE_OFF: f64 = 0.5;
+
+/// Part of a load [-], part of a speed [-] and slip [-] by which repeats may differ where these were
+/// not told but measured: a rig holds its load to a tenth, its speeds better.
+const SAME_LOAD: f64 = 0.15;
+const SAME_SPEED: f64 = 0.05;
+const SAME_SLIP: f64 = 0.02;
 
 /// Lug passes [-] in the middle half of a run of means only.
 const STEADY_PASSES: f64 = 4.0;
@@ -191,16 +196,16 @@ impl Cases {
         }
         caveats.extend(differences(scenario, &records));
         caveats.extend(not_simulated(measured));
+        let (groups, broken): (Vec<Group>, Vec<Vec<Caveat>>) =
+            grouped(records).into_iter().map(without_broken).unzip();
+        caveats.extend(broken.into_iter().flatten());
+        let attributes: Vec<RunAttributes> = groups.iter().map(Group::attributes).collect();
+        let conditions = gap::conditions(&attributes.iter().collect::<Vec<_>>());
         let mut cases = Vec::new();
-        for group in grouped(records) {
-            let (group, broken) = whole(group);
-            caveats.extend(broken);
-            match group.case(scenario) {
+        for (group, condition) in groups.iter().zip(conditions) {
+            match group.case(scenario, &condition) {
                 Ok(case) => cases.push(case),
-                Err(reason) => caveats.push(Caveat::Outside {
-                    condition: group.condition,
-                    reason,
-                }),
+                Err(reason) => caveats.push(Caveat::Outside { condition, reason }),
             }
         }
         caveats.sort();
@@ -283,6 +288,8 @@ impl Case {
 struct Record {
     run: usize,
     attributes: RunAttributes,
+    /// The same with 0 for what was not told.
+    told: RunAttributes,
     /// Mean turning speed [rad/s], where the wheel's angle was measured.
     turning: Option<f64>,
     shape: Shape,
@@ -339,6 +346,7 @@ impl Record {
             ..trace.attributes.clone()
         };
         check_wheel(&attributes, wheel).map_err(Refusal::Wheel)?;
+        let told = told(&attributes);
         let turning = turning_speed(trace);
         let mean = |name: &str| trace.steady_mean(name);
         let mut caveats = Vec::new();
@@ -380,6 +388,7 @@ impl Record {
         let record = Self {
             run: 0,
             attributes,
+            told,
             turning,
             shape,
         };
@@ -453,24 +462,41 @@ fn not_simulated(measured: &[Trace]) -> Option<Caveat> {
     (!foreign.is_empty()).then_some(Caveat::NotSimulated(foreign))
 }
 
+/// A condition with 0 for what nobody told.
+fn told(attributes: &RunAttributes) -> RunAttributes {
+    let known = |number: f64| if number.is_finite() { number } else { 0.0 };
+    RunAttributes {
+        wheel_radius: known(attributes.wheel_radius),
+        wheel_width: known(attributes.wheel_width),
+        load: known(attributes.load),
+        speed: known(attributes.speed),
+        slip_ratio: known(attributes.slip_ratio),
+        ..attributes.clone()
+    }
+}
+
 /// Repeats of one condition with one kind of record; there is at least one.
 struct Group {
-    condition: Condition,
+    told: Condition,
+    kind: String,
     records: Vec<Record>,
 }
 
 fn grouped(records: Vec<Record>) -> Vec<Group> {
-    let attributes: Vec<&RunAttributes> = records.iter().map(|it| &it.attributes).collect();
+    let attributes: Vec<&RunAttributes> = records.iter().map(|it| &it.told).collect();
     let conditions = gap::conditions(&attributes);
     let mut groups: Vec<Group> = Vec::new();
-    let mut places = BTreeMap::new();
-    for (condition, record) in conditions.into_iter().zip(records) {
-        let key = (condition.clone(), record.shape.kind());
-        let place = *places.entry(key).or_insert(groups.len());
-        match groups.get_mut(place) {
+    for (told, record) in conditions.into_iter().zip(records) {
+        let kind = record.shape.kind();
+        let mut known = groups.iter_mut();
+        let is_its = |group: &&mut Group| {
+            group.told == told && group.kind == kind && group.records[0].is_near(&record)
+        };
+        match known.find(is_its) {
             Some(group) => group.records.push(record),
             None => groups.push(Group {
-                condition,
+                told,
+                kind,
                 records: vec![record],
             }),
         }
@@ -478,13 +504,46 @@ fn grouped(records: Vec<Record>) -> Vec<Group> {
     groups
 }
 
-/// A group without the runs that broke off.
-fn whole(group: Group) -> (Group, Vec<Caveat>) {
-    let Group { condition, records } = group;
-    let durations = records.iter().map(|record| record.shape.duration());
+impl Record {
+    /// Whether what was measured of a condition, where it was not told, may be that of a repeat.
+    fn is_near(&self, other: &Self) -> bool {
+        let [here, there] = [self, other].map(|record| &record.attributes);
+        let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
+        near(here.load, there.load, SAME_LOAD)
+            && near(here.speed, there.speed, SAME_SPEED)
+            && (here.slip_ratio - there.slip_ratio).abs() <= SAME_SLIP
+    }
+}
+
+impl Group {
+    /// Wheel and condition: what was told, and the mean over the repeats of what was not.
+    fn attributes(&self) -> RunAttributes {
+        let Record {
+            attributes, told, ..
+        } = &self.records[0];
+        let number = |of: fn(&RunAttributes) -> f64| {
+            if of(told) == of(attributes) {
+                return of(told);
+            }
+            let all = self.records.iter().map(|record| of(&record.attributes));
+            all.sum::<f64>() / self.records.len() as f64
+        };
+        RunAttributes {
+            load: number(|it| it.load),
+            speed: number(|it| it.speed),
+            slip_ratio: number(|it| it.slip_ratio),
+            ..attributes.clone()
+        }
+    }
+}
+
+/// A group without the runs that broke off, and why they are left out.
+fn without_broken(group: Group) -> (Group, Vec<Caveat>) {
+    let durations = group.records.iter().map(|record| record.shape.duration());
     let longest = durations.fold(0.0, f64::max);
     let broke_off = |record: &Record| record.shape.duration() < BROKE_OFF * longest;
-    let (broken, records): (Vec<Record>, Vec<Record>) = records.into_iter().partition(broke_off);
+    let (broken, records): (Vec<Record>, Vec<Record>) =
+        group.records.into_iter().partition(broke_off);
     let caveat = |record: Record| Caveat::LeftOut {
         run: record.run,
         reason: format!(
@@ -493,19 +552,19 @@ fn whole(group: Group) -> (Group, Vec<Caveat>) {
         ),
     };
     let caveats = broken.into_iter().map(caveat).collect();
-    (Group { condition, records }, caveats)
+    (Group { records, ..group }, caveats)
 }
 
 impl Group {
     /// # Errors
     /// In words, why the scenario cannot have this condition.
-    fn case(&self, scenario: &Scenario) -> Result<Case, String> {
+    fn case(&self, scenario: &Scenario, condition: &Condition) -> Result<Case, String> {
         let first = &self.records[0];
         let mut shape = first.shape.clone();
         for record in &self.records[1..] {
             shape.shorten(&record.shape);
         }
-        let attributes = first.attributes.clone();
+        let attributes = self.attributes();
         let mut scenario = scenario.clone();
         *scenario.rig.load_mut() = attributes.load;
         command(scenario.rig.drive_mut(), &attributes, first.turning)?;
@@ -521,7 +580,7 @@ impl Group {
         scenario.check().map_err(|error| words(&error))?;
         scenario.experiment().map_err(|error| words(&error))?;
         Ok(Case {
-            condition: self.condition.clone(),
+            condition: condition.clone(),
             scenario,
             attributes,
             runs: self.records.iter().map(|record| record.run).collect(),
@@ -548,7 +607,7 @@ fn command(
 }
 
 /// Duration [s] of a run of means only: its middle half holds whole lug passes, four at least, and
-/// half of it or more is a wheel's width of track.
+/// a wheel's width of track or more; half of that goes before, for the wheel to sink in.
 fn duration_of_means(wheel: &Wheel, attributes: &RunAttributes, turning: f64) -> f64 {
     let lugs = match attributes.lug_count {
         0 => wheel.lug_count(),
@@ -558,11 +617,11 @@ fn duration_of_means(wheel: &Wheel, attributes: &RunAttributes, turning: f64) ->
     let pass = TAU / f64::from(lugs) / turning.abs();
     let duration = match [pass.is_finite(), width.is_finite()] {
         [true, true] => {
-            let passes = libm::ceil(f64::max(STEADY_PASSES, 0.5 * width / pass));
+            let passes = libm::ceil(f64::max(STEADY_PASSES, width / pass));
             2.0 * passes * pass
         }
         [true, false] => 2.0 * STEADY_PASSES * pass,
-        _ => width,
+        _ => 2.0 * width,
     };
     duration.min(LONGEST_OF_MEANS)
 }
