@@ -96,7 +96,9 @@ pub const PARAMETERS: &[Parameter] = &[
         unit: "-",
         coordinate: Coordinate::Plain,
         sd: 0.1,
-        source: Source::Guess("0.18 to 0.43 on sands, nobody measured this one"),
+        source: Source::Guess(
+            "0.18 on loose and 0.43 on compact sand (Wong and Reece 1967), and nobody measured this one",
+        ),
         places: |scenario| each(soils(scenario), |soil| vec![&mut soil.stress_angle]),
     },
     Parameter {
@@ -215,7 +217,7 @@ pub const PARAMETERS: &[Parameter] = &[
     },
 ];
 
-fn each<'s, T>(things: Vec<&'s mut T>, numbers: fn(&mut T) -> Vec<&mut f64>) -> Vec<&'s mut f64> {
+fn each<T>(things: Vec<&mut T>, numbers: fn(&mut T) -> Vec<&mut f64>) -> Vec<&mut f64> {
     things.into_iter().flat_map(numbers).collect()
 }
 
