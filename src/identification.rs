@@ -186,10 +186,9 @@ impl Identification {
             setting: *setting,
         };
         let rows = row::seen(rows, class, setting)?;
-        if rows[0].has_torque() {
-            enough_for_stages(&model, &rows)?;
-        } else {
-            enough_without_torque(&model, &rows)?;
+        match rows.first() {
+            Some(row) if !row.has_torque() => enough_without_torque(&model, &rows)?,
+            _ => enough_for_stages(&model, &rows)?,
         }
         let slip = rows[0].slip;
         if rows.iter().all(|row| (row.slip - slip).abs() < SAME_SLIP) {
