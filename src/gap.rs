@@ -30,9 +30,10 @@ pub mod statistics;
 mod tail;
 mod tree;
 
-pub use cell::{Cell, Covariate, Domain, Kappa, Measure, Statistic};
+pub use cell::{Cell, Covariate, Domain, Kappa, Measure, NoCell, Statistic};
 pub use comparison::{Caveat, Comparison, FEWEST_REPLICATES, Table};
 pub use condition::Condition;
+pub(crate) use condition::conditions;
 pub use distance::{Closed, Scores, Whitening, closed};
 pub use global::{Global, PERMUTATIONS, Test};
 pub use map::{Colour, Entry, GapMap, LEVEL, Margins, ParameterSpread};

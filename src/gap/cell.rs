@@ -1,5 +1,9 @@
 //! The cells of the gap map: one statistic of one channel, under a name that stays.
 
+mod text;
+
+pub use text::NoCell;
+
 use crate::identification::Parameter;
 use crate::terrain::class::Wtic;
 use crate::trace::unit_of;

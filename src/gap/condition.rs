@@ -75,7 +75,7 @@ fn known(value: f64, symbol: &str, unit: &str) -> Option<String> {
 }
 
 /// The condition of each run. A property counts that every run has.
-pub(super) fn conditions(runs: &[&RunAttributes]) -> Vec<Condition> {
+pub(crate) fn conditions(runs: &[&RunAttributes]) -> Vec<Condition> {
     let mut texts = vec![Vec::new(); runs.len()];
     for (place, property) in PROPERTIES.iter().enumerate() {
         let values: Option<Vec<String>> = runs.iter().map(|run| property(run)).collect();
