@@ -30,7 +30,7 @@ pub struct Calibration {
     pub presumed: f64,
     /// p-value [-] below which a refit fails its check.
     pub failed: f64,
-    /// Share [-] of the gap that a failed refit must leave before the cause is called unknown.
+    /// Share [-] of the gap that every refit must leave before the cause is called unknown.
     pub left_over: f64,
     /// p-value [-], before correction for their number, of a structural alarm.
     pub alarm: f64,
@@ -46,13 +46,13 @@ impl Default for Calibration {
             forest_share: 0.15,
             priors: [0.25, 0.25, 0.4, 0.05, 0.05],
             freedom: 6.0,
-            relative_error: 0.05,
+            relative_error: 0.1,
             least_spread: 1.0e-3,
             equivalent: 0.95,
             confident: 0.5,
             presumed: 0.25,
             failed: 0.01,
-            left_over: 0.15,
+            left_over: 0.2,
             alarm: 0.01,
             scarce: [0.45, 0.9, 0.8],
         }

@@ -43,7 +43,7 @@ impl Check {
             .map(|(sum, count)| sum.abs() / libm::sqrt(*count));
         let largest = largest.fold(0.0, f64::max);
         // Heavier tails of real readings make the largest look larger than the normal has it.
-        let scale = libm::sqrt(1.0 + (sum / fit.held_out.len() as f64).max(0.0).min(0.2));
+        let scale = libm::sqrt(1.0 + (sum / fit.held_out.len() as f64).clamp(0.0, 0.2));
         let local = (2.0 * normal.sf(largest / scale) * cells.len() as f64).min(1.0);
         Self {
             p: (2.0 * overall.min(local)).min(1.0),

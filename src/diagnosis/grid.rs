@@ -47,7 +47,7 @@ impl Axis {
         else {
             return self;
         };
-        let (middle, reach) = (0.5 * (first + last), 1.0 * (last - first));
+        let (middle, reach) = (0.5 * (first + last), last - first);
         let step = 2.0 * reach / (WIDE - 1) as f64;
         self.magnitudes = (0..WIDE)
             .map(|i| middle - reach + step * i as f64)

@@ -1,11 +1,13 @@
 //! Measured runs as departures from the emulator's middle.
 
 use super::calibration::Calibration;
-use super::emulator::Emulator;
+use super::emulator::{Emulated, Emulator};
 use super::responses::{DiagnosisError, Library, Measured};
 
 /// Degrees of freedom [-] with which the spread of repeats is held to be that of replicates.
 const OF_SPREAD: f64 = 4.0;
+/// Numbers [-] whose squares a condition's own spread is taken to be the mean of.
+const OF_NUMBERS: f64 = 10.0;
 
 /// What was measured, whitened, condition by condition.
 #[derive(Debug)]
@@ -57,13 +59,14 @@ impl Observation {
                 runs.map(|run| emulated.departure(run)).collect()
             })
             .collect();
-        let ratio = spread_of_repeats(emulator, &departures);
+        let ratios = spreads_of_repeats(emulator, &departures);
         let conditions = departures
             .into_iter()
             .zip(measured)
-            .zip(&emulator.conditions);
+            .zip(&emulator.conditions)
+            .zip(ratios);
         let conditions = conditions
-            .map(|((runs, measured), emulated)| {
+            .map(|(((runs, measured), emulated), ratio)| {
                 let count = runs.len() as f64;
                 let mut residual = vec![0.0; emulated.cells.len()];
                 for run in &runs {
@@ -88,23 +91,37 @@ impl Observation {
     }
 }
 
-/// Variance of repeats over that of replicates [-], at least 1.
-fn spread_of_repeats(emulator: &Emulator, departures: &[Vec<Vec<f64>>]) -> f64 {
-    let [mut ratios, mut freedom] = [OF_SPREAD, OF_SPREAD];
-    for (runs, emulated) in departures.iter().zip(&emulator.conditions) {
-        let count = runs.len() as f64;
-        for place in 0..emulated.cells.len() {
-            let mean = runs.iter().map(|run| run[place]).sum::<f64>() / count;
-            let square: f64 = runs
-                .iter()
-                .map(|run| (run[place] - mean) * (run[place] - mean))
-                .sum();
-            let share = 1.0 / emulated.cells.len() as f64;
-            ratios += share * square / (emulated.variance[0] + emulated.least[place]);
-        }
-        freedom += count - 1.0;
-    }
-    (ratios / freedom).max(1.0)
+/// Variance of repeats over that of replicates [-], at least 1, by condition: its own, drawn to
+/// that of all conditions, so that a run that went astray makes its condition count less.
+fn spreads_of_repeats(emulator: &Emulator, departures: &[Vec<Vec<f64>>]) -> Vec<f64> {
+    let own: Vec<[f64; 2]> = departures
+        .iter()
+        .zip(&emulator.conditions)
+        .map(|(runs, emulated)| spread_of_repeats(emulated, runs))
+        .collect();
+    let sum = |part: usize| own.iter().map(|own| own[part]).sum::<f64>();
+    let common = (OF_SPREAD + sum(0)) / (OF_SPREAD + sum(1));
+    let drawn = |[squares, freedom]: &[f64; 2]| {
+        let [squares, freedom] = [squares, freedom].map(|part| OF_NUMBERS * part);
+        ((OF_SPREAD * common + squares) / (OF_SPREAD + freedom)).max(1.0)
+    };
+    own.iter().map(drawn).collect()
+}
+
+/// Sum of squares of repeats about their mean over the variance of replicates, the mean of all
+/// numbers, and its degrees of freedom [-].
+fn spread_of_repeats(emulated: &Emulated, runs: &[Vec<f64>]) -> [f64; 2] {
+    let count = runs.len() as f64;
+    let square = |place: usize| {
+        let mean = runs.iter().map(|run| run[place]).sum::<f64>() / count;
+        let squares = runs
+            .iter()
+            .map(|run| (run[place] - mean) * (run[place] - mean));
+        squares.sum::<f64>() / (emulated.variance[0] + emulated.least[place])
+    };
+    let numbers = emulated.cells.len();
+    let mean = (0..numbers).map(square).sum::<f64>() / (numbers as f64).max(1.0);
+    [mean, count - 1.0]
 }
 
 fn scarce(

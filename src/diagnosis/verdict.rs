@@ -4,6 +4,7 @@
 //! fails on held-out conditions gives its probability to the unknown, and what rests on too little
 //! is undecided for the share that the table of constants says.
 
+use super::check::Check;
 use super::fit::{Fit, Problem};
 use super::forest::Forest;
 use super::hypothesis::Hypothesis;
@@ -20,6 +21,11 @@ use std::collections::BTreeMap;
 const LOCATED: usize = 10;
 /// Score [-] from which on a cell of a remainder is worth a mention.
 const STRONG: f64 = 4.0;
+
+/// Mean square [-] beyond what spread explains from which on there is a gap to explain.
+const NOTICEABLE: f64 = 0.2;
+/// Share [-] that the unknown keeps where a refit explains the gap.
+const DOUBT: f64 = 0.1;
 
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -178,40 +184,41 @@ impl Weighing {
         weighing
     }
 
-    /// Where every refit fails and leaves much of the gap, the unknown takes what they had.
+    /// Where every refit fails and leaves much of the gap, the unknown takes what they had; where
+    /// one leaves little of a gap, the unknown has a small share of what it had.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
-        let excess = |fit: &Hypothesis| {
-            let ranked = ranking.ranked.iter().find(|r| r.hypothesis == *fit);
-            ranked.and_then(|r| r.check).map(|check| check.excess)
-        };
-        let before = excess(&healthy(ranking).hypothesis).unwrap_or(0.0);
-        let best = ranking
+        let calibration = problem.calibration;
+        let shipped = &ranking.fits[0].hypothesis;
+        let checks = ranking
             .ranked
             .iter()
-            .filter_map(|ranked| ranked.check)
-            .map(
-                |check| match check.excess > problem.calibration.left_over * before {
-                    true => check.p,
-                    false => 1.0,
-                },
-            )
+            .filter_map(|ranked| Some((&ranked.hypothesis, ranked.check?)));
+        let before = checks
+            .clone()
+            .find(|(hypothesis, _)| *hypothesis == shipped);
+        let before = before.map_or(0.0, |(_, check)| check.excess);
+        let explains = |check: &Check| check.excess < calibration.left_over * before;
+        let best = checks
+            .clone()
+            .map(|(_, check)| if explains(&check) { 1.0 } else { check.p })
             .fold(0.0, f64::max);
-        let kept = (best / problem.calibration.failed).min(1.0);
+        let kept = (best / calibration.failed).min(1.0);
         if kept < 1.0 {
             self.reasons.push(format!(
                 "no refit passes its check on held-out conditions (best p = {best:.1e})"
             ));
         }
-        let mut taken = 0.0;
+        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let explained = before > NOTICEABLE && checks.clone().any(|(_, check)| explains(&check));
+        let of_unknown = match explained {
+            true => DOUBT * unknown,
+            false => unknown + (1.0 - kept) * (1.0 - unknown),
+        };
+        let of_others = (1.0 - of_unknown) / (1.0 - unknown).max(f64::MIN_POSITIVE);
         for (hypothesis, mass) in &mut self.masses {
-            if *hypothesis != Hypothesis::Unknown {
-                taken += (1.0 - kept) * *mass;
-                *mass *= kept;
-            }
-        }
-        for (hypothesis, mass) in &mut self.masses {
-            if *hypothesis == Hypothesis::Unknown {
-                *mass += taken;
+            match hypothesis {
+                Hypothesis::Unknown => *mass = of_unknown,
+                _ => *mass *= of_others,
             }
         }
     }
