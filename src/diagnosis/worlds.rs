@@ -452,14 +452,20 @@ fn a_wrong_parameter_is_no_effect_even_where_an_effect_shows_alike() {
 
 #[test]
 fn where_nothing_is_wrong_none_or_parameter_is_answered_in_95_of_100_worlds() {
+    let size = Size {
+        conditions: 6,
+        cells: 24,
+        parameters: 2,
+        effects: 6,
+    };
     let mut right = 0;
     for world in 0..2 {
-        let bench = Bench::new(SMALL, 2, 20 + world);
+        let bench = Bench::new(size, 2, 20 + world);
         let mut rng = Seed(world).rng("truth", 0);
         for seed in 0..50 {
             // As many without any change as with parameters as their priors have them.
             let scale = f64::from(seed % 2);
-            let offsets = (0..SMALL.parameters)
+            let offsets = (0..size.parameters)
                 .map(|_| scale * normal(&mut rng))
                 .collect();
             let truth = Truth {
