@@ -365,8 +365,8 @@ fn an_effect_above_twice_its_detection_limit_is_named_and_its_magnitude_found() 
     let screened = bench.screened();
     let (mut named, mut covered, mut count) = (0, 0, 0);
     // 0 and 1 are alike, 2 is absorbed.
-    for effect in 3..SMALL.effects {
-        let magnitude = 2.2 * screened[effect].detectable;
+    for (effect, screened) in screened.iter().enumerate().skip(3) {
+        let magnitude = 2.2 * screened.detectable;
         for seed in 0..3 {
             let verdict = bench.verdict(&Truth::effect(effect, magnitude), 30 + seed);
             let name = format!("e{effect}");
