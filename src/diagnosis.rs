@@ -1,21 +1,57 @@
-//! From a measured campaign and a scenario to simulated statistics of the same conditions.
+//! What explains the difference between measured runs and a simulator.
 //!
 //! ```text
-//! measured runs ──▶ cases ──┐
-//!      scenario ──▶         ├──▶ plan ──▶ bank ──▶ readings, read as the measured ones are
-//!    parameters ──▶ arms  ──┘              ▲ ▼
-//!       effects ──▶                   cache folder
+//! measured runs ─▶ cases ─┐                        ┌─▶ observation ─┐
+//!      scenario ─▶        ├─▶ plan ─▶ bank ─▶ library ─▶ emulator ──┴─▶ screen ─▶ fits ─▶ ranking ─▶ verdict
+//!    parameters ─▶ arms ──┘            ▲ ▼                                               ▲
+//!       effects ─▶                cache folder                             forest ───────┘
 //! ```
 //!
 //! A [`Case`](condition::Case) is one measured condition as the simulator repeats it, an
 //! [`Arm`](arm::Arm) a way in which the scenario may be wrong: [parameters](parameter) off their
 //! values, [effects](crate::effects) left out. A [`Plan`](plan::Plan) lists what is to be simulated
 //! within a budget, a [`Bank`](bank::Bank) does it, each thing once.
+//!
+//! A [`Library`] holds what came of it: replicates, changes by parameters, changes by effects of
+//! several magnitudes. An [`Emulator`] makes functions of them, an [`Observation`] sets measured runs
+//! beside. [`screen()`] tells what could be seen at all, and a [`Verdict`] weighs nothing, parameters,
+//! every effect, pairs of them and the unknown by what each says of conditions that it has not seen; a
+//! [`Forest`] gives a second opinion. From the library on, all works on numbers alone.
 
 pub mod arm;
 pub mod bank;
+mod calibration;
+mod check;
 pub mod condition;
 pub mod cost;
+mod emulator;
+mod fit;
+mod forest;
+mod grid;
+mod hypothesis;
+mod layout;
+mod next_run;
+mod observation;
 pub mod parameter;
 pub mod plan;
-mod layout;
+mod product;
+mod ranking;
+mod responses;
+mod screen;
+mod shape;
+mod shrinkage;
+mod unknown;
+mod verdict;
+#[cfg(test)]
+mod worlds;
+
+pub use calibration::Calibration;
+pub use emulator::Emulator;
+pub use fit::Problem;
+pub use forest::Forest;
+pub use next_run::{FurtherRuns, NextRun};
+pub use observation::Observation;
+pub use responses::{Candidate, DiagnosisError, Level, Library, Measured, Responses};
+pub use screen::{Alarm, Screened, Suspicion, screen};
+pub use shrinkage::Shrinkage;
+pub use verdict::{Answer, Located, Recalibrated, Suspect, Verdict};

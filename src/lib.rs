@@ -20,8 +20,9 @@
 //! from loads, slip and sinkage, [`gap`] of where measured and simulated runs differ. What is
 //! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
 //! [`diagnosis`] repeats measured conditions with parameters and effects otherwise than the scenario
-//! has them, [`study`] runs many scenarios into one table with a score of the classes recognised and
-//! of the limits that the paper sets to vibration, [`report`] draws what came of it.
+//! has them and tells which of them, or what unknown, explains what was measured, [`study`] runs many
+//! scenarios into one table with a score of the classes recognised and of the limits that the paper
+//! sets to vibration, [`report`] draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!

@@ -26,6 +26,13 @@ impl Condition {
     }
 }
 
+impl From<&str> for Condition {
+    /// The condition of this text.
+    fn from(text: &str) -> Self {
+        Self(text.to_owned())
+    }
+}
+
 impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)

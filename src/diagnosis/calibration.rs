@@ -1,0 +1,60 @@
+//! The constants by which scores become probabilities and probabilities a verdict.
+
+use serde::{Deserialize, Serialize};
+
+/// Temperatures, priors and thresholds of a verdict, in one table.
+///
+/// The defaults are **not yet calibrated**: they are what a world that obeys the model needs.
+/// A bank of campaigns with known causes, separate from every test, is to set them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// What log scores of the refit are divided by [-].
+    pub temperature: f64,
+    /// Weight [-] of the forest in the logarithmic pool, from 0 to 1.
+    pub forest_share: f64,
+    /// Prior probabilities [-]: nothing, parameters only, one effect, two effects, unknown.
+    pub priors: [f64; 5],
+    /// Degrees of freedom [-] of the tails of a cell.
+    pub freedom: f64,
+    /// Error [-] of a predicted change, as a share of it.
+    pub relative_error: f64,
+    /// Spread of a cell [its size] below which a difference says nothing.
+    pub least_spread: f64,
+    /// Cosine [-] of projected signatures from which on effects cannot be told apart.
+    pub equivalent: f64,
+    /// Probability [-] from which on a verdict is given.
+    pub confident: f64,
+    /// Probability [-] of nothing wrong but parameters from which on no effect is named: naming a
+    /// wrong cause is worse than missing one.
+    pub presumed: f64,
+    /// p-value [-] below which a refit fails its check.
+    pub failed: f64,
+    /// Share [-] of the gap that every refit must leave before the cause is called unknown.
+    pub left_over: f64,
+    /// p-value [-], before correction for their number, of a structural alarm.
+    pub alarm: f64,
+    /// Largest probability [-] of anything named from one condition, from runs without repeats,
+    /// and from one channel.
+    pub scarce: [f64; 3],
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        Self {
+            temperature: 1.0,
+            forest_share: 0.15,
+            priors: [0.25, 0.25, 0.4, 0.05, 0.05],
+            freedom: 6.0,
+            relative_error: 0.1,
+            least_spread: 1.0e-3,
+            equivalent: 0.95,
+            confident: 0.5,
+            presumed: 0.25,
+            failed: 0.01,
+            left_over: 0.2,
+            alarm: 0.01,
+            scarce: [0.45, 0.9, 0.8],
+        }
+    }
+}

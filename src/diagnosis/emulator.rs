@@ -1,0 +1,262 @@
+//! Statistics as a function of parameters and of an effect's magnitude, condition by condition.
+//!
+//! ```text
+//! mean(θ, e, m) = base + J θ + d_e(m)
+//! ```
+//!
+//! `θ` in standard deviations of the parameters' priors; changes of several effects add. All
+//! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it, so that
+//! each is of unit variance. How far that holds for a run that had no part in it is tried on
+//! replicates left out, and the variance raised to what they show. The scatter of the changes from
+//! stream to stream is the emulator's own error; changes are drawn to zero by it.
+
+use super::calibration::Calibration;
+use super::product::product;
+use super::responses::{Candidate, DiagnosisError, Library, Responses};
+use super::shape::{Knot, Shape};
+use crate::gap::{Cell, Condition, Reading, Readings, Whitening};
+
+/// Replicates that are left out, one at a time, to try the whitening.
+const TRIALS: usize = 12;
+
+/// A library as a function.
+#[derive(Debug)]
+pub struct Emulator {
+    pub(super) parameters: Vec<String>,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) conditions: Vec<Emulated>,
+}
+
+/// Whitened statistics of one condition.
+#[derive(Debug)]
+pub(super) struct Emulated {
+    pub condition: Condition,
+    pub covariates: [f64; 3],
+    /// The cell about which each whitened number is.
+    pub cells: Vec<Cell>,
+    transform: Transform,
+    /// Whitened replicates less their mean.
+    pub replicates: Vec<Vec<f64>>,
+    /// Variance [-] of a run that had no part in the whitening, and its deviation from run to run.
+    pub variance: [f64; 2],
+    /// Variance [-] below which a number says nothing.
+    pub least: Vec<f64>,
+    /// Change per parameter, and its variance.
+    pub jacobian: Vec<Vec<f64>>,
+    pub jacobian_error: Vec<Vec<f64>>,
+    /// Change by candidate.
+    pub shapes: Vec<Shape>,
+}
+
+impl Emulator {
+    /// # Errors
+    /// `NoCondition` for an empty library; `Shape`, `NotFinite` and `Replicates` for rows that do
+    /// not fit together, are not finite or too few.
+    pub fn new(library: &Library, calibration: &Calibration) -> Result<Self, DiagnosisError> {
+        let conditions = library.conditions.iter().map(|responses| {
+            responses.check(library)?;
+            Emulated::new(responses, library, calibration)
+        });
+        let conditions = conditions.collect::<Result<Vec<_>, _>>()?;
+        if conditions.is_empty() {
+            return Err(DiagnosisError::NoCondition);
+        }
+        Ok(Self {
+            parameters: library.parameters.clone(),
+            candidates: library.candidates.clone(),
+            conditions,
+        })
+    }
+
+    /// Names of the candidates.
+    pub fn candidates(&self) -> impl Iterator<Item = &str> {
+        self.candidates.iter().map(|candidate| &*candidate.name)
+    }
+}
+
+impl Emulated {
+    fn new(
+        responses: &Responses,
+        library: &Library,
+        calibration: &Calibration,
+    ) -> Result<Self, DiagnosisError> {
+        let of_replicates = |error| DiagnosisError::Replicates {
+            condition: responses.condition.to_string(),
+            error,
+        };
+        let rows: Vec<&[f64]> = responses.base.iter().map(Vec::as_slice).collect();
+        let transform = Transform::of(responses, &rows).map_err(of_replicates)?;
+        let change = |rows: &[Vec<f64>]| transform.change(rows);
+        let knots = |number: usize| {
+            responses.effects[number]
+                .iter()
+                .filter(|level| !level.changes.is_empty())
+                .map(|level| {
+                    let (value, error) = change(&level.changes);
+                    let slope = vec![0.0; value.len()];
+                    let at = level.magnitude - library.candidates[number].seat.neutral;
+                    Knot {
+                        at,
+                        value,
+                        slope,
+                        error,
+                    }
+                })
+                .collect()
+        };
+        let shapes = library.candidates.iter().enumerate();
+        let shapes = shapes
+            .map(|(number, candidate)| {
+                Shape::new(
+                    candidate.seat.neutral,
+                    transform.cells().len(),
+                    knots(number),
+                )
+            })
+            .collect();
+        let (jacobian, jacobian_error) =
+            responses.parameters.iter().map(|rows| change(rows)).unzip();
+        Ok(Self {
+            condition: responses.condition.clone(),
+            covariates: responses.covariates,
+            cells: transform.cells().to_vec(),
+            replicates: rows.iter().map(|row| transform.apply(row)).collect(),
+            variance: tried(responses, &rows).map_err(of_replicates)?,
+            least: transform.least(&responses.sizes, calibration.least_spread),
+            jacobian,
+            jacobian_error,
+            shapes,
+            transform,
+        })
+    }
+
+    /// A run's departure from the replicates' mean, whitened.
+    pub fn departure(&self, row: &[f64]) -> Vec<f64> {
+        self.transform.apply(row)
+    }
+}
+
+/// Whitening about the replicates' mean.
+#[derive(Debug)]
+struct Transform {
+    whitening: Whitening,
+    cells: Vec<Cell>,
+    mean: Vec<f64>,
+    /// The mean, whitened.
+    centre: Vec<f64>,
+    sizes: Vec<f64>,
+}
+
+impl Transform {
+    fn of(responses: &Responses, rows: &[&[f64]]) -> Result<Self, crate::gap::GapError> {
+        let (cells, sizes) = (responses.cells.clone(), responses.sizes.clone());
+        let readings: Vec<Readings> = rows
+            .iter()
+            .map(|row| readings(&cells, &sizes, row))
+            .collect();
+        let whitening = Whitening::of(&readings.iter().collect::<Vec<_>>())?;
+        let mut mean = vec![0.0; cells.len()];
+        for row in rows {
+            super::product::add(&mut mean, 1.0 / rows.len() as f64, row);
+        }
+        let mut transform = Self {
+            centre: vec![0.0; cells.len()],
+            whitening,
+            cells,
+            mean,
+            sizes,
+        };
+        transform.centre = transform.apply(&transform.mean);
+        Ok(transform)
+    }
+
+    fn cells(&self) -> &[Cell] {
+        self.whitening.cells()
+    }
+
+    /// A row less the mean, of unit variance per number.
+    fn apply(&self, row: &[f64]) -> Vec<f64> {
+        let readings = readings(&self.cells, &self.sizes, row);
+        let root = libm::sqrt(self.cells.len() as f64);
+        let white = self.whitening.whitened(&readings).unwrap_or_default();
+        let centred = white.iter().zip(&self.centre);
+        centred
+            .map(|(white, centre)| root * white - centre)
+            .collect()
+    }
+
+    fn moved(&self, change: &[f64]) -> Vec<f64> {
+        let mut row = self.mean.clone();
+        super::product::add(&mut row, 1.0, change);
+        self.apply(&row)
+    }
+
+    /// Mean change over the streams, drawn to zero where it does not exceed its error, and the
+    /// variance of that mean.
+    fn change(&self, rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+        let white: Vec<Vec<f64>> = rows.iter().map(|row| self.moved(row)).collect();
+        let streams = white.len() as f64;
+        let (mut means, mut errors) = (Vec::new(), Vec::new());
+        for place in 0..self.cells.len() {
+            let mean = white.iter().map(|row| row[place]).sum::<f64>() / streams;
+            let square: f64 = white
+                .iter()
+                .map(|row| (row[place] - mean) * (row[place] - mean))
+                .sum();
+            means.push(mean);
+            errors.push(square / (streams - 1.0).max(1.0) / streams);
+        }
+        // One cell's scatter is known from few streams: half of it is what all cells show.
+        let common = errors.iter().sum::<f64>() / (errors.len() as f64).max(1.0);
+        for (mean, error) in means.iter_mut().zip(&mut errors) {
+            *error = 0.5 * (*error + common);
+            *mean *= (1.0 - *error / (*mean * *mean).max(f64::MIN_POSITIVE)).max(0.0);
+        }
+        (means, errors)
+    }
+
+    /// Variance of each number where every cell is uncertain by `share` of its size.
+    fn least(&self, sizes: &[f64], share: f64) -> Vec<f64> {
+        let mut least = vec![0.0; self.cells.len()];
+        for (place, size) in sizes.iter().enumerate() {
+            let mut change = vec![0.0; self.cells.len()];
+            change[place] = share * size;
+            let white = self.moved(&change);
+            let (most, _) = white
+                .iter()
+                .enumerate()
+                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+                .unwrap_or((0, &0.0));
+            least[most] += product(&white, &white);
+        }
+        least
+    }
+}
+
+fn readings(cells: &[Cell], sizes: &[f64], row: &[f64]) -> Readings {
+    let readings = row.iter().zip(sizes);
+    let readings = readings.map(|(&value, &size)| Reading { value, size });
+    cells.iter().cloned().zip(readings).collect()
+}
+
+/// Mean square per number of replicates left out, and its deviation.
+fn tried(responses: &Responses, rows: &[&[f64]]) -> Result<[f64; 2], crate::gap::GapError> {
+    let step = rows.len().div_ceil(TRIALS);
+    let mut squares = Vec::new();
+    for left_out in (0..rows.len()).step_by(step.max(1)) {
+        let mut others = rows.to_vec();
+        let run = others.swap_remove(left_out);
+        // Below the fewest that a whitening takes it cannot be tried.
+        let Ok(transform) = Transform::of(responses, &others) else {
+            return Ok([1.0, 1.0]);
+        };
+        let white = transform.apply(run);
+        let of_mean = 1.0 + 1.0 / others.len() as f64;
+        squares.push(product(&white, &white) / (white.len() as f64).max(1.0) / of_mean);
+    }
+    let count = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / count;
+    let scatter: f64 = squares.iter().map(|s| (s - mean) * (s - mean)).sum();
+    let deviation = libm::sqrt(scatter / (count - 1.0).max(1.0));
+    Ok([mean.max(f64::MIN_POSITIVE), deviation])
+}

@@ -1,0 +1,655 @@
+//! A hypothesis fitted to all conditions, and to all but each one of them.
+//!
+//! Numbers are whitened, so that with precisions `Λ` the log likelihood of parameters `θ` and
+//! magnitudes `m` is `−½ (r − d(m) − J θ)ᵀ Λ (r − d(m) − J θ)`. It is exact in `θ`, whose prior is
+//! normal of one of a few spreads; magnitudes are tried on a grid that closes in on where the
+//! posterior is. `Λ` holds the spread of measurements and replicates, the emulator's error at the
+//! best fit, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
+//! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone.
+//!
+//! All terms are sums over conditions: leaving one out is a subtraction. What the others say of it
+//! is a predictive density, Laplace's approximation over the parameters.
+
+use super::calibration::Calibration;
+use super::emulator::{Emulated, Emulator};
+use super::grid::Axis;
+use super::hypothesis::{Hypothesis, Scale};
+use super::observation::{Observation, Observed};
+use super::product::{add, log_sum, product, scaled};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use statrs::function::gamma::ln_gamma;
+
+/// Rounds in which precisions settle.
+const ROUNDS: usize = 3;
+/// Finer looks at magnitudes.
+const LOOKS: usize = 7;
+/// Variance of a parameter that does not move.
+const FIXED: f64 = 1.0e-10;
+/// Posterior points that make a prediction, and the log weight under the best from which on.
+const PREDICTING: (usize, f64) = (16, -5.0);
+
+/// What is to be explained, by what, with which constants.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem<'a> {
+    /// What the simulator says.
+    pub emulator: &'a Emulator,
+    /// What was measured.
+    pub observation: &'a Observation,
+    /// The constants.
+    pub calibration: &'a Calibration,
+}
+
+impl<'a> Problem<'a> {
+    /// Conditions, emulated and observed.
+    pub(super) fn conditions(self) -> impl Iterator<Item = (&'a Emulated, &'a Observed)> {
+        let observed = &self.observation.conditions;
+        self.emulator.conditions.iter().zip(observed)
+    }
+}
+
+/// Median of a magnitude and its 95 % interval, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimate {
+    pub value: f64,
+    pub ci95: [f64; 2],
+}
+
+/// A hypothesis, fitted.
+#[derive(Debug)]
+pub(super) struct Fit {
+    pub hypothesis: Hypothesis,
+    /// Of each effect.
+    pub magnitudes: Vec<Estimate>,
+    /// Of each parameter [prior standard deviations], with its deviation.
+    pub offsets: Vec<[f64; 2]>,
+    /// Log evidence less log likelihood at the best fit [-]: what the freedom of the fit costs.
+    pub occam: f64,
+    /// Parameters and magnitudes that the measurements determine [-].
+    pub determined: f64,
+    /// What the other conditions say of each.
+    pub held_out: Vec<HeldOut>,
+}
+
+/// A condition predicted from the others.
+#[derive(Debug)]
+pub(super) struct HeldOut {
+    /// Log predictive density of its numbers [-].
+    pub log_density: f64,
+    /// Its numbers less the prediction, over their deviations [-].
+    pub scores: Vec<f64>,
+    /// Log deviations [-], summed.
+    pub log_spread: f64,
+    /// Numbers less those that parameters adapt to [-].
+    pub freedom: f64,
+    /// Whitened change predicted.
+    pub shift: Vec<f64>,
+}
+
+impl Fit {
+    pub fn new(problem: Problem, hypothesis: Hypothesis) -> Self {
+        let mut variances: Vec<Vec<f64>> = problem
+            .conditions()
+            .map(|(_, observed)| observed.variance.clone())
+            .collect();
+        let mut precisions: Vec<Vec<f64>> = variances.iter().map(|v| inverse(v)).collect();
+        let mut posterior = Posterior::new(problem, &hypothesis, &precisions, None);
+        for _ in 1..ROUNDS {
+            let (magnitudes, offsets) = posterior.best();
+            for (number, (emulated, observed)) in problem.conditions().enumerate() {
+                let effects = hypothesis.effects();
+                let model = Model::new(emulated, effects, &magnitudes, offsets.as_slice());
+                variances[number] = model.variance(emulated, observed, problem.calibration);
+                precisions[number] =
+                    model.precision(observed, &variances[number], problem.calibration.freedom);
+            }
+            posterior = Posterior::new(problem, &hypothesis, &precisions, Some(posterior.axes));
+        }
+        let held_out = problem.conditions().enumerate();
+        let held_out = held_out
+            .map(|(number, _)| posterior.predict(problem, number, &variances[number]))
+            .collect();
+        Self {
+            magnitudes: posterior.estimates(),
+            offsets: posterior.offsets(),
+            occam: posterior.occam(),
+            // What is not held out has not paid.
+            determined: match posterior.terms.len() {
+                1 => 0.0,
+                _ => posterior.determined(),
+            },
+            held_out,
+            hypothesis,
+        }
+    }
+}
+
+fn inverse(variances: &[f64]) -> Vec<f64> {
+    variances.iter().map(|variance| 1.0 / variance).collect()
+}
+
+/// Changes by effects and by parameters.
+struct Model<'a> {
+    effects: &'a [usize],
+    magnitudes: &'a [f64],
+    offsets: &'a [f64],
+    by_effects: Vec<f64>,
+    by_parameters: Vec<f64>,
+}
+
+impl<'a> Model<'a> {
+    fn new(
+        emulated: &Emulated,
+        effects: &'a [usize],
+        magnitudes: &'a [f64],
+        offsets: &'a [f64],
+    ) -> Self {
+        let mut by_effects = vec![0.0; emulated.cells.len()];
+        let mut by_parameters = by_effects.clone();
+        for (&effect, &magnitude) in effects.iter().zip(magnitudes) {
+            emulated.shapes[effect].add(magnitude, 1.0, &mut by_effects);
+        }
+        for (column, offset) in emulated.jacobian.iter().zip(offsets) {
+            add(&mut by_parameters, *offset, column);
+        }
+        Self {
+            effects,
+            magnitudes,
+            offsets,
+            by_effects,
+            by_parameters,
+        }
+    }
+
+    fn departure(&self, observed: &Observed) -> Vec<f64> {
+        let mut departure = observed.residual.clone();
+        add(&mut departure, -1.0, &self.by_effects);
+        add(&mut departure, -1.0, &self.by_parameters);
+        departure
+    }
+
+    fn variance(
+        &self,
+        emulated: &Emulated,
+        observed: &Observed,
+        calibration: &Calibration,
+    ) -> Vec<f64> {
+        let mut variance = observed.variance.clone();
+        for (&effect, &magnitude) in self.effects.iter().zip(self.magnitudes) {
+            emulated.shapes[effect].add_error(magnitude, &mut variance);
+        }
+        for (error, offset) in emulated.jacobian_error.iter().zip(self.offsets) {
+            add(&mut variance, offset * offset, error);
+        }
+        let relative = calibration.relative_error * calibration.relative_error;
+        for part in [&self.by_effects, &self.by_parameters] {
+            add(&mut variance, relative, &scaled(part, part));
+        }
+        variance
+    }
+
+    fn precision(&self, observed: &Observed, variance: &[f64], freedom: f64) -> Vec<f64> {
+        let departure = self.departure(observed);
+        let precision = |(e, v): (&f64, &f64)| (freedom + 1.0) / (freedom * v + e * e);
+        departure.iter().zip(variance).map(precision).collect()
+    }
+}
+
+/// Sums of one condition, at every point of the grid.
+struct Terms {
+    /// `Jᵀ Λ J`.
+    information: DMatrix<f64>,
+    /// `(r − d)ᵀ Λ (r − d)`.
+    squares: Vec<f64>,
+    /// `Jᵀ Λ (r − d)`, a column a point.
+    projections: DMatrix<f64>,
+}
+
+impl Terms {
+    fn new(
+        emulated: &Emulated,
+        observed: &Observed,
+        precision: &[f64],
+        axes: &[(usize, Axis)],
+    ) -> Self {
+        let count = emulated.jacobian.len();
+        let weighted: Vec<Vec<f64>> = emulated
+            .jacobian
+            .iter()
+            .map(|column| scaled(column, precision))
+            .collect();
+        let project = |row: &[f64]| {
+            DVector::from_iterator(count, weighted.iter().map(|column| product(column, row)))
+        };
+        let information = DMatrix::from_fn(count, count, |i, j| {
+            product(&weighted[i.max(j)], &emulated.jacobian[i.min(j)])
+        });
+        let weighted_residual = scaled(&observed.residual, precision);
+        let mut squares = vec![product(&weighted_residual, &observed.residual)];
+        let mut projections = vec![project(&observed.residual)];
+        let mut former: Option<Vec<Vec<f64>>> = None;
+        for (effect, axis) in axes {
+            let changes: Vec<Vec<f64>> = axis
+                .magnitudes
+                .iter()
+                .map(|magnitude| emulated.shapes[*effect].at(*magnitude))
+                .collect();
+            let own: Vec<_> = changes
+                .iter()
+                .map(|change| {
+                    let weighted = scaled(change, precision);
+                    let along = product(&weighted, &observed.residual);
+                    let square = product(&weighted, change) - 2.0 * along;
+                    (square, project(change), weighted)
+                })
+                .collect();
+            let (mut all_squares, mut all_projections) = (Vec::new(), Vec::new());
+            for place in 0..squares.len() {
+                for (square, projection, weighted) in &own {
+                    let cross = former.as_ref().map(|f| product(&f[place], weighted));
+                    all_squares.push(squares[place] + square + 2.0 * cross.unwrap_or(0.0));
+                    all_projections.push(&projections[place] - projection);
+                }
+            }
+            (squares, projections) = (all_squares, all_projections);
+            former = Some(changes);
+        }
+        let projections =
+            DMatrix::from_fn(count, squares.len(), |row, point| projections[point][row]);
+        Self {
+            information,
+            squares,
+            projections,
+        }
+    }
+}
+
+/// Weights of magnitudes and spreads of parameters, given all conditions or all but one.
+struct Fold {
+    /// By spread of the parameters, by point of the grid.
+    log_weights: Vec<Vec<f64>>,
+    /// `Jᵀ Λ (r − d)`, a column a point.
+    projections: DMatrix<f64>,
+    /// By spread: the parameters' precision; none where they do not move.
+    precisions: Vec<Option<Cholesky<f64, Dyn>>>,
+}
+
+impl Fold {
+    /// Best parameters [prior standard deviations].
+    fn offsets(&self, scale: usize, point: usize) -> DVector<f64> {
+        match &self.precisions[scale] {
+            Some(precision) => precision.solve(&self.projections.column(point)),
+            None => DVector::zeros(self.projections.nrows()),
+        }
+    }
+
+    fn best(&self) -> (usize, usize) {
+        let mut best = (0, 0);
+        for (scale, weights) in self.log_weights.iter().enumerate() {
+            for (point, weight) in weights.iter().enumerate() {
+                if *weight > self.log_weights[best.0][best.1] {
+                    best = (scale, point);
+                }
+            }
+        }
+        best
+    }
+
+    /// Points that make predictions with their log weights, best first, which sum to one.
+    fn predicting(&self) -> Vec<(usize, usize, f64)> {
+        let mut points: Vec<(usize, usize, f64)> = Vec::new();
+        for (scale, weights) in self.log_weights.iter().enumerate() {
+            let of_scale = weights.iter().enumerate();
+            points.extend(of_scale.map(|(point, weight)| (scale, point, *weight)));
+        }
+        points.sort_by(|a, b| b.2.total_cmp(&a.2));
+        let least = points[0].2 + PREDICTING.1;
+        points.retain(|point| point.2 >= least);
+        points.truncate(PREDICTING.0);
+        let sum = log_sum(points.iter().map(|point| point.2));
+        for point in &mut points {
+            point.2 -= sum;
+        }
+        points
+    }
+}
+
+/// What all conditions say of magnitudes and parameters.
+struct Posterior {
+    effects: Vec<usize>,
+    axes: Vec<(usize, Axis)>,
+    log_prior: Vec<f64>,
+    scales: Vec<Scale>,
+    terms: Vec<Terms>,
+}
+
+impl Posterior {
+    /// Magnitudes start over their priors, or about where they were `before`.
+    fn new(
+        problem: Problem,
+        hypothesis: &Hypothesis,
+        precisions: &[Vec<f64>],
+        before: Option<Vec<(usize, Axis)>>,
+    ) -> Self {
+        let candidates = &problem.emulator.candidates;
+        let effects = hypothesis.effects().to_vec();
+        let first = before.is_none();
+        let mut axes: Vec<(usize, Axis)> = match before {
+            Some(axes) => axes
+                .into_iter()
+                .map(|(effect, axis)| (effect, axis.widened()))
+                .collect(),
+            None => effects
+                .iter()
+                .map(|&effect| (effect, Axis::over(&candidates[effect])))
+                .collect(),
+        };
+        let scales = hypothesis.scales(problem.emulator.parameters.len());
+        for look in 0.. {
+            let terms = problem.conditions().zip(precisions);
+            let terms = terms
+                .map(|((emulated, observed), precision)| {
+                    Terms::new(emulated, observed, precision, &axes)
+                })
+                .collect();
+            let posterior = Self {
+                effects: effects.clone(),
+                log_prior: log_prior(problem, &axes),
+                axes,
+                scales: scales.clone(),
+                terms,
+            };
+            let mut finer = posterior.axes.clone();
+            // While precisions are those of no fit, it need not be where each fold has it.
+            for ((_, axis), weights) in finer.iter_mut().zip(posterior.largest(!first)) {
+                axis.refine(&weights, first && look == 0);
+            }
+            if look == LOOKS || finer.iter().all(|(_, axis)| axis.resolved) {
+                return posterior;
+            }
+            axes = finer;
+        }
+        unreachable!("the last look returns")
+    }
+
+    /// Given all conditions but one.
+    fn fold(&self, left_out: Option<usize>) -> Fold {
+        let used = || {
+            let terms = self.terms.iter().enumerate();
+            terms.filter(move |(number, _)| Some(*number) != left_out)
+        };
+        let parameters = self.terms[0].information.nrows();
+        let mut information = DMatrix::zeros(parameters, parameters);
+        let mut squares = vec![0.0; self.log_prior.len()];
+        let mut projections = DMatrix::zeros(parameters, self.log_prior.len());
+        for (_, terms) in used() {
+            information += &terms.information;
+            add(&mut squares, 1.0, &terms.squares);
+            projections += &terms.projections;
+        }
+        let precision = |spreads: &[f64]| {
+            let moves = spreads.iter().any(|spread| *spread > 0.0);
+            let prior = spreads
+                .iter()
+                .map(|spread| 1.0 / (spread * spread).max(FIXED));
+            let prior = DMatrix::from_diagonal(&DVector::from_iterator(parameters, prior));
+            moves.then(|| Cholesky::new(&information + prior)).flatten()
+        };
+        let precisions: Vec<_> = self
+            .scales
+            .iter()
+            .map(|scale| precision(&scale.spreads))
+            .collect();
+        let log_weights = self.scales.iter().zip(&precisions);
+        let log_weights = log_weights
+            .map(|(scale, precision)| {
+                let priors = scale
+                    .spreads
+                    .iter()
+                    .map(|spread| libm::log((spread * spread).max(FIXED)));
+                let volume = precision.as_ref().map_or(0.0, |precision| {
+                    log_determinant(precision) + priors.sum::<f64>()
+                });
+                let gained = precision
+                    .as_ref()
+                    .and_then(|precision| precision.l_dirty().solve_lower_triangular(&projections));
+                let point = |point: usize| {
+                    let gained = gained
+                        .as_ref()
+                        .map_or(0.0, |g| g.column(point).norm_squared());
+                    self.log_prior[point] + libm::log(scale.probability)
+                        - 0.5 * (squares[point] - gained + volume)
+                };
+                (0..self.log_prior.len()).map(point).collect()
+            })
+            .collect();
+        Fold {
+            log_weights,
+            projections,
+            precisions,
+        }
+    }
+
+    /// Largest log weight of each magnitude under the best, given all conditions, or over all
+    /// folds.
+    fn largest(&self, folds: bool) -> Vec<Vec<f64>> {
+        let lengths: Vec<usize> = self.axes.iter().map(|(_, a)| a.magnitudes.len()).collect();
+        let mut largest: Vec<Vec<f64>> = lengths
+            .iter()
+            .map(|length| vec![f64::NEG_INFINITY; *length])
+            .collect();
+        let folds = match self.terms.len() {
+            conditions if folds && conditions > 1 => {
+                (0..conditions).map(Some).chain([None]).collect()
+            }
+            _ => vec![None],
+        };
+        for left_out in folds {
+            let fold = self.fold(left_out);
+            let (scale, point) = fold.best();
+            let best = fold.log_weights[scale][point];
+            for (point, place) in (0..self.log_prior.len()).map(|p| (p, self.places(p))) {
+                let weights = fold.log_weights.iter().map(|weights| weights[point] - best);
+                let weight = weights.fold(f64::NEG_INFINITY, f64::max);
+                for (axis, place) in place.into_iter().enumerate() {
+                    largest[axis][place] = largest[axis][place].max(weight);
+                }
+            }
+        }
+        largest
+    }
+
+    /// Place on each axis of a point of the grid.
+    fn places(&self, point: usize) -> Vec<usize> {
+        let mut places = Vec::with_capacity(self.axes.len());
+        let mut rest = point;
+        for (_, axis) in self.axes.iter().rev() {
+            places.push(rest % axis.magnitudes.len());
+            rest /= axis.magnitudes.len();
+        }
+        places.reverse();
+        places
+    }
+
+    fn magnitudes(&self, point: usize) -> Vec<f64> {
+        let places = self.axes.iter().zip(self.places(point));
+        places
+            .map(|((_, axis), place)| axis.magnitudes[place])
+            .collect()
+    }
+
+    /// Magnitudes and parameters of the best fit.
+    fn best(&self) -> (Vec<f64>, DVector<f64>) {
+        let fold = self.fold(None);
+        let (scale, point) = fold.best();
+        (self.magnitudes(point), fold.offsets(scale, point))
+    }
+
+    fn occam(&self) -> f64 {
+        let fold = self.fold(None);
+        let evidence = log_sum(fold.log_weights.iter().flatten().copied());
+        let (scale, point) = fold.best();
+        let offsets = fold.offsets(scale, point);
+        let square: f64 = self
+            .terms
+            .iter()
+            .map(|terms| {
+                terms.squares[point] - 2.0 * terms.projections.column(point).dot(&offsets)
+                    + offsets.dot(&(&terms.information * &offsets))
+            })
+            .sum();
+        evidence + 0.5 * square
+    }
+
+    fn determined(&self) -> f64 {
+        let fold = self.fold(None);
+        let (scale, _) = fold.best();
+        let information: DMatrix<f64> = self.terms.iter().map(|terms| &terms.information).sum();
+        let parameters = fold.precisions[scale]
+            .as_ref()
+            .map_or(0.0, |precision| precision.solve(&information).trace());
+        parameters + self.effects.len() as f64
+    }
+
+    fn offsets(&self) -> Vec<[f64; 2]> {
+        let fold = self.fold(None);
+        let (scale, point) = fold.best();
+        let offsets = fold.offsets(scale, point);
+        let inverse = fold.precisions[scale].as_ref().map(Cholesky::inverse);
+        let deviation = |place: usize| {
+            let variance = inverse
+                .as_ref()
+                .map_or(0.0, |inverse| inverse[(place, place)]);
+            libm::sqrt(variance)
+        };
+        offsets
+            .iter()
+            .enumerate()
+            .map(|(place, offset)| [*offset, deviation(place)])
+            .collect()
+    }
+
+    fn estimates(&self) -> Vec<Estimate> {
+        let fold = self.fold(None);
+        let largest = fold
+            .log_weights
+            .iter()
+            .flatten()
+            .fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+        let mut masses: Vec<Vec<f64>> = self
+            .axes
+            .iter()
+            .map(|(_, axis)| vec![0.0; axis.magnitudes.len()])
+            .collect();
+        for point in 0..self.log_prior.len() {
+            let weights = fold
+                .log_weights
+                .iter()
+                .map(|w| libm::exp(w[point] - largest));
+            let weight: f64 = weights.sum();
+            for (masses, place) in masses.iter_mut().zip(self.places(point)) {
+                masses[place] += weight;
+            }
+        }
+        let of = |((_, axis), masses): (&(usize, Axis), Vec<f64>)| {
+            let below = |share| quantile(&axis.magnitudes, &masses, share);
+            Estimate {
+                value: below(0.5),
+                ci95: [below(0.025), below(0.975)],
+            }
+        };
+        self.axes.iter().zip(masses).map(of).collect()
+    }
+
+    fn predict(&self, problem: Problem, number: usize, variance: &[f64]) -> HeldOut {
+        // One condition cannot be predicted from none: its own fit stands for that.
+        let fold = self.fold((self.terms.len() > 1).then_some(number));
+        let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
+        let terms = &self.terms[number];
+        let freedom = problem.calibration.freedom;
+        let mut best: Option<HeldOut> = None;
+        let mut logs = Vec::new();
+        for (scale, point, log_weight) in fold.predicting() {
+            let offsets = fold.offsets(scale, point);
+            let magnitudes = self.magnitudes(point);
+            let mut adapted = offsets.clone();
+            let (mut penalty, mut adapts) = (0.0, 0.0);
+            if let Some(precision) = &fold.precisions[scale] {
+                let own = precision.l() * precision.l().transpose();
+                let ahead = terms.projections.column(point) - &terms.information * &offsets;
+                if let Some(joint) = Cholesky::new(&own + &terms.information) {
+                    let step = joint.solve(&ahead);
+                    penalty = 0.5
+                        * (step.dot(&(&own * &step)) + log_determinant(&joint)
+                            - log_determinant(precision));
+                    adapts = joint.solve(&terms.information).trace();
+                    adapted += step;
+                }
+            }
+            let model = Model::new(emulated, &self.effects, &magnitudes, adapted.as_slice());
+            let departure = model.departure(observed);
+            logs.push(log_weight + log_density(&departure, variance, freedom) - penalty);
+            if best.is_none() {
+                let deviations = departure.iter().zip(variance);
+                let model = Model::new(emulated, &self.effects, &magnitudes, offsets.as_slice());
+                let mut shift = model.by_effects;
+                add(&mut shift, 1.0, &model.by_parameters);
+                best = Some(HeldOut {
+                    log_density: 0.0,
+                    scores: deviations.map(|(e, v)| e / libm::sqrt(*v)).collect(),
+                    log_spread: variance.iter().map(|v| 0.5 * libm::log(*v)).sum(),
+                    freedom: (departure.len() as f64 - adapts).max(1.0),
+                    shift,
+                });
+            }
+        }
+        let mut best = best.expect("a fold has a best point");
+        best.log_density = log_sum(logs.into_iter());
+        best
+    }
+}
+
+fn log_prior(problem: Problem, axes: &[(usize, Axis)]) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for (effect, axis) in axes {
+        let own = axis.log_prior(&problem.emulator.candidates[*effect]);
+        sums = sums
+            .iter()
+            .flat_map(|sum| own.iter().map(move |log| sum + log))
+            .collect();
+    }
+    sums
+}
+
+fn log_determinant(cholesky: &Cholesky<f64, Dyn>) -> f64 {
+    let diagonal = cholesky.l_dirty().diagonal();
+    2.0 * diagonal.iter().map(|x| libm::log(*x)).sum::<f64>()
+}
+
+/// Student's t of every number.
+fn log_density(departure: &[f64], variance: &[f64], freedom: f64) -> f64 {
+    let half = 0.5 * (freedom + 1.0);
+    let constant =
+        ln_gamma(half) - ln_gamma(0.5 * freedom) - 0.5 * libm::log(freedom * std::f64::consts::PI);
+    let of = |(e, v): (&f64, &f64)| {
+        constant - 0.5 * libm::log(*v) - half * libm::log1p(e * e / (freedom * v))
+    };
+    departure.iter().zip(variance).map(of).sum()
+}
+
+/// Where `share` of the masses lies below, straight between the places.
+fn quantile(places: &[f64], masses: &[f64], share: f64) -> f64 {
+    let total: f64 = masses.iter().sum();
+    let mut below = -0.5 * masses[0] / total;
+    let mut last = (places[0], 0.0);
+    for (place, mass) in places.iter().zip(masses) {
+        // Half of a place's mass lies on each side of it.
+        let here = below + 0.5 * mass / total;
+        let here = here.max(last.1);
+        if here >= share && here > last.1 {
+            return last.0 + (place - last.0) * (share - last.1) / (here - last.1);
+        }
+        below += mass / total;
+        last = (*place, here);
+    }
+    last.0
+}

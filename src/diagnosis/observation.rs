@@ -1,0 +1,159 @@
+//! Measured runs as departures from the emulator's middle.
+
+use super::calibration::Calibration;
+use super::emulator::{Emulated, Emulator};
+use super::responses::{DiagnosisError, Library, Measured};
+
+/// Degrees of freedom [-] with which the spread of repeats is held to be that of replicates.
+const OF_SPREAD: f64 = 4.0;
+/// Numbers [-] whose squares a condition's own spread is taken to be the mean of.
+const OF_NUMBERS: f64 = 10.0;
+
+/// What was measured, whitened, condition by condition.
+#[derive(Debug)]
+pub struct Observation {
+    pub(super) conditions: Vec<Observed>,
+    /// Largest probability [-] of anything named, and why it is not 1.
+    pub(super) scarce: Vec<(f64, &'static str)>,
+}
+
+/// Measured runs of one condition.
+#[derive(Debug)]
+pub(super) struct Observed {
+    /// Each run's departure.
+    pub runs: Vec<Vec<f64>>,
+    pub days: Vec<String>,
+    /// Mean departure.
+    pub residual: Vec<f64>,
+    /// Its variance, where the model is right.
+    pub variance: Vec<f64>,
+    /// Deviation [-] of the mean square of a departure over that variance.
+    pub uncertainty: f64,
+}
+
+impl Observation {
+    /// Measured runs, condition by condition as in the library.
+    ///
+    /// # Errors
+    /// `Shape` and `NotFinite` for rows that do not fit the library's; `NoCondition` where a
+    /// condition has no run.
+    pub fn new(
+        emulator: &Emulator,
+        library: &Library,
+        measured: &[Measured],
+        calibration: &Calibration,
+    ) -> Result<Self, DiagnosisError> {
+        if measured.len() != emulator.conditions.len()
+            || measured.iter().any(|condition| condition.runs.is_empty())
+        {
+            return Err(DiagnosisError::NoCondition);
+        }
+        for (responses, measured) in library.conditions.iter().zip(measured) {
+            responses.rows("a measured run", &measured.runs)?;
+        }
+        let departures: Vec<Vec<Vec<f64>>> = measured
+            .iter()
+            .zip(&emulator.conditions)
+            .map(|(measured, emulated)| {
+                let runs = measured.runs.iter();
+                runs.map(|run| emulated.departure(run)).collect()
+            })
+            .collect();
+        let ratios = spreads_of_repeats(emulator, &departures);
+        let conditions = departures
+            .into_iter()
+            .zip(measured)
+            .zip(&emulator.conditions)
+            .zip(ratios);
+        let conditions = conditions
+            .map(|(((runs, measured), emulated), ratio)| {
+                let count = runs.len() as f64;
+                let mut residual = vec![0.0; emulated.cells.len()];
+                for run in &runs {
+                    super::product::add(&mut residual, 1.0 / count, run);
+                }
+                let [variance, deviation] = emulated.variance;
+                let replicates = emulated.replicates.len() as f64;
+                let of_mean = variance * (1.0 / replicates + ratio / count);
+                Observed {
+                    days: measured.days.clone(),
+                    residual,
+                    variance: emulated.least.iter().map(|least| of_mean + least).collect(),
+                    uncertainty: deviation / variance,
+                    runs,
+                }
+            })
+            .collect();
+        Ok(Self {
+            conditions,
+            scarce: scarce(emulator, measured, calibration),
+        })
+    }
+}
+
+/// Variance of repeats over that of replicates [-], at least 1, by condition: its own, drawn to
+/// that of all conditions, so that a run that went astray makes its condition count less.
+fn spreads_of_repeats(emulator: &Emulator, departures: &[Vec<Vec<f64>>]) -> Vec<f64> {
+    let own: Vec<[f64; 2]> = departures
+        .iter()
+        .zip(&emulator.conditions)
+        .map(|(runs, emulated)| spread_of_repeats(emulated, runs))
+        .collect();
+    let sum = |part: usize| own.iter().map(|own| own[part]).sum::<f64>();
+    let common = (OF_SPREAD + sum(0)) / (OF_SPREAD + sum(1));
+    let drawn = |[squares, freedom]: &[f64; 2]| {
+        let [squares, freedom] = [squares, freedom].map(|part| OF_NUMBERS * part);
+        ((OF_SPREAD * common + squares) / (OF_SPREAD + freedom)).max(1.0)
+    };
+    own.iter().map(drawn).collect()
+}
+
+/// Sum of squares of repeats about their mean over the variance of replicates, the mean of all
+/// numbers, and its degrees of freedom [-].
+fn spread_of_repeats(emulated: &Emulated, runs: &[Vec<f64>]) -> [f64; 2] {
+    let count = runs.len() as f64;
+    let square = |place: usize| {
+        let mean = runs.iter().map(|run| run[place]).sum::<f64>() / count;
+        let squares = runs
+            .iter()
+            .map(|run| (run[place] - mean) * (run[place] - mean));
+        squares.sum::<f64>() / (emulated.variance[0] + emulated.least[place])
+    };
+    let numbers = emulated.cells.len();
+    let mean = (0..numbers).map(square).sum::<f64>() / (numbers as f64).max(1.0);
+    [mean, count - 1.0]
+}
+
+fn scarce(
+    emulator: &Emulator,
+    measured: &[Measured],
+    calibration: &Calibration,
+) -> Vec<(f64, &'static str)> {
+    let mut channels: Vec<&str> = emulator
+        .conditions
+        .iter()
+        .flat_map(|condition| &condition.cells)
+        .map(|cell| &*cell.channel)
+        .collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let repeated = measured.iter().any(|condition| condition.runs.len() > 1);
+    let [one_condition, no_repeats, one_channel] = calibration.scarce;
+    [
+        (
+            emulator.conditions.len() == 1,
+            one_condition,
+            "one condition: nothing could be held out",
+        ),
+        (
+            !repeated,
+            no_repeats,
+            "no repeats: measurements are taken to spread as replicates do",
+        ),
+        (channels.len() == 1, one_channel, "one channel"),
+    ]
+    .into_iter()
+    .filter(|(is, ..)| *is)
+    .map(|(_, most, why)| (most, why))
+    .collect()
+}

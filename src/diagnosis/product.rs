@@ -1,0 +1,38 @@
+//! Sums of products of long rows.
+
+/// Numbers added side by side, so that the processor need not wait for each sum.
+const LANES: usize = 4;
+
+/// `Σ a b`.
+pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (whole, rest) = (a.chunks_exact(LANES), a.len() / LANES * LANES);
+    for (a, b) in whole.zip(b.chunks_exact(LANES)) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let tail: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + tail
+}
+
+/// `a b`, number by number.
+pub(super) fn scaled(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
+}
+
+/// Adds `factor a` to `sums`.
+pub(super) fn add(sums: &mut [f64], factor: f64, a: &[f64]) {
+    for (sum, a) in sums.iter_mut().zip(a) {
+        *sum += factor * a;
+    }
+}
+
+/// `ln Σ exp`.
+pub(super) fn log_sum(logs: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    largest + libm::log(logs.map(|log| libm::exp(log - largest)).sum::<f64>())
+}

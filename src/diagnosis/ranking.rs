@@ -1,0 +1,203 @@
+//! Every hypothesis, fitted alike and ranked by what it says of held-out conditions.
+//!
+//! The score of a fit is the sum of its log predictive densities of every condition given the
+//! others, less what its freedom costs (log evidence less log likelihood at the best fit), of which
+//! held-out conditions have already paid one for each number determined. A fit that is right thus
+//! scores its evidence; one that does not carry over to other conditions loses more. Scores over a temperature plus
+//! log priors are the refit's probabilities; with the forest's they form a logarithmic pool
+//! (Genest and Zidek 1986, Stat. Sci. 1:114-135), so that a disagreement leaves none sure.
+
+use super::check::Check;
+use super::fit::{Fit, Problem};
+use super::forest::Forest;
+use super::hypothesis::Hypothesis;
+use super::product::log_sum;
+use super::screen::{Projected, Screen};
+use super::unknown;
+use rayon::prelude::*;
+
+/// Effects that may be one of a pair, and partners tried for each.
+const PAIRED: (usize, usize) = (4, 3);
+
+/// A hypothesis with its probability.
+#[derive(Debug)]
+pub(super) struct Ranked {
+    pub hypothesis: Hypothesis,
+    /// Probability [-] after pooling.
+    pub probability: f64,
+    /// By the refit alone, and by the forest.
+    pub engines: [f64; 2],
+    /// How well it predicts; none for the unknown.
+    pub check: Option<Check>,
+}
+
+/// All hypotheses, likeliest first, and their fits.
+#[derive(Debug)]
+pub(super) struct Ranking {
+    pub ranked: Vec<Ranked>,
+    pub fits: Vec<Fit>,
+}
+
+impl Ranking {
+    pub fn new(problem: Problem, forest: &Forest) -> Self {
+        let fits = fits(problem);
+        let calibration = problem.calibration;
+        let mut scores: Vec<(Hypothesis, f64, Option<Check>)> = fits
+            .iter()
+            .map(|fit| {
+                let check = Check::of(problem, fit);
+                (fit.hypothesis.clone(), score(fit), Some(check))
+            })
+            .collect();
+        let free = fits
+            .iter()
+            .filter(|fit| fit.hypothesis.effects().is_empty());
+        let free: Vec<f64> = free
+            .map(|fit| unknown::score(fit, calibration.freedom))
+            .collect();
+        let unknown = log_sum(free.iter().copied()) - libm::log(free.len() as f64);
+        scores.push((Hypothesis::Unknown, unknown, None));
+        let priors = log_priors(problem, scores.iter().map(|(h, ..)| h));
+        let logs: Vec<f64> = scores
+            .iter()
+            .zip(&priors)
+            .map(|((_, score, _), prior)| score / calibration.temperature + prior)
+            .collect();
+        let by_refit = normalised(&logs);
+        let by_forest = by_forest(problem, forest, &scores, &priors);
+        let share = calibration.forest_share;
+        let pooled: Vec<f64> = by_refit
+            .iter()
+            .zip(&by_forest)
+            .map(|(refit, forest)| (1.0 - share) * refit + share * forest)
+            .collect();
+        let pooled = normalised(&pooled);
+        let mut ranked: Vec<Ranked> = scores
+            .into_iter()
+            .enumerate()
+            .map(|(number, (hypothesis, _, check))| Ranked {
+                hypothesis,
+                probability: libm::exp(pooled[number]),
+                engines: [by_refit[number], by_forest[number]].map(libm::exp),
+                check,
+            })
+            .collect();
+        ranked.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        Self { ranked, fits }
+    }
+
+    /// The fit of a hypothesis.
+    pub fn fit(&self, hypothesis: &Hypothesis) -> Option<&Fit> {
+        self.fits.iter().find(|fit| fit.hypothesis == *hypothesis)
+    }
+}
+
+fn score(fit: &Fit) -> f64 {
+    let held_out: f64 = fit
+        .held_out
+        .iter()
+        .map(|held_out| held_out.log_density)
+        .sum();
+    held_out + fit.occam + fit.determined
+}
+
+/// None, parameters, every effect, and pairs of those that the first fits leave.
+fn fits(problem: Problem) -> Vec<Fit> {
+    let known = [Hypothesis::None, Hypothesis::Parameter];
+    let candidates = 0..problem.emulator.candidates.len();
+    let mut hypotheses: Vec<Hypothesis> = known.into_iter().collect();
+    // Without parameters there is nothing to recalibrate.
+    hypotheses.truncate(if problem.emulator.parameters.is_empty() {
+        1
+    } else {
+        2
+    });
+    hypotheses.extend(candidates.map(|effect| Hypothesis::Effects(vec![effect])));
+    let fit = |hypothesis: Hypothesis| Fit::new(problem, hypothesis);
+    let mut fits: Vec<Fit> = hypotheses.into_par_iter().map(fit).collect();
+    let pairs = pairs(problem, &fits);
+    let pairs: Vec<Fit> = pairs.into_par_iter().map(fit).collect();
+    fits.extend(pairs);
+    fits
+}
+
+/// The best effects, each with the partners that the screen says would explain most beside it.
+fn pairs(problem: Problem, fits: &[Fit]) -> Vec<Hypothesis> {
+    let projected = Screen::new(problem).projected();
+    let mut singles: Vec<(usize, f64)> = fits
+        .iter()
+        .filter_map(|fit| Some((*fit.hypothesis.effects().first()?, score(fit))))
+        .collect();
+    singles.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut pairs: Vec<Hypothesis> = singles
+        .iter()
+        .take(PAIRED.0)
+        .flat_map(|(effect, _)| partners(problem, &projected, *effect))
+        .collect();
+    pairs.sort();
+    pairs.dedup();
+    pairs
+}
+
+fn partners(problem: Problem, projected: &Projected, effect: usize) -> Vec<Hypothesis> {
+    let equivalent = problem.calibration.equivalent;
+    let mut others: Vec<(usize, f64)> = (0..problem.emulator.candidates.len())
+        .filter(|&other| other != effect && projected.cosine(other, effect).abs() <= equivalent)
+        .map(|other| (other, projected.score_beside(other, effect)))
+        .collect();
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let pair = |(other, _): &(usize, f64)| {
+        Hypothesis::Effects(vec![effect.min(*other), effect.max(*other)])
+    };
+    others.iter().take(PAIRED.1).map(pair).collect()
+}
+
+/// Effects share their prior alike, pairs among all that there could be.
+fn log_priors<'h>(problem: Problem, hypotheses: impl Iterator<Item = &'h Hypothesis>) -> Vec<f64> {
+    let [none, parameter, single, pair, unknown] = problem.calibration.priors;
+    let count = problem.emulator.candidates.len() as f64;
+    let prior = |hypothesis: &Hypothesis| match hypothesis {
+        Hypothesis::None => none,
+        Hypothesis::Parameter => parameter,
+        Hypothesis::Unknown => unknown,
+        Hypothesis::Effects(effects) if effects.len() == 1 => single / count,
+        Hypothesis::Effects(_) => pair / (0.5 * count * (count - 1.0)),
+    };
+    hypotheses
+        .map(|hypothesis| libm::log(prior(hypothesis)))
+        .collect()
+}
+
+/// Log probabilities by the forest; a pair stands between its effects, as one tree sees one cause.
+fn by_forest(
+    problem: Problem,
+    forest: &Forest,
+    scores: &[(Hypothesis, f64, Option<Check>)],
+    priors: &[f64],
+) -> Vec<f64> {
+    let votes = forest.probabilities(problem);
+    let vote = |hypothesis: &Hypothesis| {
+        let place = forest.hypotheses.iter().position(|h| h == hypothesis);
+        place.map_or(f64::MIN_POSITIVE, |place| votes[place])
+    };
+    let of = |hypothesis: &Hypothesis| match hypothesis {
+        Hypothesis::Effects(pair) if pair.len() == 2 => {
+            let votes = pair
+                .iter()
+                .map(|&effect| vote(&Hypothesis::Effects(vec![effect])));
+            votes.sum::<f64>()
+        }
+        single => vote(single),
+    };
+    let logs: Vec<f64> = scores
+        .iter()
+        .zip(priors)
+        .map(|((hypothesis, ..), prior)| libm::log(of(hypothesis)) + prior)
+        .collect();
+    normalised(&logs)
+}
+
+fn normalised(logs: &[f64]) -> Vec<f64> {
+    let sum = log_sum(logs.iter().copied());
+    logs.iter().map(|log| log - sum).collect()
+}

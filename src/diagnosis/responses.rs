@@ -1,0 +1,149 @@
+//! What simulations and measurements say: statistics of each condition, as rows of numbers.
+
+use crate::effects::Seat;
+use crate::gap::{Cell, Condition, GapError};
+
+/// Why nothing can be concluded from numbers.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    /// There is no condition.
+    #[error("no condition was both measured and simulated")]
+    NoCondition,
+    /// Rows that do not belong together.
+    #[error("{condition}: {what} has {found} numbers instead of {expected}")]
+    Shape {
+        /// Condition of the rows.
+        condition: String,
+        /// What has the wrong length.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length of everything else.
+        expected: usize,
+    },
+    /// A number is infinite or none.
+    #[error("{condition}: {what} is not finite")]
+    NotFinite {
+        /// Condition of the rows.
+        condition: String,
+        /// Which row.
+        what: &'static str,
+    },
+    /// The replicates tell no spread.
+    #[error("{condition}: {error}")]
+    Replicates {
+        /// Condition of the replicates.
+        condition: String,
+        /// Why.
+        error: GapError,
+    },
+}
+
+/// An effect on a seat, that may be the cause.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its name with the channel, as in files.
+    pub name: String,
+    /// Unit, neutral value, range and prior of its magnitude.
+    pub seat: Seat,
+}
+
+/// Changes of the statistics by an effect of one magnitude.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Magnitude, in the seat's unit.
+    pub magnitude: f64,
+    /// One row a stream: statistics with the effect less those without, cell by cell.
+    pub changes: Vec<Vec<f64>>,
+}
+
+/// What a simulator says of one condition, in the cells' units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Responses {
+    /// Which condition.
+    pub condition: Condition,
+    /// Slip ratio [-], load [N] and speed [m/s]; not a number where unknown.
+    pub covariates: [f64; 3],
+    /// The cells, in the order of every row.
+    pub cells: Vec<Cell>,
+    /// Size by which each cell is judged, in its unit.
+    pub sizes: Vec<f64>,
+    /// Replicates without effect, at the middle of the parameters.
+    pub base: Vec<Vec<f64>>,
+    /// By parameter, one row a stream: change per standard deviation of its prior.
+    pub parameters: Vec<Vec<Vec<f64>>>,
+    /// By candidate, its levels; none where the simulation of it failed.
+    pub effects: Vec<Vec<Level>>,
+}
+
+/// What a simulator says of a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Library {
+    /// Names of the parameters that recalibration may move.
+    pub parameters: Vec<String>,
+    /// What may be missing.
+    pub candidates: Vec<Candidate>,
+    /// Condition by condition. Statistics of the campaign as a whole are not among them: they hold
+    /// every condition, so none could be held out.
+    pub conditions: Vec<Responses>,
+}
+
+/// Measured runs of one condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// One row a run, in the order of the library's cells and in their units.
+    pub runs: Vec<Vec<f64>>,
+    /// Day of each run; runs of one day and condition belong together.
+    pub days: Vec<String>,
+}
+
+impl Responses {
+    /// # Errors
+    /// `Shape` and `NotFinite` for rows that do not fit together.
+    pub(super) fn check(&self, library: &Library) -> Result<(), DiagnosisError> {
+        let cells = self.cells.len();
+        self.expect("the sizes", self.sizes.len(), cells)?;
+        self.expect(
+            "the parameters",
+            self.parameters.len(),
+            library.parameters.len(),
+        )?;
+        self.expect("the effects", self.effects.len(), library.candidates.len())?;
+        self.rows("a replicate", &self.base)?;
+        for rows in &self.parameters {
+            self.rows("a parameter's change", rows)?;
+        }
+        for level in self.effects.iter().flatten() {
+            self.rows("an effect's change", &level.changes)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn rows(&self, what: &'static str, rows: &[Vec<f64>]) -> Result<(), DiagnosisError> {
+        for row in rows {
+            self.expect(what, row.len(), self.cells.len())?;
+            if !row.iter().all(|value| value.is_finite()) {
+                let condition = self.condition.to_string();
+                return Err(DiagnosisError::NotFinite { condition, what });
+            }
+        }
+        Ok(())
+    }
+
+    fn expect(
+        &self,
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), DiagnosisError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(DiagnosisError::Shape {
+            condition: self.condition.to_string(),
+            what,
+            found,
+            expected,
+        })
+    }
+}

@@ -1,0 +1,142 @@
+//! How far the gap shrinks on held-out conditions once an effect is added.
+//!
+//! Replicates, shifted by what the other conditions predict, are held against every measured run
+//! by the energy score (Gneiting and Raftery 2007, J. Am. Stat. Assoc. 102:359-378) of whitened
+//! statistics.
+
+use super::fit::{Fit, Problem};
+use super::product::product;
+use crate::gap::{Closed, Scores, closed};
+use crate::quantity::Seed;
+use serde::Serialize;
+
+/// Mean energy scores [spreads of replicates per statistic], and what is closed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shrinkage {
+    /// Of the scenario as it came.
+    pub as_shipped: f64,
+    /// With parameters recalibrated.
+    pub recalibrated: f64,
+    /// With the effect or effects too.
+    pub with_effect: f64,
+    /// What a perfect model reaches.
+    pub floor: f64,
+    /// Whether the floor is that of measured repeats, in every condition; else of replicates.
+    pub floor_is_measured: bool,
+    /// Share of the gap closed; none where recalibration leaves none.
+    pub closed: Option<Closed>,
+    /// The largest share that another effect closes, outside of the equivalence set.
+    pub placebo: Option<f64>,
+}
+
+/// The gap by each arm; `wrong` are other effects.
+pub(super) fn shrinkage(
+    problem: Problem,
+    recalibrated: &Fit,
+    with_effect: &Fit,
+    wrong: &[&Fit],
+    seed: Seed,
+) -> Shrinkage {
+    let shipped = gaps(problem, None);
+    let of_parameters = gaps(problem, Some(recalibrated));
+    let of_effect = gaps(problem, Some(with_effect));
+    let floors = floors(problem);
+    let scores = |arm: &[Vec<f64>]| -> Vec<Scores> {
+        let conditions = problem.conditions().enumerate();
+        conditions
+            .flat_map(|(number, (emulated, observed))| {
+                let runs = observed.days.iter().enumerate();
+                let floor = floors[number].0;
+                let recalibrated = &of_parameters[number];
+                runs.map(move |(run, day)| Scores {
+                    condition: emulated.condition.clone(),
+                    day: day.clone(),
+                    recalibrated: recalibrated[run],
+                    with_effect: arm[number][run],
+                    floor,
+                })
+            })
+            .collect()
+    };
+    let placebo = wrong.iter().filter_map(|fit| {
+        let scores = scores(&gaps(problem, Some(fit)));
+        let sum = |of: fn(&Scores) -> f64| scores.iter().map(of).sum::<f64>();
+        let open = sum(|s| s.recalibrated - s.floor);
+        (open > 0.0).then(|| sum(|s| s.recalibrated - s.with_effect) / open)
+    });
+    let floor = floors.iter().map(|(floor, _)| floor).sum::<f64>() / floors.len() as f64;
+    Shrinkage {
+        as_shipped: mean(&shipped),
+        recalibrated: mean(&of_parameters),
+        with_effect: mean(&of_effect),
+        floor,
+        floor_is_measured: floors.iter().all(|(_, measured)| *measured),
+        closed: closed(&scores(&of_effect), seed),
+        placebo: placebo.reduce(f64::max),
+    }
+}
+
+fn mean(gaps: &[Vec<f64>]) -> f64 {
+    let means = gaps
+        .iter()
+        .map(|runs| runs.iter().sum::<f64>() / runs.len() as f64);
+    means.sum::<f64>() / gaps.len() as f64
+}
+
+/// Energy score of every measured run, condition by condition.
+fn gaps(problem: Problem, fit: Option<&Fit>) -> Vec<Vec<f64>> {
+    problem
+        .conditions()
+        .enumerate()
+        .map(|(number, (emulated, observed))| {
+            let among = 0.5 * among(&emulated.replicates);
+            let shift = fit.map(|fit| &fit.held_out[number].shift);
+            let off = |run: &Vec<f64>| {
+                let run: Vec<f64> = match shift {
+                    Some(shift) => run
+                        .iter()
+                        .zip(shift)
+                        .map(|(run, shift)| run - shift)
+                        .collect(),
+                    None => run.clone(),
+                };
+                let sum: f64 = emulated
+                    .replicates
+                    .iter()
+                    .map(|made| apart(&run, made))
+                    .sum();
+                sum / emulated.replicates.len() as f64 - among
+            };
+            observed.runs.iter().map(off).collect()
+        })
+        .collect()
+}
+
+/// Half the mean distance among repeats, or among replicates where a run was measured once.
+fn floors(problem: Problem) -> Vec<(f64, bool)> {
+    let floor =
+        |(emulated, observed): (&super::emulator::Emulated, &super::observation::Observed)| {
+            // A run that had no part in the whitening lies farther out than its replicates.
+            let stretch = libm::sqrt(emulated.variance[0]);
+            match observed.runs.len() {
+                1 => (stretch * 0.5 * among(&emulated.replicates), false),
+                _ => (0.5 * among(&observed.runs), true),
+            }
+        };
+    problem.conditions().map(floor).collect()
+}
+
+/// Mean distance of two of these.
+fn among(rows: &[Vec<f64>]) -> f64 {
+    let pairs = rows.iter().enumerate();
+    let sum: f64 = pairs
+        .flat_map(|(i, a)| rows[..i].iter().map(move |b| apart(a, b)))
+        .sum();
+    sum / (0.5 * rows.len() as f64 * (rows.len() - 1) as f64).max(1.0)
+}
+
+/// Distance per root of a number.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let square = product(a, a) - 2.0 * product(a, b) + product(b, b);
+    libm::sqrt(square.max(0.0) / (a.len() as f64).max(1.0))
+}

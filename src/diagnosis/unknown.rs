@@ -1,0 +1,63 @@
+//! Differences of no known form: any number may be off, how many and how far is learned.
+//!
+//! To what no effect predicts each cell answers with probability `1 − π` as the spread has it, else
+//! with a spread `τ` times larger. `π` and `τ` come from the other conditions. This competes with
+//! the hypotheses on held-out conditions and is never named as a cause.
+
+use super::fit::{Fit, HeldOut};
+use super::product::log_sum;
+use statrs::function::gamma::ln_gamma;
+
+/// Shares of cells that are off, and how far [deviations].
+const SHARES: [f64; 5] = [0.03, 0.1, 0.3, 0.6, 1.0];
+const SIZES: [f64; 4] = [3.0, 8.0, 25.0, 80.0];
+
+/// Log score [-] of the free differences, beside what a fit without effects leaves.
+pub(super) fn score(fit: &Fit, freedom: f64) -> f64 {
+    let choices: Vec<(f64, f64)> = SHARES
+        .iter()
+        .flat_map(|share| SIZES.map(|size| (*share, size)))
+        .collect();
+    let densities: Vec<Vec<f64>> = choices
+        .iter()
+        .map(|choice| {
+            let of = |held_out: &HeldOut| density(held_out, *choice, freedom);
+            fit.held_out.iter().map(of).collect()
+        })
+        .collect();
+    let sums: Vec<f64> = densities.iter().map(|of| of.iter().sum()).collect();
+    let conditions = fit.held_out.len();
+    // One condition cannot be told from none: all choices count alike.
+    let alone = conditions == 1;
+    let predicted = (0..conditions).map(|number| {
+        let weights = densities.iter().zip(&sums).map(|(of, sum)| match alone {
+            true => 0.0,
+            false => sum - of[number],
+        });
+        let joint = weights
+            .clone()
+            .zip(&densities)
+            .map(|(weight, of)| weight + of[number]);
+        log_sum(joint) - log_sum(weights)
+    });
+    let held_out: f64 = predicted.sum();
+    let largest = sums.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+    let volume = log_sum(sums.iter().copied()) - largest - libm::log(choices.len() as f64);
+    held_out + if alone { 0.0 } else { volume } + fit.occam + fit.determined
+}
+
+/// Log density of a condition where a share of its numbers is off by a size.
+fn density(held_out: &HeldOut, (share, size): (f64, f64), freedom: f64) -> f64 {
+    let half = 0.5 * (freedom + 1.0);
+    let constant =
+        ln_gamma(half) - ln_gamma(0.5 * freedom) - 0.5 * libm::log(freedom * std::f64::consts::PI);
+    let wide = libm::sqrt(1.0 + size * size);
+    let student = |z: f64| constant - half * libm::log1p(z * z / freedom);
+    let numbers = held_out.scores.iter().map(|z| {
+        let right = libm::log1p(-share) + student(*z);
+        let off = libm::log(share / wide) + student(z / wide);
+        let larger = right.max(off);
+        larger + libm::log1p(libm::exp(right.min(off) - larger))
+    });
+    numbers.sum::<f64>() - held_out.log_spread
+}

@@ -1,0 +1,502 @@
+//! The answer, and how sure it is.
+//!
+//! Effects that these runs cannot tell apart answer as a set. An explanation whose every refit
+//! fails on held-out conditions gives its probability to the unknown, and what rests on too little
+//! is undecided for the share that the table of constants says.
+
+use super::check::Check;
+use super::fit::{Fit, Problem};
+use super::forest::Forest;
+use super::hypothesis::Hypothesis;
+use super::next_run::{FurtherRuns, NextRun};
+use super::ranking::Ranking;
+use super::screen::{Alarm, END, Projected, Screen, Screened, alarms};
+use super::shrinkage::{Shrinkage, shrinkage};
+use crate::gap::{Cell, Condition};
+use crate::quantity::Seed;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Cells that locate a remainder.
+const LOCATED: usize = 10;
+/// Score [-] from which on a cell of a remainder is worth a mention.
+const STRONG: f64 = 4.0;
+
+/// Mean square [-] beyond what spread explains from which on there is a gap to explain.
+const NOTICEABLE: f64 = 0.2;
+/// Share [-] that the unknown keeps where a refit explains the gap.
+const DOUBT: f64 = 0.1;
+
+/// What explains the measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// Nothing is wrong.
+    None,
+    /// Parameters are off.
+    Parameter,
+    /// An effect is missing, one of a set that cannot be told apart.
+    Effect,
+    /// Two effects are missing.
+    Effects,
+    /// Something that no effect makes.
+    Unknown,
+    /// The runs do not tell.
+    Undecided,
+}
+
+/// An effect that may be the cause.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Suspect {
+    /// Name with the channel.
+    pub name: String,
+    /// Probability [-] that it is there, alone or with another.
+    pub probability: f64,
+    /// Magnitude where it is there, in `unit`.
+    pub magnitude: f64,
+    /// Unit of the magnitude.
+    pub unit: &'static str,
+    /// 95 % interval of the magnitude, in `unit`.
+    pub ci95: [f64; 2],
+    /// Effects that these runs cannot tell from it.
+    pub equivalent_to: Vec<String>,
+    /// Distance from the neutral magnitude that shows itself with three deviations, in `unit`;
+    /// none where no magnitude does.
+    pub detectable: Option<f64>,
+    /// Share [-] of its signature that parameters absorb.
+    pub absorbed: f64,
+}
+
+/// A parameter as recalibrated under the best explanation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Recalibrated {
+    /// Its name.
+    pub name: String,
+    /// Distance from the prior's middle [prior standard deviations].
+    pub offset: f64,
+    /// Standard deviation of that.
+    pub deviation: f64,
+}
+
+/// Where something is left that parameters do not explain.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Located {
+    /// In which condition.
+    pub condition: Condition,
+    /// In which cell.
+    pub cell: Cell,
+    /// Measured less predicted [deviations].
+    pub deviations: f64,
+}
+
+/// The answer with its reasons.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// What explains the measurements.
+    pub verdict: Answer,
+    /// The effect or effects of the answer, each with what is equivalent to it.
+    pub named: Vec<Vec<String>>,
+    /// Probability [-] of `none`, `parameter`, `unknown`, `undecided`, each effect and each pair
+    /// (`e+f`) tried; they sum to one.
+    pub probabilities: BTreeMap<String, f64>,
+    /// Likeliest first.
+    pub effects: Vec<Suspect>,
+    /// Parameters under the likeliest explanation.
+    pub parameters: Vec<Recalibrated>,
+    /// Parameters that look like something else.
+    pub alarms: Vec<Alarm>,
+    /// Strongest cells of what recalibration leaves.
+    pub located: Vec<Located>,
+    /// How far the gap shrinks with the likeliest effect or effects; none without candidates.
+    pub shrinkage: Option<Shrinkage>,
+    /// The run that would tell the two likeliest effects apart, where the answer needs it.
+    pub next_run: Option<NextRun>,
+    /// Why the answer is less sure than it could be.
+    pub reasons: Vec<String>,
+}
+
+impl Verdict {
+    /// The verdict on measured runs.
+    pub fn of(problem: Problem, forest: &Forest, further: &FurtherRuns, seed: Seed) -> Self {
+        let ranking = Ranking::new(problem, forest);
+        let screen = Screen::new(problem);
+        let projected = screen.projected();
+        let weighing = Weighing::of(problem, &ranking, &projected);
+        let (verdict, effects) = weighing.answer(problem, &projected);
+        let sets = effects
+            .iter()
+            .map(|&effect| set(problem, &projected, effect));
+        let named: Vec<Vec<usize>> = sets.collect();
+        let suspects = weighing.suspects(problem, &ranking, &projected);
+        let open = verdict == Answer::Undecided || named.iter().any(|set| set.len() > 1);
+        let next_run = open
+            .then(|| next_run(problem, &screen, further, &suspects))
+            .flatten();
+        let best = &ranking.ranked[0].hypothesis;
+        let name = |&number: &usize| problem.emulator.candidates[number].name.clone();
+        Self {
+            named: named
+                .iter()
+                .map(|set| set.iter().map(name).collect())
+                .collect(),
+            probabilities: weighing.told(problem),
+            parameters: ranking
+                .fit(best)
+                .map_or_else(Vec::new, |fit| recalibrated(problem, fit)),
+            alarms: alarms(problem),
+            located: located(problem, healthy(&ranking)),
+            shrinkage: shrunk(problem, &ranking, &projected, seed),
+            next_run,
+            reasons: weighing.reasons,
+            effects: suspects,
+            verdict,
+        }
+    }
+}
+
+/// Probabilities after all reservations.
+struct Weighing {
+    masses: Vec<(Hypothesis, f64)>,
+    undecided: f64,
+    /// Effects for which parameters within their priors may stand.
+    absorbed: Vec<usize>,
+    reasons: Vec<String>,
+}
+
+impl Weighing {
+    fn of(problem: Problem, ranking: &Ranking, projected: &Projected) -> Self {
+        let ranked = ranking.ranked.iter();
+        let mut weighing = Self {
+            masses: ranked
+                .map(|r| (r.hypothesis.clone(), r.probability))
+                .collect(),
+            undecided: 0.0,
+            absorbed: absorbed(problem, healthy(ranking), projected),
+            reasons: Vec::new(),
+        };
+        weighing.check(problem, ranking);
+        weighing.disagreement(ranking);
+        weighing.stand_in(problem);
+        for (most, why) in &problem.observation.scarce {
+            weighing.keep(*most);
+            weighing.reasons.push((*why).to_owned());
+        }
+        weighing
+    }
+
+    /// Where every refit fails and leaves much of the gap, the unknown takes what they had; where
+    /// one leaves little of a gap, the unknown has a small share of what it had.
+    fn check(&mut self, problem: Problem, ranking: &Ranking) {
+        let calibration = problem.calibration;
+        let shipped = &ranking.fits[0].hypothesis;
+        let checks = ranking
+            .ranked
+            .iter()
+            .filter_map(|ranked| Some((&ranked.hypothesis, ranked.check?)));
+        let before = checks
+            .clone()
+            .find(|(hypothesis, _)| *hypothesis == shipped);
+        let before = before.map_or(0.0, |(_, check)| check.excess);
+        let explains = |check: &Check| check.excess < calibration.left_over * before;
+        let best = checks
+            .clone()
+            .map(|(_, check)| if explains(&check) { 1.0 } else { check.p })
+            .fold(0.0, f64::max);
+        let kept = (best / calibration.failed).min(1.0);
+        if kept < 1.0 {
+            self.reasons.push(format!(
+                "no refit passes its check on held-out conditions (best p = {best:.1e})"
+            ));
+        }
+        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let explained = before > NOTICEABLE && checks.clone().any(|(_, check)| explains(&check));
+        let of_unknown = match explained {
+            true => DOUBT * unknown,
+            false => unknown + (1.0 - kept) * (1.0 - unknown),
+        };
+        let of_others = (1.0 - of_unknown) / (1.0 - unknown).max(f64::MIN_POSITIVE);
+        for (hypothesis, mass) in &mut self.masses {
+            match hypothesis {
+                Hypothesis::Unknown => *mass = of_unknown,
+                _ => *mass *= of_others,
+            }
+        }
+    }
+
+    /// Says which effects are not named because parameters may stand for them.
+    fn stand_in(&mut self, problem: Problem) {
+        for &effect in &self.absorbed {
+            let probability = self.mass(|h| h.effects().contains(&effect));
+            if probability >= problem.calibration.presumed {
+                let name = &problem.emulator.candidates[effect].name;
+                self.reasons
+                    .push(format!("{name} cannot be told from parameters"));
+            }
+        }
+    }
+
+    fn disagreement(&mut self, ranking: &Ranking) {
+        let first = |engine: usize| {
+            let ranked = ranking.ranked.iter();
+            ranked.max_by(|a, b| a.engines[engine].total_cmp(&b.engines[engine]))
+        };
+        let [refit, forest] = [first(0), first(1)].map(|r| r.map(|r| &r.hypothesis));
+        if refit != forest {
+            self.reasons
+                .push("refit and forest disagree on what is likeliest".to_owned());
+        }
+    }
+
+    /// Leaves at most this probability decided; the unknown keeps its own.
+    fn keep(&mut self, most: f64) {
+        for (hypothesis, mass) in &mut self.masses {
+            if *hypothesis != Hypothesis::Unknown {
+                self.undecided += (1.0 - most) * *mass;
+                *mass *= most;
+            }
+        }
+    }
+
+    fn mass(&self, counts: impl Fn(&Hypothesis) -> bool) -> f64 {
+        let masses = self
+            .masses
+            .iter()
+            .filter(|(hypothesis, _)| counts(hypothesis));
+        masses.map(|(_, mass)| mass).sum()
+    }
+
+    /// The answer and the effects it names.
+    fn answer(&self, problem: Problem, projected: &Projected) -> (Answer, Vec<usize>) {
+        let confident = problem.calibration.confident;
+        let [none, parameter, unknown] =
+            [Hypothesis::None, Hypothesis::Parameter, Hypothesis::Unknown]
+                .map(|known| self.mass(|h| *h == known));
+        if unknown >= confident {
+            return (Answer::Unknown, Vec::new());
+        }
+        if self.undecided > 1.0 - confident {
+            return (Answer::Undecided, Vec::new());
+        }
+        let absorbed = self.mass(|h| h.effects().iter().any(|e| self.absorbed.contains(e)));
+        if none + parameter + absorbed >= problem.calibration.presumed {
+            let answer = match none >= parameter + absorbed {
+                true => Answer::None,
+                false => Answer::Parameter,
+            };
+            return (answer, Vec::new());
+        }
+        let alike = |a: usize, b: usize| a == b || equivalent(problem, projected, a, b);
+        let same = |a: &[usize], b: &[usize]| match (a, b) {
+            (&[a], &[b]) => alike(a, b),
+            (&[a, b], &[c, d]) => (alike(a, c) && alike(b, d)) || (alike(a, d) && alike(b, c)),
+            _ => false,
+        };
+        let likeliest = |of: &dyn Fn(&Hypothesis) -> bool, mass: &dyn Fn(&[usize]) -> f64| {
+            let masses = self.masses.iter().filter(|(hypothesis, _)| of(hypothesis));
+            masses
+                .map(|(hypothesis, own)| {
+                    (
+                        hypothesis.effects().to_vec(),
+                        mass(hypothesis.effects()),
+                        *own,
+                    )
+                })
+                .max_by(|a, b| (a.1, a.2).partial_cmp(&(b.1, b.2)).expect("numbers"))
+        };
+        let pairs = |h: &Hypothesis| h.effects().len() == 2;
+        let of_pair = |pair: &[usize]| self.mass(|h| same(h.effects(), pair));
+        if let Some((pair, mass, _)) = likeliest(&pairs, &of_pair)
+            && mass >= confident
+        {
+            return (Answer::Effects, pair);
+        }
+        let singles = |h: &Hypothesis| h.effects().len() == 1;
+        let of_single =
+            |one: &[usize]| self.mass(|h| h.effects().iter().any(|&e| alike(e, one[0])));
+        if let Some((one, mass, _)) = likeliest(&singles, &of_single)
+            && mass >= confident
+        {
+            return (Answer::Effect, one);
+        }
+        (Answer::Undecided, Vec::new())
+    }
+
+    fn told(&self, problem: Problem) -> BTreeMap<String, f64> {
+        let named = self
+            .masses
+            .iter()
+            .map(|(hypothesis, mass)| (hypothesis.name(problem.emulator), *mass));
+        named
+            .chain([("undecided".to_owned(), self.undecided)])
+            .collect()
+    }
+
+    fn suspects(&self, problem: Problem, ranking: &Ranking, projected: &Projected) -> Vec<Suspect> {
+        let table = projected.table(problem.emulator, problem.calibration.equivalent);
+        let mut suspects: Vec<Suspect> = table
+            .into_iter()
+            .enumerate()
+            .filter_map(|(number, screened)| {
+                let probability = self.mass(|h| h.effects().contains(&number));
+                self.suspect(problem, ranking, (number, screened), probability)
+            })
+            .collect();
+        suspects.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        suspects
+    }
+
+    /// With the magnitude of the likeliest explanation that has it.
+    fn suspect(
+        &self,
+        problem: Problem,
+        ranking: &Ranking,
+        (number, screened): (usize, Screened),
+        probability: f64,
+    ) -> Option<Suspect> {
+        let explains = self
+            .masses
+            .iter()
+            .filter(|(h, _)| h.effects().contains(&number));
+        let (hypothesis, _) = explains.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let place = hypothesis
+            .effects()
+            .iter()
+            .position(|&effect| effect == number)?;
+        let estimate = ranking.fit(hypothesis)?.magnitudes[place];
+        let seat = &problem.emulator.candidates[number].seat;
+        Some(Suspect {
+            name: screened.name,
+            probability,
+            magnitude: estimate.value,
+            unit: seat.unit,
+            ci95: estimate.ci95,
+            equivalent_to: screened
+                .equivalent
+                .into_iter()
+                .map(|(name, _)| name)
+                .collect(),
+            detectable: screened
+                .detectable
+                .is_finite()
+                .then_some(screened.detectable),
+            absorbed: screened.absorbed,
+        })
+    }
+}
+
+fn equivalent(problem: Problem, projected: &Projected, a: usize, b: usize) -> bool {
+    projected.equivalent(problem.emulator, a, b, problem.calibration.equivalent)
+}
+
+/// Effects that parameters absorb as far as equivalent effects would each other, where
+/// recalibration keeps to the priors.
+fn absorbed(problem: Problem, recalibrated: &Fit, projected: &Projected) -> Vec<usize> {
+    let at_end = |[offset, _]: &[f64; 2]| offset.abs() > END;
+    if recalibrated.offsets.iter().any(at_end) {
+        return Vec::new();
+    }
+    let most = problem.calibration.equivalent * problem.calibration.equivalent;
+    let all = 0..problem.emulator.candidates.len();
+    all.filter(|&effect| projected.absorbed(effect) > most)
+        .collect()
+}
+
+/// An effect and all that cannot be told from it.
+fn set(problem: Problem, projected: &Projected, effect: usize) -> Vec<usize> {
+    let all = 0..problem.emulator.candidates.len();
+    let others =
+        all.filter(|&other| other != effect && equivalent(problem, projected, effect, other));
+    [effect].into_iter().chain(others).collect()
+}
+
+/// The better fit without effects.
+fn healthy(ranking: &Ranking) -> &Fit {
+    let recalibrated = ranking.fit(&Hypothesis::Parameter);
+    recalibrated.unwrap_or(&ranking.fits[0])
+}
+
+fn recalibrated(problem: Problem, fit: &Fit) -> Vec<Recalibrated> {
+    let named = problem.emulator.parameters.iter().zip(&fit.offsets);
+    named
+        .map(|(name, [offset, deviation])| Recalibrated {
+            name: name.clone(),
+            offset: *offset,
+            deviation: *deviation,
+        })
+        .collect()
+}
+
+fn located(problem: Problem, fit: &Fit) -> Vec<Located> {
+    let mut located: Vec<Located> = problem
+        .conditions()
+        .zip(&fit.held_out)
+        .flat_map(|((emulated, _), held_out)| {
+            let cells = emulated.cells.iter().zip(&held_out.scores);
+            cells
+                .filter(|(_, z)| z.abs() > STRONG)
+                .map(|(cell, z)| Located {
+                    condition: emulated.condition.clone(),
+                    cell: cell.clone(),
+                    deviations: *z,
+                })
+        })
+        .collect();
+    located.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    located.truncate(LOCATED);
+    located
+}
+
+/// With the likeliest effects; the placebo is every other single effect.
+fn shrunk(
+    problem: Problem,
+    ranking: &Ranking,
+    projected: &Projected,
+    seed: Seed,
+) -> Option<Shrinkage> {
+    let named = |h: &Hypothesis| !h.effects().is_empty();
+    let best = ranking
+        .ranked
+        .iter()
+        .find(|ranked| named(&ranked.hypothesis))?;
+    let effects = best.hypothesis.effects();
+    let wrong: Vec<&Fit> = ranking
+        .fits
+        .iter()
+        .filter(|fit| match fit.hypothesis.effects() {
+            [other] => effects
+                .iter()
+                .all(|e| e != other && !equivalent(problem, projected, *e, *other)),
+            _ => false,
+        })
+        .collect();
+    let with_effect = ranking.fit(&best.hypothesis)?;
+    Some(shrinkage(
+        problem,
+        healthy(ranking),
+        with_effect,
+        &wrong,
+        seed,
+    ))
+}
+
+/// Between the likeliest effect and the next.
+fn next_run(
+    problem: Problem,
+    screen: &Screen,
+    further: &FurtherRuns,
+    suspects: &[Suspect],
+) -> Option<NextRun> {
+    let [first, second, ..] = suspects else {
+        return None;
+    };
+    let place = |suspect: &Suspect| {
+        problem
+            .emulator
+            .candidates()
+            .position(|name| name == suspect.name)
+    };
+    let (a, b) = (place(first)?, place(second)?);
+    let seat = &problem.emulator.candidates[a].seat;
+    let strength = (first.magnitude - seat.neutral) / (seat.levels[1] - seat.neutral);
+    further.between(problem.emulator, screen, [a, b], strength.abs())
+}
