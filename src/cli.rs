@@ -5,6 +5,7 @@
 
 mod dataset;
 mod demo;
+mod diagnose;
 mod effects;
 pub mod failure;
 mod identify;
@@ -47,6 +48,7 @@ Examples:
   lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
   lugwheel identify measured.h5                       terrain parameters and how sure they are
   lugwheel effects                                    what a simulation can be given beyond the ideal
+  lugwheel diagnose --measured rig.h5 --scenario single_wheel_st   why they differ
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 4 study finished with failed runs, 130 interrupted.";
@@ -63,6 +65,7 @@ enum Command {
     Recognize(recognize::Recognize),
     Identify(identify::Identify),
     Effects(effects::Effects),
+    Diagnose(diagnose::Diagnose),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -88,5 +91,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Recognize(command) => command.run(output),
         Command::Identify(command) => command.run(output),
         Command::Effects(command) => command.run(output),
+        Command::Diagnose(command) => command.run(output),
     }
 }

@@ -18,6 +18,7 @@
 //! every effect, pairs of them and the unknown by what each says of conditions that it has not seen; a
 //! [`Forest`] gives a second opinion. From the library on, all works on numbers alone.
 
+mod again;
 pub mod arm;
 pub mod bank;
 mod calibration;
@@ -27,9 +28,12 @@ pub mod cost;
 mod emulator;
 mod fit;
 mod forest;
+mod further;
 mod grid;
 mod hypothesis;
+mod investigation;
 mod layout;
+mod library;
 mod next_run;
 mod observation;
 pub mod parameter;
@@ -45,10 +49,16 @@ mod verdict;
 #[cfg(test)]
 mod worlds;
 
+pub use again::{InUnits, SimulatedAgain};
 pub use calibration::Calibration;
 pub use emulator::Emulator;
 pub use fit::Problem;
 pub use forest::Forest;
+pub use further::{Further, further_runs};
+pub use investigation::{
+    Arms, BUDGET, Compared, ComparedCondition, Diagnosis, Gaps, Investigation, InvestigationError,
+    Settings,
+};
 pub use next_run::{FurtherRuns, NextRun};
 pub use observation::Observation;
 pub use responses::{Candidate, DiagnosisError, Level, Library, Measured, Responses};

@@ -5,7 +5,6 @@ use lugwheel::dataset::csv::Campaign;
 use lugwheel::diagnosis::arm::Arm;
 use lugwheel::diagnosis::bank::{Bank, BankError, Outcome, Progress, Request};
 use lugwheel::diagnosis::condition::{Case, CaseError, Cases, Caveat, LONGEST, statistician};
-use lugwheel::diagnosis::cost::Trial;
 use lugwheel::diagnosis::plan::{DEPTHS, Plan};
 use lugwheel::effects::Stage;
 use lugwheel::gap::{self, Cell, Comparison, Run, Statistic};
@@ -549,13 +548,6 @@ fn repeats_whose_load_was_measured_and_not_told_are_still_repeats() {
     assert!(real[..3].iter().all(|run| run.attributes.load == load));
 }
 
-fn trial() -> Trial {
-    Trial {
-        motion: 0.25,
-        measurement: 0.05,
-    }
-}
-
 #[test]
 fn a_plan_asks_for_what_can_be_on_this_ground_and_can_be_seen_in_these_channels() {
     let plan = |name: &str, without: &[&str]| {
@@ -586,19 +578,17 @@ fn a_plan_asks_for_what_can_be_on_this_ground_and_can_be_seen_in_these_channels(
 fn a_budget_buys_the_deepest_plan_that_fits_and_says_when_it_buys_none() {
     let case = one_case(&scenario("single_wheel_st"), rig_run(20_000, 2000.0));
     let cases = [case];
-    let costs = DEPTHS.map(|depth| {
-        Plan::at(depth, &cases, &[])
-            .cost(&trial(), &cases)
-            .core_seconds
-    });
+    let costs = DEPTHS.map(|depth| Plan::at(depth, &cases, &[]).cost(&cases).driven);
     assert!(costs.is_sorted() && costs[6] > 5.0 * costs[1]);
-    let plan = Plan::within(costs[4], &trial(), &cases, &[]).unwrap();
+    let plan = Plan::within(costs[4], &cases, &[]).unwrap();
     assert_eq!(plan.depth, DEPTHS[4]);
-    let plan = Plan::within(0.99 * costs[4], &trial(), &cases, &[]).unwrap();
+    let plan = Plan::within(0.99 * costs[4], &cases, &[]).unwrap();
     assert_eq!(plan.depth, DEPTHS[3]);
-    let error = Plan::within(0.5 * costs[0], &trial(), &cases, &[]).unwrap_err();
+    let error = Plan::within(0.5 * costs[0], &cases, &[]).unwrap_err();
     assert!(
-        error.to_string().contains("are too few: the least takes"),
+        error
+            .to_string()
+            .contains("s of driving are too few: the least is"),
         "{error}"
     );
 }
@@ -614,14 +604,14 @@ fn what_is_left_to_do_is_the_plan_first_and_nothing_in_the_end() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [case];
     let bank = bank(folder.path(), cases.to_vec());
-    let before = bank.left(&requests, &trial()).unwrap();
-    assert_eq!(before, plan.cost(&trial(), &cases));
+    let before = bank.left(&requests).unwrap();
+    assert_eq!(before, plan.cost(&cases));
     // Three replicates and two ends of a slope; sensors share the first replicate.
     assert_eq!(before.motions, 5);
     let (answers, motions) = ask(&bank, &requests);
     assert_eq!(motions, 5);
     assert!(answers.iter().all(Result::is_ok));
-    assert_eq!(bank.left(&requests, &trial()).unwrap().core_seconds, 0.0);
+    assert_eq!(bank.left(&requests).unwrap().driven, 0.0);
     let missing = Request {
         case: 1,
         ..request("", 0)
@@ -630,11 +620,4 @@ fn what_is_left_to_do_is_the_plan_first_and_nothing_in_the_end() {
         .readings(&[missing], &|_| ControlFlow::Continue(()))
         .unwrap_err();
     assert_eq!(error.to_string(), "there is no case 1: the bank has 1");
-}
-
-#[test]
-fn a_trial_tells_what_a_second_takes() {
-    let case = one_case(&short(), rig_run(2000, 2000.0));
-    let trial = Trial::of(&[case], SEED, &mut |_| ControlFlow::Continue(())).unwrap();
-    assert!(trial.motion > 0.0 && trial.measurement > 0.0);
 }

@@ -7,6 +7,7 @@ use super::scenario_args::NoScenario;
 use super::study::FailedRuns;
 use lugwheel::dataset::csv::CampaignError;
 use lugwheel::dataset::hdf5::RunFileError;
+use lugwheel::diagnosis::InvestigationError;
 use lugwheel::effects::EffectError;
 use lugwheel::scenario::ScenarioError;
 use lugwheel::study::StudyError;
@@ -69,6 +70,14 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()
         || cause.is::<NothingIdentified>()
+        || matches!(
+            cause.downcast_ref::<InvestigationError>(),
+            Some(
+                InvestigationError::Case(_)
+                    | InvestigationError::NoEffect(_)
+                    | InvestigationError::Gap { .. }
+            )
+        )
         || matches!(
             cause.downcast_ref::<StudyError>(),
             Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))

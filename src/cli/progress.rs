@@ -61,6 +61,17 @@ impl Progress {
         }
     }
 
+    /// `done` of `total` runs are done; both may change on the way.
+    pub fn reach(&self, done: u64, total: u64) {
+        let length = total as f64 * FINENESS;
+        if self.bar.length() != Some(length as u64) {
+            self.bar.set_length(length as u64);
+            self.bar.reset_eta();
+        }
+        self.bar.set_position((done as f64 * FINENESS) as u64);
+        self.advance(0.0);
+    }
+
     /// Time [s] since the start.
     pub fn elapsed(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()

@@ -66,7 +66,11 @@ impl ScenarioArgs {
     }
 }
 
-fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
+/// The scenario file, or the one of that name in the folder of scenarios.
+///
+/// # Errors
+/// With the names like it.
+pub fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
     if asked.exists() {
         return Ok(asked.to_owned());
     }

@@ -13,7 +13,7 @@ mod store;
 
 use super::arm::Arm;
 use super::condition::{Case, statistician};
-use super::cost::{Cost, Trial};
+use super::cost::Cost;
 use crate::gap::{Run, Statistician};
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
@@ -59,6 +59,8 @@ pub struct Progress {
     pub total: u64,
     /// Motions simulated for them: what takes the time.
     pub motions: u64,
+    /// Motions that were to be simulated.
+    pub motions_total: u64,
 }
 
 /// Why a bank gives no answers.
@@ -133,12 +135,12 @@ impl Bank {
     ///
     /// # Errors
     /// `NoCase`.
-    pub fn left(&self, requests: &[Request], trial: &Trial) -> Result<Cost, BankError> {
+    pub fn left(&self, requests: &[Request]) -> Result<Cost, BankError> {
         let mut cost = Cost::default();
         for group in by_motion(self.missing(requests, &|_, _| ())?) {
             let case = &self.cases[requests[group[0].place].case];
             let keys: BTreeSet<&Key> = group.iter().map(|task| &task.key).collect();
-            cost.add(trial, case, [1, keys.len() as u64]);
+            cost += Cost::of(case, 1, keys.len() as u64);
         }
         Ok(cost)
     }
@@ -179,16 +181,18 @@ impl Bank {
         seen: &(dyn Fn(usize, Outcome) + Sync),
     ) -> Result<(), BankError> {
         let missing = self.missing(requests, seen)?;
+        let known = (requests.len() - missing.len()) as u64;
+        let groups = by_motion(missing);
         let work = Work {
             bank: self,
             requests,
             progress,
             seen,
-            done: AtomicU64::new((requests.len() - missing.len()) as u64),
+            motions_total: groups.len() as u64,
+            done: AtomicU64::new(known),
             motions: AtomicU64::new(0),
             stopped: AtomicBool::new(false),
         };
-        let groups = by_motion(missing);
         let each = groups.par_iter().with_max_len(1);
         let finished = each.try_for_each(|group| work.finish(group));
         finished.map_err(|halt| work.error(halt))
@@ -335,6 +339,7 @@ struct Work<'b> {
     seen: &'b (dyn Fn(usize, Outcome) + Sync),
     done: AtomicU64,
     motions: AtomicU64,
+    motions_total: u64,
     stopped: AtomicBool,
 }
 
@@ -396,6 +401,7 @@ impl Work<'_> {
             done: self.done.load(Ordering::Relaxed),
             total: self.requests.len() as u64,
             motions: self.motions.load(Ordering::Relaxed),
+            motions_total: self.motions_total,
         };
         if self.stopped.load(Ordering::Relaxed) || (self.progress)(progress).is_break() {
             self.stopped.store(true, Ordering::Relaxed);

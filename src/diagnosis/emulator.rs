@@ -94,7 +94,7 @@ impl Emulated {
                 .map(|level| {
                     let (value, error) = change(&level.changes);
                     let slope = vec![0.0; value.len()];
-                    let at = level.magnitude - library.candidates[number].seat.neutral;
+                    let at = library.candidates[number].strength(level.magnitude);
                     Knot {
                         at,
                         value,
@@ -106,13 +106,7 @@ impl Emulated {
         };
         let shapes = library.candidates.iter().enumerate();
         let shapes = shapes
-            .map(|(number, candidate)| {
-                Shape::new(
-                    candidate.seat.neutral,
-                    transform.cells().len(),
-                    knots(number),
-                )
-            })
+            .map(|(number, _)| Shape::new(transform.cells().len(), knots(number)))
             .collect();
         let (jacobian, jacobian_error) =
             responses.parameters.iter().map(|rows| change(rows)).unzip();

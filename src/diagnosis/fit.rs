@@ -1,8 +1,8 @@
 //! A hypothesis fitted to all conditions, and to all but each one of them.
 //!
 //! Numbers are whitened, so that with precisions `Λ` the log likelihood of parameters `θ` and
-//! magnitudes `m` is `−½ (r − d(m) − J θ)ᵀ Λ (r − d(m) − J θ)`. It is exact in `θ`, whose prior is
-//! normal of one of a few spreads; magnitudes are tried on a grid that closes in on where the
+//! strengths `m` is `−½ (r − d(m) − J θ)ᵀ Λ (r − d(m) − J θ)`. It is exact in `θ`, whose prior is
+//! normal of one of a few spreads; strengths are tried on a grid that closes in on where the
 //! posterior is. `Λ` holds the spread of measurements and replicates, the emulator's error at the
 //! best fit, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
 //! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone.
@@ -21,7 +21,7 @@ use statrs::function::gamma::ln_gamma;
 
 /// Rounds in which precisions settle.
 const ROUNDS: usize = 3;
-/// Finer looks at magnitudes.
+/// Finer looks at strengths.
 const LOOKS: usize = 7;
 /// Variance of a parameter that does not move.
 const FIXED: f64 = 1.0e-10;
@@ -47,7 +47,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Median of a magnitude and its 95 % interval, in its unit.
+/// Median of a strength and its 95 % interval, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Estimate {
     pub value: f64,
@@ -59,12 +59,12 @@ pub(super) struct Estimate {
 pub(super) struct Fit {
     pub hypothesis: Hypothesis,
     /// Of each effect.
-    pub magnitudes: Vec<Estimate>,
+    pub strengths: Vec<Estimate>,
     /// Of each parameter [prior standard deviations], with its deviation.
     pub offsets: Vec<[f64; 2]>,
     /// Log evidence less log likelihood at the best fit [-]: what the freedom of the fit costs.
     pub occam: f64,
-    /// Parameters and magnitudes that the measurements determine [-].
+    /// Parameters and strengths that the measurements determine [-].
     pub determined: f64,
     /// What the other conditions say of each.
     pub held_out: Vec<HeldOut>,
@@ -94,10 +94,10 @@ impl Fit {
         let mut precisions: Vec<Vec<f64>> = variances.iter().map(|v| inverse(v)).collect();
         let mut posterior = Posterior::new(problem, &hypothesis, &precisions, None);
         for _ in 1..ROUNDS {
-            let (magnitudes, offsets) = posterior.best();
+            let (strengths, offsets) = posterior.best();
             for (number, (emulated, observed)) in problem.conditions().enumerate() {
                 let effects = hypothesis.effects();
-                let model = Model::new(emulated, effects, &magnitudes, offsets.as_slice());
+                let model = Model::new(emulated, effects, &strengths, offsets.as_slice());
                 variances[number] = model.variance(emulated, observed, problem.calibration);
                 precisions[number] =
                     model.precision(observed, &variances[number], problem.calibration.freedom);
@@ -109,7 +109,7 @@ impl Fit {
             .map(|(number, _)| posterior.predict(problem, number, &variances[number]))
             .collect();
         Self {
-            magnitudes: posterior.estimates(),
+            strengths: posterior.estimates(),
             offsets: posterior.offsets(),
             occam: posterior.occam(),
             // What is not held out has not paid.
@@ -130,7 +130,7 @@ fn inverse(variances: &[f64]) -> Vec<f64> {
 /// Changes by effects and by parameters.
 struct Model<'a> {
     effects: &'a [usize],
-    magnitudes: &'a [f64],
+    strengths: &'a [f64],
     offsets: &'a [f64],
     by_effects: Vec<f64>,
     by_parameters: Vec<f64>,
@@ -140,20 +140,20 @@ impl<'a> Model<'a> {
     fn new(
         emulated: &Emulated,
         effects: &'a [usize],
-        magnitudes: &'a [f64],
+        strengths: &'a [f64],
         offsets: &'a [f64],
     ) -> Self {
         let mut by_effects = vec![0.0; emulated.cells.len()];
         let mut by_parameters = by_effects.clone();
-        for (&effect, &magnitude) in effects.iter().zip(magnitudes) {
-            emulated.shapes[effect].add(magnitude, 1.0, &mut by_effects);
+        for (&effect, &strength) in effects.iter().zip(strengths) {
+            emulated.shapes[effect].add(strength, 1.0, &mut by_effects);
         }
         for (column, offset) in emulated.jacobian.iter().zip(offsets) {
             add(&mut by_parameters, *offset, column);
         }
         Self {
             effects,
-            magnitudes,
+            strengths,
             offsets,
             by_effects,
             by_parameters,
@@ -174,8 +174,8 @@ impl<'a> Model<'a> {
         calibration: &Calibration,
     ) -> Vec<f64> {
         let mut variance = observed.variance.clone();
-        for (&effect, &magnitude) in self.effects.iter().zip(self.magnitudes) {
-            emulated.shapes[effect].add_error(magnitude, &mut variance);
+        for (&effect, &strength) in self.effects.iter().zip(self.strengths) {
+            emulated.shapes[effect].add_error(strength, &mut variance);
         }
         for (error, offset) in emulated.jacobian_error.iter().zip(self.offsets) {
             add(&mut variance, offset * offset, error);
@@ -229,9 +229,9 @@ impl Terms {
         let mut former: Option<Vec<Vec<f64>>> = None;
         for (effect, axis) in axes {
             let changes: Vec<Vec<f64>> = axis
-                .magnitudes
+                .strengths
                 .iter()
-                .map(|magnitude| emulated.shapes[*effect].at(*magnitude))
+                .map(|strength| emulated.shapes[*effect].at(*strength))
                 .collect();
             let own: Vec<_> = changes
                 .iter()
@@ -263,7 +263,7 @@ impl Terms {
     }
 }
 
-/// Weights of magnitudes and spreads of parameters, given all conditions or all but one.
+/// Weights of strengths and spreads of parameters, given all conditions or all but one.
 struct Fold {
     /// By spread of the parameters, by point of the grid.
     log_weights: Vec<Vec<f64>>,
@@ -313,7 +313,7 @@ impl Fold {
     }
 }
 
-/// What all conditions say of magnitudes and parameters.
+/// What all conditions say of strengths and parameters.
 struct Posterior {
     effects: Vec<usize>,
     axes: Vec<(usize, Axis)>,
@@ -323,7 +323,7 @@ struct Posterior {
 }
 
 impl Posterior {
-    /// Magnitudes start over their priors, or about where they were `before`.
+    /// Strengths start over their priors, or about where they were `before`.
     fn new(
         problem: Problem,
         hypothesis: &Hypothesis,
@@ -429,10 +429,10 @@ impl Posterior {
         }
     }
 
-    /// Largest log weight of each magnitude under the best, given all conditions, or over all
+    /// Largest log weight of each strength under the best, given all conditions, or over all
     /// folds.
     fn largest(&self, folds: bool) -> Vec<Vec<f64>> {
-        let lengths: Vec<usize> = self.axes.iter().map(|(_, a)| a.magnitudes.len()).collect();
+        let lengths: Vec<usize> = self.axes.iter().map(|(_, a)| a.strengths.len()).collect();
         let mut largest: Vec<Vec<f64>> = lengths
             .iter()
             .map(|length| vec![f64::NEG_INFINITY; *length])
@@ -463,25 +463,25 @@ impl Posterior {
         let mut places = Vec::with_capacity(self.axes.len());
         let mut rest = point;
         for (_, axis) in self.axes.iter().rev() {
-            places.push(rest % axis.magnitudes.len());
-            rest /= axis.magnitudes.len();
+            places.push(rest % axis.strengths.len());
+            rest /= axis.strengths.len();
         }
         places.reverse();
         places
     }
 
-    fn magnitudes(&self, point: usize) -> Vec<f64> {
+    fn strengths(&self, point: usize) -> Vec<f64> {
         let places = self.axes.iter().zip(self.places(point));
         places
-            .map(|((_, axis), place)| axis.magnitudes[place])
+            .map(|((_, axis), place)| axis.strengths[place])
             .collect()
     }
 
-    /// Magnitudes and parameters of the best fit.
+    /// Strengths and parameters of the best fit.
     fn best(&self) -> (Vec<f64>, DVector<f64>) {
         let fold = self.fold(None);
         let (scale, point) = fold.best();
-        (self.magnitudes(point), fold.offsets(scale, point))
+        (self.strengths(point), fold.offsets(scale, point))
     }
 
     fn occam(&self) -> f64 {
@@ -538,7 +538,7 @@ impl Posterior {
         let mut masses: Vec<Vec<f64>> = self
             .axes
             .iter()
-            .map(|(_, axis)| vec![0.0; axis.magnitudes.len()])
+            .map(|(_, axis)| vec![0.0; axis.strengths.len()])
             .collect();
         for point in 0..self.log_prior.len() {
             let weights = fold
@@ -551,7 +551,7 @@ impl Posterior {
             }
         }
         let of = |((_, axis), masses): (&(usize, Axis), Vec<f64>)| {
-            let below = |share| quantile(&axis.magnitudes, &masses, share);
+            let below = |share| quantile(&axis.strengths, &masses, share);
             Estimate {
                 value: below(0.5),
                 ci95: [below(0.025), below(0.975)],
@@ -570,7 +570,7 @@ impl Posterior {
         let mut logs = Vec::new();
         for (scale, point, log_weight) in fold.predicting() {
             let offsets = fold.offsets(scale, point);
-            let magnitudes = self.magnitudes(point);
+            let strengths = self.strengths(point);
             let mut adapted = offsets.clone();
             let (mut penalty, mut adapts) = (0.0, 0.0);
             if let Some(precision) = &fold.precisions[scale] {
@@ -585,12 +585,12 @@ impl Posterior {
                     adapted += step;
                 }
             }
-            let model = Model::new(emulated, &self.effects, &magnitudes, adapted.as_slice());
+            let model = Model::new(emulated, &self.effects, &strengths, adapted.as_slice());
             let departure = model.departure(observed);
             logs.push(log_weight + log_density(&departure, variance, freedom) - penalty);
             if best.is_none() {
                 let deviations = departure.iter().zip(variance);
-                let model = Model::new(emulated, &self.effects, &magnitudes, offsets.as_slice());
+                let model = Model::new(emulated, &self.effects, &strengths, offsets.as_slice());
                 let mut shift = model.by_effects;
                 add(&mut shift, 1.0, &model.by_parameters);
                 best = Some(HeldOut {

@@ -112,10 +112,11 @@ fn draw(problem: Problem, hypothesis: &Hypothesis, rng: &mut impl Rng) -> Vec<Ve
     let spreads = &scale.unwrap_or(&scales[0]).spreads;
     let normal = |rng: &mut _| -> f64 { StandardNormal.sample(rng) };
     let offsets: Vec<f64> = spreads.iter().map(|spread| spread * normal(rng)).collect();
-    let magnitudes: Vec<f64> = hypothesis
+    let candidates = &problem.emulator.candidates;
+    let strengths: Vec<f64> = hypothesis
         .effects()
         .iter()
-        .map(|&e| problem.emulator.candidates[e].seat.draw(rng))
+        .map(|&e| candidates[e].strength(candidates[e].seat.draw(rng)))
         .collect();
     // Unknown: some cells of all conditions are off, by far or by little.
     let unknown = *hypothesis == Hypothesis::Unknown;
@@ -140,8 +141,8 @@ fn draw(problem: Problem, hypothesis: &Hypothesis, rng: &mut impl Rng) -> Vec<Ve
             for (column, offset) in emulated.jacobian.iter().zip(&offsets) {
                 add(&mut row, *offset, column);
             }
-            for (&effect, magnitude) in hypothesis.effects().iter().zip(&magnitudes) {
-                emulated.shapes[effect].add(*magnitude, 1.0, &mut row);
+            for (&effect, strength) in hypothesis.effects().iter().zip(&strengths) {
+                emulated.shapes[effect].add(*strength, 1.0, &mut row);
             }
             row
         })

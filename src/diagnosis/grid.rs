@@ -1,23 +1,23 @@
-//! Magnitudes at which a fit is tried: coarse over the prior first, then where it holds.
+//! Strengths at which a fit is tried: coarse over the prior first, then where it holds.
 
 use super::responses::Candidate;
 
-/// First magnitudes, as shares of the high level.
+/// First strengths, as shares of the high level.
 const SHARES: [f64; 13] = [
     0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.4, 2.0, 3.0, 5.0,
 ];
-/// Magnitudes of a finer look, and of one at about the same place.
+/// Strengths of a finer look, and of one at about the same place.
 const NODES: usize = 16;
 const WIDE: usize = 24;
-/// Log weight [-] under the largest below which a magnitude counts no more: one in ten thousand.
+/// Log weight [-] under the largest below which a strength counts no more: one in ten thousand.
 const NEGLIGIBLE: f64 = -9.2;
-/// Magnitudes that have to count for a posterior to be resolved.
+/// Strengths that have to count for a posterior to be resolved.
 const RESOLVED: usize = 6;
 
-/// Magnitudes of one effect, ascending.
+/// Strengths of one effect, ascending.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
-    pub magnitudes: Vec<f64>,
+    pub strengths: Vec<f64>,
     /// Whether they are spread over where the posterior is.
     pub resolved: bool,
 }
@@ -25,50 +25,49 @@ pub(super) struct Axis {
 impl Axis {
     /// Over the prior of a candidate.
     pub fn over(candidate: &Candidate) -> Self {
-        let seat = &candidate.seat;
-        let reach = seat.levels.iter().map(|level| (level - seat.neutral).abs());
-        let reach = reach.fold(0.0, f64::max);
+        let reach = candidate.levels().map(f64::abs);
+        let reach = reach.into_iter().fold(0.0, f64::max);
         let backward = SHARES.iter().rev().map(|share| -share);
-        let mut magnitudes: Vec<f64> = backward
+        let mut strengths: Vec<f64> = backward
             .chain(SHARES.into_iter().skip(1))
-            .map(|share| seat.neutral + share * reach)
-            .filter(|magnitude| seat.density(*magnitude) > 0.0)
+            .map(|share| share * reach)
+            .filter(|strength| candidate.density(*strength) > 0.0)
             .collect();
-        magnitudes.dedup();
+        strengths.dedup();
         Self {
-            resolved: magnitudes.len() < 2,
-            magnitudes,
+            resolved: strengths.len() < 2,
+            strengths,
         }
     }
 
     /// As far again to each side.
     pub fn widened(mut self) -> Self {
-        let ([first, .., last], false) = (self.magnitudes.as_slice(), self.magnitudes.len() < 2)
+        let ([first, .., last], false) = (self.strengths.as_slice(), self.strengths.len() < 2)
         else {
             return self;
         };
         let (middle, reach) = (0.5 * (first + last), last - first);
         let step = 2.0 * reach / (WIDE - 1) as f64;
-        self.magnitudes = (0..WIDE)
+        self.strengths = (0..WIDE)
             .map(|i| middle - reach + step * i as f64)
             .collect();
         self.resolved = false;
         self
     }
 
-    /// Log prior probability [-] of each magnitude's neighbourhood.
+    /// Log prior probability [-] of each strength's neighbourhood.
     pub fn log_prior(&self, candidate: &Candidate) -> Vec<f64> {
-        let places = &self.magnitudes;
+        let places = &self.strengths;
         let last = places.len() - 1;
         let widths = (0..=last).map(|i| 0.5 * (places[(i + 1).min(last)] - places[i.max(1) - 1]));
         let mass = |(width, place): (f64, &f64)| {
             let width = if last == 0 { 1.0 } else { width };
-            libm::log(candidate.seat.density(*place) * width)
+            libm::log(candidate.density(*place) * width)
         };
         widths.zip(places).map(mass).collect()
     }
 
-    /// A finer look about the magnitudes that count, given the largest log weight of each under
+    /// A finer look about the strengths that count, given the largest log weight of each under
     /// the best.
     pub fn refine(&mut self, log_weights: &[f64], first: bool) {
         let counts: Vec<usize> = (0..log_weights.len())
@@ -82,9 +81,9 @@ impl Axis {
             self.resolved = true;
             return;
         }
-        let from = self.magnitudes[from.max(1) - 1];
-        let to = self.magnitudes[(to + 1).min(self.magnitudes.len() - 1)];
+        let from = self.strengths[from.max(1) - 1];
+        let to = self.strengths[(to + 1).min(self.strengths.len() - 1)];
         let step = (to - from) / (NODES - 1) as f64;
-        self.magnitudes = (0..NODES).map(|i| from + step * i as f64).collect();
+        self.strengths = (0..NODES).map(|i| from + step * i as f64).collect();
     }
 }

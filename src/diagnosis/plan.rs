@@ -3,13 +3,14 @@
 //! Replicates of the scenario as shipped tell its spread; each parameter, one standard deviation up
 //! and down, its slope; each effect that can be there, at its low, typical and high magnitude, its
 //! signature. Differences are taken stream by stream, so that ground and noise fall out of them.
-//! How many replicates and streams there are is the [`Depth`]: the deepest of [`DEPTHS`] that a
-//! [`Trial`] says the budget allows.
+//! How many replicates and streams there are is the [`Depth`]: the deepest of [`DEPTHS`] whose
+//! driving a budget allows. The budget is simulated time, not time of a clock: the same campaign has
+//! the same plan on every machine.
 
 use super::arm::Arm;
 use super::bank::{Request, changes_motion, is_possible};
 use super::condition::Case;
-use super::cost::{Cost, Trial};
+use super::cost::Cost;
 use super::parameter::{Offsets, Parameter, parameters};
 use crate::effects::{Application, Effect, Seat, catalogue};
 use crate::gap::FEWEST_REPLICATES;
@@ -69,6 +70,13 @@ pub struct Signature {
     pub arms: Vec<Arm>,
 }
 
+impl Signature {
+    /// Name of the effect with its channel, as in files.
+    pub fn name(&self) -> String {
+        full_name(self.effect, self.seat)
+    }
+}
+
 /// What a diagnosis simulates.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -78,19 +86,19 @@ pub struct Plan {
     pub slopes: Vec<Slope>,
     /// Effects that can be there and show in what was measured.
     pub signatures: Vec<Signature>,
-    cases: usize,
+    pub(super) cases: usize,
 }
 
 /// A budget that does not do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "{budget:.0} core-seconds are too few: the least takes {least:.0}; allow more, measure fewer \
-     conditions, or leave effects out"
+    "{budget:.0} s of driving are too few: the least is {least:.0} s; allow more, compare fewer or \
+     shorter runs, or leave effects out"
 )]
 pub struct TooSmall {
-    /// Core-seconds allowed [s].
+    /// Driving allowed [s].
     pub budget: f64,
-    /// Core-seconds of the shallowest depth [s].
+    /// Driving of the shallowest depth [s].
     pub least: f64,
 }
 
@@ -105,23 +113,18 @@ impl Plan {
         }
     }
 
-    /// The deepest plan that `trial` says a budget [s] of core time does; what is in a bank already
-    /// does not count, so that a diagnosis that goes on has the plan with which it began.
+    /// The deepest plan that a budget [s] of simulated driving does; what is in a bank already does
+    /// not count, so that a diagnosis that goes on has the plan with which it began.
     ///
     /// # Errors
     /// `TooSmall` where it does not do for the shallowest.
-    pub fn within(
-        budget: f64,
-        trial: &Trial,
-        cases: &[Case],
-        without: &[String],
-    ) -> Result<Self, TooSmall> {
+    pub fn within(budget: f64, cases: &[Case], without: &[String]) -> Result<Self, TooSmall> {
         let mut deepest = None;
         for depth in DEPTHS {
             let plan = Self::at(depth, cases, without);
-            let cost = plan.cost(trial, cases);
-            if cost.core_seconds > budget {
-                let least = cost.core_seconds;
+            let cost = plan.cost(cases);
+            if cost.driven > budget {
+                let least = cost.driven;
                 return deepest.ok_or(TooSmall { budget, least });
             }
             deepest = Some(plan);
@@ -154,7 +157,7 @@ impl Plan {
     }
 
     /// What it costs where nothing is in the bank yet.
-    pub fn cost(&self, trial: &Trial, cases: &[Case]) -> Cost {
+    pub fn cost(&self, cases: &[Case]) -> Cost {
         let Depth {
             replicates,
             streams,
@@ -162,14 +165,14 @@ impl Plan {
         } = self.depth;
         let mut cost = Cost::default();
         for case in cases {
-            cost.add(trial, case, [replicates, replicates]);
+            cost += Cost::of(case, replicates, replicates);
             for arm in self.arms() {
                 let motions = if changes_motion(arm, case) {
                     streams
                 } else {
                     0
                 };
-                cost.add(trial, case, [motions, streams]);
+                cost += Cost::of(case, motions, streams);
             }
         }
         cost

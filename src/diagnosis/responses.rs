@@ -48,6 +48,50 @@ pub struct Candidate {
     pub seat: Seat,
 }
 
+impl Candidate {
+    /// How far a magnitude is from neutral: 0 there, and one to one. Its distance in the seat's unit;
+    /// its inverse where only an infinite magnitude changes nothing, as of a filter's corner.
+    pub fn strength(&self, magnitude: f64) -> f64 {
+        match self.seat.neutral.is_finite() {
+            true => magnitude - self.seat.neutral,
+            false => 1.0 / magnitude,
+        }
+    }
+
+    /// The magnitude of a strength.
+    pub fn magnitude(&self, strength: f64) -> f64 {
+        match self.seat.neutral.is_finite() {
+            true => self.seat.neutral + strength,
+            false => 1.0 / strength,
+        }
+    }
+
+    /// Strengths of the low, the typical and the high level.
+    pub fn levels(&self) -> [f64; 3] {
+        self.seat.levels.map(|level| self.strength(level))
+    }
+
+    /// What a strength is told as: the distance from the neutral magnitude, or the magnitude itself
+    /// where the neutral one is infinite; none where it is infinite.
+    pub(super) fn detectable(&self, strength: f64) -> Option<f64> {
+        let told = match self.seat.neutral.is_finite() {
+            true => strength,
+            false => self.magnitude(strength),
+        };
+        (strength.is_finite() && told.is_finite()).then_some(told)
+    }
+
+    /// Prior density of a strength, per its unit.
+    pub fn density(&self, strength: f64) -> f64 {
+        let density = self.seat.density(self.magnitude(strength));
+        match self.seat.neutral.is_finite() {
+            true => density,
+            false if strength == 0.0 => 0.0,
+            false => density / (strength * strength),
+        }
+    }
+}
+
 /// Changes of the statistics by an effect of one magnitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {

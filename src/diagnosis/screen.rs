@@ -26,8 +26,9 @@ pub struct Screened {
     /// χ² that it alone would explain [-].
     pub score: f64,
     /// Distance from the neutral magnitude that shows itself with three deviations, in the
-    /// magnitude's unit; infinite where nothing shows.
-    pub detectable: f64,
+    /// magnitude's unit, or the magnitude itself where the neutral one is infinite; none where
+    /// nothing shows.
+    pub detectable: Option<f64>,
     /// Share [-] that parameters absorb.
     pub absorbed: f64,
     /// Effects that these conditions cannot tell from it, and the cosine of their projected
@@ -38,7 +39,7 @@ pub struct Screened {
 /// Products of all projected signatures with each other.
 #[derive(Debug, Clone)]
 pub(super) struct Screen {
-    /// Typical magnitude of every candidate.
+    /// Typical strength of every candidate.
     typical: Vec<f64>,
     /// Signatures' products before projection, their squares on the diagonal.
     raw: DMatrix<f64>,
@@ -78,11 +79,7 @@ impl Screen {
     fn empty(emulator: &Emulator) -> Self {
         let (candidates, parameters) = (emulator.candidates.len(), emulator.parameters.len());
         Self {
-            typical: emulator
-                .candidates
-                .iter()
-                .map(|c| c.seat.levels[1])
-                .collect(),
+            typical: emulator.candidates.iter().map(|c| c.levels()[1]).collect(),
             raw: DMatrix::zeros(candidates, candidates),
             along: DMatrix::zeros(parameters, candidates),
             information: DMatrix::zeros(parameters, parameters),
@@ -207,10 +204,9 @@ impl Projected {
     pub fn equivalent(&self, emulator: &Emulator, a: usize, b: usize, least: f64) -> bool {
         let cosine = self.cosine(a, b);
         let turned = [a, b].iter().any(|&number| {
-            let seat = &emulator.candidates[number].seat;
-            let reach = seat.levels[2] - seat.neutral;
-            seat.density(seat.neutral + 0.5 * reach) > 0.0
-                && seat.density(seat.neutral - 0.5 * reach) > 0.0
+            let candidate = &emulator.candidates[number];
+            let [_, _, reach] = candidate.levels();
+            candidate.density(0.5 * reach) > 0.0 && candidate.density(-0.5 * reach) > 0.0
         });
         cosine > least || (turned && cosine < -least)
     }
@@ -220,7 +216,7 @@ impl Projected {
         let of = |number: usize| {
             let candidate = &emulator.candidates[number];
             let square = self.products[(number, number)];
-            let typical = (candidate.seat.levels[1] - candidate.seat.neutral).abs();
+            let [_, typical, _] = candidate.levels();
             let alike = (0..emulator.candidates.len())
                 .filter(|&other| {
                     other != number && self.equivalent(emulator, number, other, equivalent)
@@ -234,7 +230,7 @@ impl Projected {
             Screened {
                 name: candidate.name.clone(),
                 score: self.score(number),
-                detectable: 3.0 * typical / libm::sqrt(square.max(0.0)),
+                detectable: candidate.detectable(3.0 * typical.abs() / libm::sqrt(square.max(0.0))),
                 absorbed: self.absorbed(number),
                 equivalent: alike.collect(),
             }
@@ -351,6 +347,14 @@ fn drift(problem: Problem, screen: &Screen, place: usize, covariate: usize) -> f
         own.with_residual[0] += factor * product(&weighted, &clipped);
     }
     own.projected().score(0)
+}
+
+/// Cosines of all projected signatures with each other, row by row; 0 for one that does not show.
+pub fn isolability(problem: Problem) -> Vec<Vec<f64>> {
+    let projected = Screen::new(problem).projected();
+    let all = 0..problem.emulator.candidates.len();
+    let row = |a: usize| all.clone().map(|b| projected.cosine(a, b)).collect();
+    all.clone().map(row).collect()
 }
 
 /// What a linear look at these conditions says of every candidate.

@@ -1,22 +1,21 @@
-//! The change that an effect makes, as a function of its magnitude.
+//! The change that an effect makes, as a function of its strength.
 //!
-//! Per number a monotone cubic through zero at the neutral magnitude and the levels simulated
+//! Per number a monotone cubic through zero at the neutral strength and the levels simulated
 //! (Fritsch and Carlson 1980, SIAM J. Numer. Anal. 17:238-246); straight beyond the last one; odd
 //! on a side without levels.
 
 /// What an effect does to the whitened statistics of one condition.
 #[derive(Debug, Clone)]
 pub(super) struct Shape {
-    neutral: f64,
     knots: Vec<Knot>,
     /// Numbers.
     length: usize,
 }
 
-/// A magnitude simulated.
+/// A strength simulated.
 #[derive(Debug, Clone)]
 pub(super) struct Knot {
-    /// Distance from the neutral magnitude, in its unit.
+    /// Its strength.
     pub at: f64,
     /// Change of each number.
     pub value: Vec<f64>,
@@ -28,7 +27,7 @@ pub(super) struct Knot {
 
 impl Shape {
     /// Through the levels; without any it is zero everywhere.
-    pub fn new(neutral: f64, length: usize, levels: Vec<Knot>) -> Self {
+    pub fn new(length: usize, levels: Vec<Knot>) -> Self {
         let mut knots = levels;
         knots.retain(|knot| knot.at != 0.0);
         if !knots.is_empty() {
@@ -45,16 +44,11 @@ impl Shape {
             knots.dedup_by(|a, b| a.at == b.at);
             slopes(&mut knots);
         }
-        Self {
-            neutral,
-            knots,
-            length,
-        }
+        Self { knots, length }
     }
 
-    /// Adds the change at `magnitude` to `sums`, times `factor`.
-    pub fn add(&self, magnitude: f64, factor: f64, sums: &mut [f64]) {
-        let x = magnitude - self.neutral;
+    /// Adds the change at strength `x` to `sums`, times `factor`.
+    pub fn add(&self, x: f64, factor: f64, sums: &mut [f64]) {
         let Some((a, b, t)) = self.interval(x) else {
             return;
         };
@@ -83,16 +77,15 @@ impl Shape {
         }
     }
 
-    /// The change at `magnitude`.
-    pub fn at(&self, magnitude: f64) -> Vec<f64> {
+    /// The change at `strength`.
+    pub fn at(&self, strength: f64) -> Vec<f64> {
         let mut change = vec![0.0; self.length];
-        self.add(magnitude, 1.0, &mut change);
+        self.add(strength, 1.0, &mut change);
         change
     }
 
-    /// Adds the variance of the change at `magnitude` to `sums`.
-    pub fn add_error(&self, magnitude: f64, sums: &mut [f64]) {
-        let x = magnitude - self.neutral;
+    /// Adds the variance of the change at strength `x` to `sums`.
+    pub fn add_error(&self, x: f64, sums: &mut [f64]) {
         let Some((a, b, t)) = self.interval(x) else {
             return;
         };
@@ -117,7 +110,7 @@ impl Shape {
     }
 }
 
-/// Where one side of the neutral magnitude has no knots, those of the other with their signs turned.
+/// Where one side of the neutral strength has no knots, those of the other with their signs turned.
 fn mirror(knots: &mut Vec<Knot>, sign: f64) {
     if knots.iter().any(|knot| sign * knot.at > 0.0) {
         return;
@@ -179,25 +172,23 @@ mod tests {
     #[test]
     fn a_change_is_nil_at_neutral_met_at_the_levels_monotone_between_and_straight_beyond() {
         let levels = vec![knot(1.0, 1.0), knot(2.0, 4.0), knot(4.0, 5.0)];
-        let shape = Shape::new(10.0, 1, levels);
-        for (magnitude, change) in [(10.0, 0.0), (11.0, 1.0), (12.0, 4.0), (14.0, 5.0)] {
-            assert!((shape.at(magnitude)[0] - change).abs() < 1e-12);
+        let shape = Shape::new(1, levels);
+        for (strength, change) in [(0.0, 0.0), (1.0, 1.0), (2.0, 4.0), (4.0, 5.0)] {
+            assert!((shape.at(strength)[0] - change).abs() < 1e-12);
         }
-        let steps: Vec<f64> = (0..=80)
-            .map(|i| shape.at(10.0 + 0.05 * f64::from(i))[0])
-            .collect();
+        let steps: Vec<f64> = (0..=80).map(|i| shape.at(0.05 * f64::from(i))[0]).collect();
         assert!(steps.windows(2).all(|pair| pair[1] >= pair[0]));
         // The last secant is 0.5 per unit; the other side is odd.
-        assert!((shape.at(16.0)[0] - 6.0).abs() < 1e-12);
-        assert!((shape.at(8.0)[0] + 4.0).abs() < 1e-12);
+        assert!((shape.at(6.0)[0] - 6.0).abs() < 1e-12);
+        assert!((shape.at(-2.0)[0] + 4.0).abs() < 1e-12);
     }
 
     #[test]
     fn the_error_of_a_change_grows_from_nil_through_the_levels_and_on_beyond() {
-        let shape = Shape::new(0.0, 1, vec![knot(1.0, 1.0), knot(2.0, 4.0)]);
-        let error = |magnitude| {
+        let shape = Shape::new(1, vec![knot(1.0, 1.0), knot(2.0, 4.0)]);
+        let error = |strength| {
             let mut sums = vec![0.0];
-            shape.add_error(magnitude, &mut sums);
+            shape.add_error(strength, &mut sums);
             sums[0]
         };
         assert_eq!([error(0.0), error(1.0), error(4.0)], [0.0, 0.01, 0.04]);

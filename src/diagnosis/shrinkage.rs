@@ -127,7 +127,7 @@ fn floors(problem: Problem) -> Vec<(f64, bool)> {
 }
 
 /// Mean distance of two of these.
-fn among(rows: &[Vec<f64>]) -> f64 {
+pub(super) fn among(rows: &[Vec<f64>]) -> f64 {
     let pairs = rows.iter().enumerate();
     let sum: f64 = pairs
         .flat_map(|(i, a)| rows[..i].iter().map(move |b| apart(a, b)))
@@ -136,7 +136,7 @@ fn among(rows: &[Vec<f64>]) -> f64 {
 }
 
 /// Distance per root of a number.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
     let square = product(a, a) - 2.0 * product(a, b) + product(b, b);
     libm::sqrt(square.max(0.0) / (a.len() as f64).max(1.0))
 }

@@ -60,8 +60,8 @@ pub struct Suspect {
     pub ci95: [f64; 2],
     /// Effects that these runs cannot tell from it.
     pub equivalent_to: Vec<String>,
-    /// Distance from the neutral magnitude that shows itself with three deviations, in `unit`;
-    /// none where no magnitude does.
+    /// Distance from the neutral magnitude that shows itself with three deviations, in `unit`, or
+    /// the magnitude itself where the neutral one is infinite; none where none does.
     pub detectable: Option<f64>,
     /// Share [-] of its signature that parameters absorb.
     pub absorbed: f64,
@@ -103,6 +103,8 @@ pub struct Verdict {
     pub effects: Vec<Suspect>,
     /// Parameters under the likeliest explanation.
     pub parameters: Vec<Recalibrated>,
+    /// Parameters recalibrated without any effect; none where there are none.
+    pub recalibration: Vec<Recalibrated>,
     /// Parameters that look like something else.
     pub alarms: Vec<Alarm>,
     /// Strongest cells of what recalibration leaves.
@@ -116,8 +118,8 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The verdict on measured runs.
-    pub fn of(problem: Problem, forest: &Forest, further: &FurtherRuns, seed: Seed) -> Self {
+    /// The verdict on measured runs; which run to make next it does not say yet.
+    pub fn of(problem: Problem, forest: &Forest, seed: Seed) -> Self {
         let ranking = Ranking::new(problem, forest);
         let screen = Screen::new(problem);
         let projected = screen.projected();
@@ -128,10 +130,6 @@ impl Verdict {
             .map(|&effect| set(problem, &projected, effect));
         let named: Vec<Vec<usize>> = sets.collect();
         let suspects = weighing.suspects(problem, &ranking, &projected);
-        let open = verdict == Answer::Undecided || named.iter().any(|set| set.len() > 1);
-        let next_run = open
-            .then(|| next_run(problem, &screen, further, &suspects))
-            .flatten();
         let best = &ranking.ranked[0].hypothesis;
         let name = |&number: &usize| problem.emulator.candidates[number].name.clone();
         Self {
@@ -143,14 +141,35 @@ impl Verdict {
             parameters: ranking
                 .fit(best)
                 .map_or_else(Vec::new, |fit| recalibrated(problem, fit)),
+            recalibration: ranking
+                .fit(&Hypothesis::Parameter)
+                .map_or_else(Vec::new, |fit| recalibrated(problem, fit)),
             alarms: alarms(problem),
             located: located(problem, healthy(&ranking)),
             shrinkage: shrunk(problem, &ranking, &projected, seed),
-            next_run,
+            next_run: None,
             reasons: weighing.reasons,
             effects: suspects,
             verdict,
         }
+    }
+
+    /// The two likeliest effects, where the answer leaves open which it is.
+    pub fn open_between(&self) -> Option<[&Suspect; 2]> {
+        let is_open =
+            self.verdict == Answer::Undecided || self.named.iter().any(|set| set.len() > 1);
+        match &self.effects[..] {
+            [first, second, ..] if is_open => Some([first, second]),
+            _ => None,
+        }
+    }
+
+    /// With the one of further runs that would tell them apart.
+    pub fn with_next_run(mut self, problem: Problem, further: &FurtherRuns) -> Self {
+        self.next_run = self
+            .open_between()
+            .and_then(|pair| next_run(problem, further, pair));
+        self
     }
 }
 
@@ -362,23 +381,22 @@ impl Weighing {
             .effects()
             .iter()
             .position(|&effect| effect == number)?;
-        let estimate = ranking.fit(hypothesis)?.magnitudes[place];
-        let seat = &problem.emulator.candidates[number].seat;
+        let estimate = ranking.fit(hypothesis)?.strengths[place];
+        let candidate = &problem.emulator.candidates[number];
+        let mut ci95 = estimate.ci95.map(|end| candidate.magnitude(end));
+        ci95.sort_by(f64::total_cmp);
         Some(Suspect {
             name: screened.name,
             probability,
-            magnitude: estimate.value,
-            unit: seat.unit,
-            ci95: estimate.ci95,
+            magnitude: candidate.magnitude(estimate.value),
+            unit: candidate.seat.unit,
+            ci95,
             equivalent_to: screened
                 .equivalent
                 .into_iter()
                 .map(|(name, _)| name)
                 .collect(),
-            detectable: screened
-                .detectable
-                .is_finite()
-                .then_some(screened.detectable),
+            detectable: screened.detectable,
             absorbed: screened.absorbed,
         })
     }
@@ -479,24 +497,16 @@ fn shrunk(
     ))
 }
 
-/// Between the likeliest effect and the next.
 fn next_run(
     problem: Problem,
-    screen: &Screen,
     further: &FurtherRuns,
-    suspects: &[Suspect],
+    [first, second]: [&Suspect; 2],
 ) -> Option<NextRun> {
-    let [first, second, ..] = suspects else {
-        return None;
-    };
-    let place = |suspect: &Suspect| {
-        problem
-            .emulator
-            .candidates()
-            .position(|name| name == suspect.name)
-    };
+    let emulator = problem.emulator;
+    let place = |suspect: &Suspect| emulator.candidates().position(|name| name == suspect.name);
     let (a, b) = (place(first)?, place(second)?);
-    let seat = &problem.emulator.candidates[a].seat;
-    let strength = (first.magnitude - seat.neutral) / (seat.levels[1] - seat.neutral);
-    further.between(problem.emulator, screen, [a, b], strength.abs())
+    let candidate = &emulator.candidates[a];
+    let [_, typical, _] = candidate.levels();
+    let strength = candidate.strength(first.magnitude) / typical;
+    further.between(emulator, &Screen::new(problem), [a, b], strength.abs())
 }

@@ -277,8 +277,7 @@ impl Bench {
 
     fn verdict_on(&self, measured: &[Measured]) -> Verdict {
         let observation = self.observe(measured);
-        let further = FurtherRuns::default();
-        Verdict::of(self.problem(&observation), &self.forest, &further, Seed(1))
+        Verdict::of(self.problem(&observation), &self.forest, Seed(1))
     }
 
     fn verdict(&self, truth: &Truth, seed: u64) -> Verdict {
@@ -366,7 +365,7 @@ fn an_effect_above_twice_its_detection_limit_is_named_and_its_magnitude_found() 
     let (mut named, mut covered, mut count) = (0, 0, 0);
     // 0 and 1 are alike, 2 is absorbed.
     for (effect, screened) in screened.iter().enumerate().skip(3) {
-        let magnitude = 2.2 * screened.detectable;
+        let magnitude = 2.2 * screened.detectable.unwrap();
         for seed in 0..3 {
             let verdict = bench.verdict(&Truth::effect(effect, magnitude), 30 + seed);
             let name = format!("e{effect}");
@@ -620,12 +619,8 @@ fn the_next_run_is_the_one_in_which_two_alike_effects_differ() {
     let names = vec!["once more".to_owned(), "in reverse".to_owned()];
     let further = FurtherRuns::new(names, &further, &bench.calibration).unwrap();
     let observation = bench.observe(&bench.world.measured(&Truth::effect(0, 1.2), 2, 60));
-    let verdict = Verdict::of(
-        bench.problem(&observation),
-        &bench.forest,
-        &further,
-        Seed(1),
-    );
+    let problem = bench.problem(&observation);
+    let verdict = Verdict::of(problem, &bench.forest, Seed(1)).with_next_run(problem, &further);
     let next = verdict.next_run.unwrap();
     assert_eq!(next.run, "in reverse");
     assert!(next.cosine[0] > 0.95 && next.cosine[1] < 0.95, "{next:?}");
@@ -694,7 +689,7 @@ fn an_effect_that_is_not_in_the_library_is_unknown_and_no_other_effect() {
     }
     let bench = Bench::of(World::new(SMALL, 1), library, 2, 1);
     for seed in 0..4 {
-        let truth = Truth::effect(3, 6.0 * whole.screened()[3].detectable);
+        let truth = Truth::effect(3, 6.0 * whole.screened()[3].detectable.unwrap());
         let verdict = bench.verdict(&truth, 900 + seed);
         assert_eq!(
             verdict.verdict,
@@ -710,7 +705,7 @@ fn an_effect_of_another_form_among_runs_that_went_astray_is_named_all_the_same()
     let bench = &*BENCH;
     let mut named = 0;
     for effect in 4..SMALL.effects {
-        let truth = Truth::effect(effect, 3.0 * bench.screened()[effect].detectable);
+        let truth = Truth::effect(effect, 3.0 * bench.screened()[effect].detectable.unwrap());
         let mut measured = bench.world.measured(&truth, 2, 70);
         let mut rng = Seed(effect as u64).rng("form", 0);
         for (number, measured) in measured.iter_mut().enumerate() {

@@ -1,0 +1,158 @@
+//! `diagnose`: where measured runs and a scenario differ, and which effect causes it.
+
+mod summary;
+
+use super::interrupt::{self, Interrupted};
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::scenario_args;
+use super::series::Jobs;
+use anyhow::Context;
+use clap::Args;
+use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::diagnosis::bank::BankError;
+use lugwheel::diagnosis::condition::LONGEST;
+use lugwheel::diagnosis::{
+    Arms, BUDGET, Calibration, Diagnosis, Investigation, InvestigationError, Settings, bank,
+};
+use lugwheel::quantity::Seed;
+use lugwheel::scenario::Scenario;
+use lugwheel::trace::Trace;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use summary::{Input, Inputs, Summary};
+
+/// Tell where measured runs and a scenario differ, which missing effect causes it, and how far
+/// adding it closes the gap
+///
+/// Every measured condition is repeated by the simulator as the scenario has it, with its
+/// parameters off, and with each effect of `lugwheel effects` that can be there. What recalibrated
+/// parameters leave is weighed on conditions that the fit has not seen. Answers: none, parameter,
+/// effect, effects, unknown (and where), undecided (and which run would decide).
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Diagnose {
+    /// Run file of the measurements; repeats and several conditions make the answer sure
+    #[arg(long, value_name = "FILE.h5")]
+    measured: PathBuf,
+    /// Scenario file of the rig, or the name of one in scenarios/; load, speed and slip are taken
+    /// from the measured runs
+    #[arg(long, value_name = "SCENARIO")]
+    scenario: PathBuf,
+    /// Set a key of the scenario, in SI units, for example wheel.lugs.count=0
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// An effect held to be impossible, with or without its channel; may be given several times
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// Only this measured run; may be given several times
+    #[arg(long, value_name = "ID")]
+    run: Vec<String>,
+    /// Folder of the results
+    #[arg(long, value_name = "DIR", default_value = "output/diagnosis")]
+    out: PathBuf,
+    /// Folder in which simulated statistics are kept for this diagnosis and the next
+    #[arg(long, value_name = "DIR", default_value = "output/bank")]
+    bank: PathBuf,
+    /// Driving that may be simulated [s]: more replicates, surer answers
+    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET)]
+    budget: f64,
+    /// Longest part of a measured run that is compared [s]
+    #[arg(long, value_name = "SECONDS", default_value_t = LONGEST)]
+    longest: f64,
+    /// Seed of the simulations; the same seed gives the same answer
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    #[command(flatten)]
+    jobs: Jobs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel diagnose --measured rig.h5 --scenario single_wheel_st
+  lugwheel diagnose --measured rig.h5 --scenario my_rig.toml --without slope --out output/rig
+  lugwheel diagnose --measured rig.h5 --scenario single_wheel_st --budget 50000 --json
+
+The folder holds diagnosis.json (all numbers) and gap_map.svg. Simulated statistics are kept in
+--bank: a stopped diagnosis goes on with the same command, and one of other runs at the same
+conditions takes a minute.";
+
+impl Diagnose {
+    /// Diagnoses the runs and says what came of it.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let scenario = Scenario::load(scenario_args::found(&self.scenario)?)?;
+        let scenario = scenario.with_all(&self.set)?;
+        let measured = self.read()?;
+        let settings = Settings {
+            longest: self.longest,
+            budget: self.budget,
+            without: self.without.clone(),
+            seed: Seed(self.seed),
+            calibration: Calibration::default(),
+        };
+        let inputs = Inputs {
+            measured: Input::of(&self.measured)?,
+            scenario: Input::of_text(&self.scenario, &scenario.to_toml()),
+            runs: self.run.clone(),
+            without: self.without.clone(),
+            seed: self.seed,
+            version: env!("CARGO_PKG_VERSION"),
+        };
+        output::make_folder(&self.out)?;
+        let diagnosed = self.diagnose(output, &measured, &scenario, &settings);
+        let (diagnosis, _) = diagnosed.with_context(|| {
+            format!("nothing can be concluded from {}", self.measured.display())
+        })?;
+        let summary = Summary {
+            inputs,
+            diagnosis,
+            folder: self.out.display().to_string(),
+        };
+        let json = serde_json::to_string_pretty(&summary)?;
+        output::write_file(&self.out.join("diagnosis.json"), &json)?;
+        output.print(&summary)
+    }
+
+    fn read(&self) -> anyhow::Result<Vec<Trace>> {
+        let file = RunFile::open(&self.measured)?;
+        let chosen = super::recognize::chosen(&file, &self.run)?;
+        let traces = chosen.iter().map(|id| {
+            let trace = file.read(id)?;
+            // What a simulation knows of itself no rig tells.
+            Ok(Trace {
+                truth: None,
+                ..trace
+            })
+        });
+        traces.collect()
+    }
+
+    fn diagnose(
+        &self,
+        output: &Output,
+        measured: &[Trace],
+        scenario: &Scenario,
+        settings: &Settings,
+    ) -> anyhow::Result<(Diagnosis, Arms)> {
+        let version = env!("CARGO_PKG_VERSION");
+        let investigation =
+            Investigation::new(measured, scenario, settings, (&self.bank, version))?;
+        let progress = Progress::of_runs(output, "simulating", 0);
+        let hear = |now: bank::Progress| {
+            progress.reach(now.motions, now.motions_total);
+            match interrupt::is_requested() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        };
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.jobs.count())
+            .build()?;
+        match pool.install(|| investigation.run(&hear)) {
+            Err(InvestigationError::Bank(stopped @ BankError::Stopped { .. })) => {
+                Err(Interrupted(stopped.to_string()).into())
+            }
+            other => Ok(other?),
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What a diagnosis came to, as text and for machines.
+
+use anyhow::Context;
+use lugwheel::diagnosis::{Answer, Diagnosis, Suspect};
+use lugwheel::gap::Colour;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::fmt;
+use std::fs;
+use std::path::Path;
+
+/// Effects and cells listed.
+const LISTED: usize = 6;
+/// Probability [-] below which an effect is not listed.
+const UNLIKELY: f64 = 0.01;
+
+/// What a diagnosis was made of.
+#[derive(Debug, Serialize)]
+pub struct Inputs {
+    /// The run file.
+    pub measured: Input,
+    /// The scenario as used.
+    pub scenario: Input,
+    /// Runs chosen; all if empty.
+    pub runs: Vec<String>,
+    /// Effects left out.
+    pub without: Vec<String>,
+    /// Seed of the simulations.
+    pub seed: u64,
+    /// Version of the program.
+    pub version: &'static str,
+}
+
+/// A file and its content's hash.
+#[derive(Debug, Serialize)]
+pub struct Input {
+    file: String,
+    sha256: String,
+}
+
+impl Input {
+    /// Of a file's bytes.
+    pub fn of(path: &Path) -> anyhow::Result<Self> {
+        let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        Ok(Self::new(path, &bytes))
+    }
+
+    /// Of a text that came from a file.
+    pub fn of_text(path: &Path, text: &str) -> Self {
+        Self::new(path, text.as_bytes())
+    }
+
+    fn new(path: &Path, bytes: &[u8]) -> Self {
+        let hash = Sha256::digest(bytes);
+        Self {
+            file: path.display().to_string(),
+            sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+        }
+    }
+}
+
+/// Inputs and answer.
+#[derive(Debug, Serialize)]
+pub struct Summary {
+    /// Of what.
+    pub inputs: Inputs,
+    /// The answer and what backs it.
+    #[serde(flatten)]
+    pub diagnosis: Diagnosis,
+    /// Where results lie.
+    #[serde(skip)]
+    pub folder: String,
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Diagnosis {
+            verdict,
+            compared,
+            caveats,
+            map,
+            global,
+            gap,
+            ..
+        } = &self.diagnosis;
+        writeln!(f, "{}", self.answer())?;
+        for reason in &verdict.reasons {
+            writeln!(f, "  {reason}")?;
+        }
+        writeln!(f, "\nprobabilities:")?;
+        for (name, probability) in self.likeliest() {
+            writeln!(f, "  {:>5.1} %  {name}", 100.0 * probability)?;
+        }
+        let listed = verdict
+            .effects
+            .iter()
+            .filter(|it| it.probability > UNLIKELY);
+        for suspect in listed.take(LISTED) {
+            writeln!(f, "  {}", told(suspect))?;
+        }
+        if let Some(gap) = gap {
+            writeln!(
+                f,
+                "\ngap on held-out conditions (spreads of replicates per statistic): as shipped {:.2}, \
+                 recalibrated {:.2}, with the likeliest effect {:.2}, floor {:.2}",
+                gap.as_shipped, gap.recalibrated, gap.with_effect, gap.floor
+            )?;
+        }
+        if let Some(closed) = &self.diagnosis.closed {
+            let [low, high] = closed.ci95.map(|share| 100.0 * share);
+            writeln!(
+                f,
+                "closed: {:.0} % [{low:.0}, {high:.0}]",
+                100.0 * closed.value
+            )?;
+        }
+        if let Some(next) = &verdict.next_run {
+            writeln!(
+                f,
+                "next run: {}, which would tell {} from {} by {:.1} deviations instead of {:.1}",
+                next.run, next.between[0], next.between[1], next.deviations[1], next.deviations[0]
+            )?;
+        }
+        for alarm in &verdict.alarms {
+            writeln!(
+                f,
+                "alarm: {} {:?} ({:.1} deviations)",
+                alarm.parameter, alarm.what, alarm.deviations
+            )?;
+        }
+        writeln!(
+            f,
+            "\nmap: {} of {} cells differ (energy p = {:.3}, strongest p = {:.3}); after recalibration the strongest are",
+            map.iter()
+                .filter(|entry| entry.colour == Colour::Gap)
+                .count(),
+            map.len(),
+            global.energy.p,
+            global.strongest.p
+        )?;
+        for located in verdict.located.iter().take(LISTED) {
+            writeln!(
+                f,
+                "  {:>6.1}  {}, {}",
+                located.deviations, located.cell, located.condition
+            )?;
+        }
+        writeln!(
+            f,
+            "\ncompared: {} conditions, {} effects, {} parameters; {}",
+            compared.conditions.len(),
+            compared.candidates.len(),
+            compared.parameters.len(),
+            compared.cost
+        )?;
+        for caveat in caveats {
+            writeln!(f, "  {caveat}")?;
+        }
+        write!(f, "\n{}", self.folder)
+    }
+}
+
+impl Summary {
+    fn answer(&self) -> String {
+        let verdict = &self.diagnosis.verdict;
+        let sets = verdict.named.iter().map(|set| set.join(" or "));
+        let named = sets.collect::<Vec<_>>().join(", and ");
+        match verdict.verdict {
+            Answer::None => "none: nothing is missing and nothing is off".to_owned(),
+            Answer::Parameter => "parameter: recalibration explains what differs".to_owned(),
+            Answer::Effect => format!("effect: {named}"),
+            Answer::Effects => format!("effects: {named}"),
+            Answer::Unknown => "unknown: no effect of the library explains what differs".to_owned(),
+            Answer::Undecided => "undecided: these runs do not tell".to_owned(),
+        }
+    }
+
+    fn likeliest(&self) -> Vec<(&String, f64)> {
+        let all = self.diagnosis.verdict.probabilities.iter();
+        let mut likely: Vec<(&String, f64)> = all
+            .map(|(name, probability)| (name, *probability))
+            .filter(|(_, probability)| *probability > UNLIKELY)
+            .collect();
+        likely.sort_by(|a, b| b.1.total_cmp(&a.1));
+        likely
+    }
+}
+
+fn told(suspect: &Suspect) -> String {
+    let Suspect {
+        name,
+        magnitude,
+        unit,
+        ci95: [low, high],
+        equivalent_to,
+        absorbed,
+        ..
+    } = suspect;
+    let alike = match equivalent_to.is_empty() {
+        true => String::new(),
+        false => format!("; cannot be told from {}", equivalent_to.join(", ")),
+    };
+    format!(
+        "{name} = {magnitude:.3} {unit} [{low:.3}, {high:.3}], {:.0} % absorbed by parameters{alike}",
+        100.0 * absorbed
+    )
+}

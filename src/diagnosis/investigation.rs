@@ -1,0 +1,475 @@
+//! A whole diagnosis: from measured runs and a scenario to a verdict and what backs it.
+
+use super::again::{self, InUnits, SimulatedAgain};
+use super::arm::Arm;
+use super::bank::{Bank, BankError, Progress, Request};
+use super::calibration::Calibration;
+use super::condition::{Case, CaseError, Cases, statistician};
+use super::cost::Cost;
+use super::emulator::Emulator;
+use super::fit::Problem;
+use super::forest::Forest;
+use super::further::further_runs;
+use super::library::{Answers, Gathered};
+use super::next_run::FurtherRuns;
+use super::observation::Observation;
+use super::parameter::{Offsets, Parameter};
+use super::plan::{Depth, Plan, TooSmall};
+use super::responses::{DiagnosisError, Library};
+use super::screen::{Screened, isolability, screen};
+use super::verdict::{Recalibrated, Verdict};
+use crate::effects::{Application, catalogue};
+use crate::gap::{
+    self, Closed, Comparison, Entry, GapError, Global, Margins, ParameterSpread, Run,
+};
+use crate::quantity::{RangeError, Seed};
+use crate::scenario::Scenario;
+use crate::trace::Trace;
+use serde::Serialize;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Simulated driving [s] of a diagnosis unless the caller says otherwise: some ten minutes of two
+/// cores on sand or hard ground.
+pub const BUDGET: f64 = 15_000.0;
+
+/// Replicates of each run that could be made, and streams of what changes in it.
+const FURTHER: Depth = Depth {
+    replicates: 6,
+    streams: 1,
+    levels: 1,
+};
+
+/// How a diagnosis is made.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Longest part [s] of a run that is compared.
+    pub longest: f64,
+    /// Simulated driving allowed [s].
+    pub budget: f64,
+    /// Effects that are held to be impossible.
+    pub without: Vec<String>,
+    /// Where the ground and noise of the simulations begin.
+    pub seed: Seed,
+    /// The constants.
+    pub calibration: Calibration,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum InvestigationError {
+    /// The runs cannot be repeated.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The budget does not do.
+    #[error(transparent)]
+    Budget(#[from] TooSmall),
+    /// The simulations stopped.
+    #[error(transparent)]
+    Bank(#[from] BankError),
+    /// The numbers tell nothing.
+    #[error(transparent)]
+    Numbers(#[from] DiagnosisError),
+    /// The sides cannot be compared.
+    #[error("{error}{}", reasons(.failures))]
+    Gap {
+        /// Why not.
+        error: GapError,
+        /// Why simulations failed, if some did.
+        failures: Vec<String>,
+    },
+    /// Statistics cannot be taken.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+    /// An effect to be left out that there is not.
+    #[error("there is no effect `{0}` to leave out; `lugwheel effects` lists them")]
+    NoEffect(String),
+}
+
+fn reasons(failures: &[String]) -> String {
+    match failures {
+        [] => String::new(),
+        failures => format!("; simulations failed: {}", failures.join("; ")),
+    }
+}
+
+/// Mean energy scores [spreads of replicates per statistic] on held-out conditions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Gaps {
+    /// Of the scenario as it came.
+    pub as_shipped: f64,
+    /// With parameters recalibrated.
+    pub recalibrated: f64,
+    /// With the likeliest effect or effects too.
+    pub with_effect: f64,
+    /// What a perfect model reaches.
+    pub floor: f64,
+}
+
+/// What was compared.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compared {
+    /// Conditions with their numbers of measured runs and of statistics.
+    pub conditions: Vec<ComparedCondition>,
+    /// Parameters that recalibration may move.
+    pub parameters: Vec<String>,
+    /// Effects that were tried.
+    pub candidates: Vec<String>,
+    /// How much was simulated of each.
+    pub depth: Depth,
+    /// What that takes where nothing is there yet.
+    pub cost: Cost,
+}
+
+/// One condition of a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedCondition {
+    /// Which.
+    pub condition: String,
+    /// Measured runs.
+    pub runs: usize,
+    /// Statistics that both sides have.
+    pub cells: usize,
+}
+
+/// Where measured runs and simulation differ, why, and how far that closes the gap.
+#[derive(Debug, Clone, Serialize)]
+pub struct Diagnosis {
+    /// The answer.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+    /// How far apart the sides are; none without candidates.
+    pub gap: Option<Gaps>,
+    /// Share of the recalibrated gap that the likeliest effect or effects close.
+    pub closed: Option<Closed>,
+    /// Whether the sides differ at all.
+    pub global: Global,
+    /// Every cell of every condition, against the scenario as it came.
+    pub map: Vec<Entry>,
+    /// What the screen says of every effect that was tried.
+    pub screen: Vec<Screened>,
+    /// Cosines of the projected signatures of those effects, row by row.
+    pub isolability: Vec<Vec<f64>>,
+    /// Recalibration and answer, simulated again.
+    pub again: Vec<SimulatedAgain>,
+    /// The gap in plain units, fitted to all conditions.
+    pub in_units: Vec<InUnits>,
+    /// What was compared.
+    pub compared: Compared,
+    /// What to keep in mind.
+    pub caveats: Vec<String>,
+}
+
+/// Arms that a diagnosis ends with, for who wants to see them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arms {
+    /// Parameters recalibrated.
+    pub recalibrated: Arm,
+    /// The effect or effects of the answer too; none where it names none.
+    pub with_effect: Option<Arm>,
+}
+
+/// A campaign being diagnosed.
+#[derive(Debug)]
+pub struct Investigation<'a> {
+    cases: Vec<Case>,
+    measured: Vec<Vec<Run>>,
+    caveats: Vec<String>,
+    plan: Plan,
+    settings: &'a Settings,
+    folder: &'a Path,
+    version: &'a str,
+}
+
+/// Hears how far simulations are; a `Break` stops them.
+pub type Hear<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
+
+impl<'a> Investigation<'a> {
+    /// Of measured runs against a scenario. Simulated statistics are kept in `folder`; those of
+    /// another `version` of the program are not used.
+    ///
+    /// # Errors
+    /// `NoEffect`; `Case` where the runs cannot be repeated; `Budget`.
+    pub fn new(
+        measured: &[Trace],
+        scenario: &Scenario,
+        settings: &'a Settings,
+        (folder, version): (&'a Path, &'a str),
+    ) -> Result<Self, InvestigationError> {
+        if let Some(unknown) = settings.without.iter().find(|name| !is_effect(name)) {
+            return Err(InvestigationError::NoEffect(unknown.clone()));
+        }
+        let cases = Cases::of(scenario, measured, settings.longest)?;
+        let mut statistician = statistician()?;
+        let read = |case: &Case| {
+            let runs = case.runs.iter().filter_map(|run| measured.get(*run));
+            runs.map(|trace| case.read_measured(&mut statistician, trace))
+                .collect()
+        };
+        let runs: Vec<Vec<Run>> = cases.cases.iter().map(read).collect();
+        Ok(Self {
+            plan: Plan::within(settings.budget, &cases.cases, &settings.without)?,
+            caveats: cases.caveats.iter().map(ToString::to_string).collect(),
+            cases: cases.cases,
+            measured: runs,
+            settings,
+            folder,
+            version,
+        })
+    }
+
+    /// The conditions that are compared.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// Simulates what is not in the folder yet, and weighs it.
+    ///
+    /// # Errors
+    /// `Bank` where simulations stop or cannot be kept; `Gap` and `Numbers` where the sides have
+    /// nothing in common.
+    pub fn run(&self, hear: Hear) -> Result<(Diagnosis, Arms), InvestigationError> {
+        let bank = self.bank(self.cases.clone())?;
+        let mut answers = Answers::default();
+        ask(&bank, self.plan.requests(), hear, &mut answers)?;
+        let gathered = answers.gather(&self.plan, &self.cases, &self.measured);
+        let map = self.map(&answers)?;
+        let calibration = &self.settings.calibration;
+        let library = &gathered.library;
+        let emulator = Emulator::new(library, calibration)?;
+        let observation = Observation::new(&emulator, library, &gathered.measured, calibration)?;
+        let problem = Problem {
+            emulator: &emulator,
+            observation: &observation,
+            calibration,
+        };
+        let forest = Forest::train(problem, self.settings.seed);
+        let verdict = Verdict::of(problem, &forest, self.settings.seed);
+        let further = self.further(&verdict, library, hear)?;
+        let verdict = verdict.with_next_run(problem, &further);
+        let arms = self.arms(&verdict);
+        let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
+        for arm in requests.into_iter().flatten() {
+            ask(&bank, self.again(arm), hear, &mut answers)?;
+        }
+        let places = self.places(library);
+        let gap = verdict.shrinkage.as_ref().map(|it| Gaps {
+            as_shipped: it.as_shipped,
+            recalibrated: it.recalibrated,
+            with_effect: it.with_effect,
+            floor: it.floor,
+        });
+        let predicted = gap.map_or([f64::INFINITY; 2], |gap| {
+            [gap.recalibrated, gap.with_effect]
+        });
+        let again = requests
+            .into_iter()
+            .zip(predicted)
+            .filter_map(|(arm, predicted)| {
+                again::simulated(problem, &answers, (arm?, &places), predicted)
+            });
+        let diagnosis = Diagnosis {
+            gap,
+            closed: verdict.shrinkage.as_ref().and_then(|it| it.closed),
+            global: map.global,
+            map: map.entries,
+            screen: screen(problem),
+            isolability: isolability(problem),
+            again: again.collect(),
+            in_units: again::in_units(problem, &answers, &gathered.measured, requests, &places),
+            compared: self.compared(&gathered),
+            caveats: self.told(&gathered, &answers, &map.caveats),
+            verdict,
+        };
+        Ok((diagnosis, arms))
+    }
+
+    fn bank(&self, cases: Vec<Case>) -> Result<Bank, BankError> {
+        Bank::open(self.folder, cases, self.settings.seed, self.version)
+    }
+
+    fn map(&self, answers: &Answers) -> Result<gap::GapMap, InvestigationError> {
+        let shipped = Arm::as_shipped();
+        let cases = 0..self.cases.len();
+        let simulated: Vec<Run> = cases
+            .flat_map(|case| answers.of(&shipped, case).map(|(_, run)| run.clone()))
+            .collect();
+        let measured: Vec<Run> = self.measured.iter().flatten().cloned().collect();
+        let comparison = Comparison::new(&measured, &simulated);
+        let comparison = comparison.map_err(|error| InvestigationError::Gap {
+            error,
+            failures: answers.failures().cloned().collect(),
+        })?;
+        let seed = self.settings.seed;
+        Ok(comparison.map(&Margins::default(), &ParameterSpread::default(), seed))
+    }
+
+    /// Runs that would tell the two likeliest effects apart, simulated with both and with every
+    /// parameter.
+    fn further(
+        &self,
+        verdict: &Verdict,
+        library: &Library,
+        hear: Hear,
+    ) -> Result<FurtherRuns, InvestigationError> {
+        let Some(pair) = verdict.open_between() else {
+            return Ok(FurtherRuns::default());
+        };
+        let runs = further_runs(&self.cases[0]);
+        let cases: Vec<Case> = runs.iter().map(|run| run.case.clone()).collect();
+        let mut plan = self.plan.clone();
+        plan.depth = FURTHER;
+        plan.cases = cases.len();
+        for signature in &mut plan.signatures {
+            if pair.iter().all(|suspect| suspect.name != signature.name()) {
+                signature.magnitudes.clear();
+                signature.arms.clear();
+            }
+        }
+        let bank = self.bank(cases.clone())?;
+        let mut answers = Answers::default();
+        ask(&bank, plan.requests(), hear, &mut answers)?;
+        // Both sides are replicates: nothing was measured there yet.
+        let shipped = Arm::as_shipped();
+        let replicates: Vec<Vec<Run>> = (0..cases.len())
+            .map(|case| {
+                answers
+                    .of(&shipped, case)
+                    .map(|(_, run)| run.clone())
+                    .collect()
+            })
+            .collect();
+        let gathered = answers.gather(&plan, &cases, &replicates);
+        let mut further = gathered.library;
+        further.candidates.clone_from(&library.candidates);
+        let told: Vec<String> = further
+            .conditions
+            .iter()
+            .map(|it| it.condition.to_string())
+            .collect();
+        let name = |condition: &String| {
+            let run = runs
+                .iter()
+                .find(|run| run.case.condition.as_str() == condition)?;
+            Some(format!("{} ({condition})", run.name))
+        };
+        let names = told.iter().filter_map(name).collect();
+        Ok(FurtherRuns::new(
+            names,
+            &further,
+            &self.settings.calibration,
+        )?)
+    }
+
+    fn arms(&self, verdict: &Verdict) -> Arms {
+        let with_effect = verdict.parameters.as_slice();
+        let named = verdict.named.iter().filter_map(|set| {
+            let name = set.first()?;
+            verdict.effects.iter().find(|suspect| suspect.name == *name)
+        });
+        let effects: Vec<Application> = named
+            .filter_map(|suspect| Application::new(&suspect.name, suspect.magnitude).ok())
+            .collect();
+        let answer = effects
+            .iter()
+            .fold(self.offset(with_effect), |arm, effect| {
+                arm.with_effect(*effect)
+            });
+        Arms {
+            recalibrated: self.offset(&verdict.recalibration),
+            with_effect: (!effects.is_empty()).then_some(answer),
+        }
+    }
+
+    fn offset(&self, parameters: &[Recalibrated]) -> Arm {
+        let offsets = parameters.iter().filter_map(|it| {
+            let parameter = Parameter::find(&it.name)?;
+            Some((parameter, it.offset * parameter.sd))
+        });
+        Arm::of_offsets(
+            offsets.fold(Offsets::default(), |all, (parameter, offset)| {
+                all.with(parameter, offset)
+            }),
+        )
+    }
+
+    fn again(&self, arm: &Arm) -> Vec<Request> {
+        let cases = 0..self.cases.len();
+        let request = |case| {
+            (0..again::STREAMS).map(move |stream| Request {
+                arm: arm.clone(),
+                case,
+                stream,
+            })
+        };
+        cases.flat_map(request).collect()
+    }
+
+    /// The case of each condition of the library.
+    fn places(&self, library: &Library) -> Vec<usize> {
+        let conditions = library.conditions.iter();
+        let place = |responses: &super::Responses| {
+            let mut cases = self.cases.iter();
+            cases.position(|case| case.condition == responses.condition)
+        };
+        conditions.filter_map(place).collect()
+    }
+
+    fn compared(&self, gathered: &Gathered) -> Compared {
+        let library = &gathered.library;
+        let conditions = library.conditions.iter().zip(&gathered.measured);
+        Compared {
+            conditions: conditions
+                .map(|(responses, measured)| ComparedCondition {
+                    condition: responses.condition.to_string(),
+                    runs: measured.runs.len(),
+                    cells: responses.cells.len(),
+                })
+                .collect(),
+            parameters: library.parameters.clone(),
+            candidates: library
+                .candidates
+                .iter()
+                .map(|it| it.name.clone())
+                .collect(),
+            depth: self.plan.depth,
+            cost: self.plan.cost(&self.cases),
+        }
+    }
+
+    fn told(&self, gathered: &Gathered, answers: &Answers, of_map: &[gap::Caveat]) -> Vec<String> {
+        let without_cells = gathered
+            .without_cells
+            .iter()
+            .map(|condition| format!("{condition}: no statistic that both sides have"));
+        let failures = answers.failures().map(|it| format!("not simulated: {it}"));
+        let of_map = of_map.iter().map(ToString::to_string);
+        let caveats = self.caveats.iter().cloned();
+        let mut told: Vec<String> = Vec::new();
+        for caveat in caveats.chain(of_map).chain(without_cells).chain(failures) {
+            if !told.contains(&caveat) {
+                told.push(caveat);
+            }
+        }
+        told
+    }
+}
+
+fn is_effect(name: &str) -> bool {
+    let (effect, channel) = name.split_once('.').unwrap_or((name, ""));
+    let known = catalogue().find(|known| known.name == effect);
+    known.is_some_and(|known| {
+        channel.is_empty() || known.seats.iter().any(|seat| seat.channel == channel)
+    })
+}
+
+fn ask(
+    bank: &Bank,
+    requests: Vec<Request>,
+    hear: Hear,
+    answers: &mut Answers,
+) -> Result<(), BankError> {
+    let outcomes = bank.readings(&requests, hear)?;
+    answers.add(&requests, outcomes);
+    Ok(())
+}
