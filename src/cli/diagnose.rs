@@ -99,10 +99,7 @@ impl Diagnose {
             version: env!("CARGO_PKG_VERSION"),
         };
         output::make_folder(&self.out)?;
-        let diagnosed = self.diagnose(output, &measured, &scenario, &settings);
-        let (diagnosis, _) = diagnosed.with_context(|| {
-            format!("nothing can be concluded from {}", self.measured.display())
-        })?;
+        let (diagnosis, _) = self.diagnose(output, &measured, &scenario, &settings)?;
         let summary = Summary {
             inputs,
             diagnosis,
@@ -152,7 +149,9 @@ impl Diagnose {
             Err(InvestigationError::Bank(stopped @ BankError::Stopped { .. })) => {
                 Err(Interrupted(stopped.to_string()).into())
             }
-            other => Ok(other?),
+            other => other.with_context(|| {
+                format!("nothing can be concluded from {}", self.measured.display())
+            }),
         }
     }
 }

@@ -29,9 +29,9 @@ use serde::Serialize;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Simulated driving [s] of a diagnosis unless the caller says otherwise: some ten minutes of two
+/// Simulated driving [s] of a diagnosis unless the caller says otherwise: some twenty minutes of two
 /// cores on sand or hard ground.
-pub const BUDGET: f64 = 15_000.0;
+pub const BUDGET: f64 = 30_000.0;
 
 /// Replicates of each run that could be made, and streams of what changes in it.
 const FURTHER: Depth = Depth {
