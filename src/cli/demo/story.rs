@@ -26,6 +26,7 @@ pub fn tell(findings: &[Finding], folder: &Path, seed: u64) -> Page {
             next_steps(findings),
         ],
         provenance: provenance(findings, folder, seed),
+        ..Page::default()
     }
 }
 
@@ -53,27 +54,25 @@ fn look(findings: &[Finding]) -> Section {
         .iter()
         .map(|finding| (finding.name, &finding.first.1))
         .collect();
-    Section {
-        heading: "What does a ground look like from the wheel?".to_owned(),
-        answer: told(
+    Section::new("What does a ground look like from the wheel?")
+        .answer(told(
             findings,
             "acceleration_y_rms",
             "Vertical acceleration of the axle, rms",
-        ),
-        text: "On firm ground each lug that comes to bear jolts the axle, and the traces repeat \
-               lug by lug. Loose stones give way when they will. Sand lets the lugs in: the rim \
-               lies lower, and the jolts are softer."
-            .to_owned(),
-        figures: vec![Figure {
-            svg: side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
-            caption: format!(
+        ))
+        .prose(
+            "On firm ground each lug that comes to bear jolts the axle, and the traces repeat lug \
+             by lug. Loose stones give way when they will. Sand lets the lugs in: the rim lies \
+             lower, and the jolts are softer.",
+        )
+        .figure(Figure::new(
+            side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
+            format!(
                 "The first run on each ground after its first {START_UP} s, in which the wheel comes to \
                  speed. The scale is the same along a row. Sinkage is the rim's depth below the \
                  undisturbed surface, and below 0 where the wheel stands on its lugs."
             ),
-        }],
-        ..Section::default()
-    }
+        ))
 }
 
 fn loads(findings: &[Finding]) -> Section {
@@ -90,10 +89,9 @@ fn loads(findings: &[Finding]) -> Section {
             .chain(cells)
             .collect()
     };
-    Section {
-        heading: "How much does the wheel pull there, and how deep does it sink?".to_owned(),
-        answer: told(findings, "drawbar_pull", "Drawbar pull"),
-        tables: vec![Table {
+    Section::new("How much does the wheel pull there, and how deep does it sink?")
+        .answer(told(findings, "drawbar_pull", "Drawbar pull"))
+        .table(Table {
             caption: format!(
                 "Steady values, from the middle half of each run: mean of {RUNS} runs [least, greatest]"
             ),
@@ -101,9 +99,7 @@ fn loads(findings: &[Finding]) -> Section {
                 .chain(columns)
                 .collect(),
             rows: findings.iter().map(row).collect(),
-        }],
-        ..Section::default()
-    }
+        })
 }
 
 /// Whether a quantity is an outcome here: load and slip are commanded.
@@ -127,27 +123,25 @@ fn lugs(findings: &[Finding]) -> Section {
         let counts: Vec<String> = counts.iter().map(|(c, n)| format!("{n} {c}")).collect();
         format!("{} on {}", counts.join(" and "), finding.name)
     });
-    let columns = CLASSES.iter().map(|class| Column::new(class, ""));
-    Section {
-        heading: "How do the lugs really meet the ground?".to_owned(),
-        answer: format!(
+    let columns = CLASSES.iter().map(|class| Column::new(*class, ""));
+    Section::new("How do the lugs really meet the ground?")
+        .answer(format!(
             "Runs of each class: {}.",
             told.collect::<Vec<_>>().join(", ")
-        ),
-        text: "This is the truth as the simulation saw it, lug by lug, and the label that a \
+        ))
+        .prose(
+            "This is the truth as the simulation saw it, lug by lug, and the label that a \
                recognition is scored against. LEIS: at least 90 % of the lugs that passed the \
                bottom went more than 1 mm into the soil. ALCT: else, at least 90 % touched. SLCT: \
-               fewer touched. UWTIC: none did, or none passed."
-            .to_owned(),
-        tables: vec![Table {
+               fewer touched. UWTIC: none did, or none passed.",
+        )
+        .table(Table {
             caption: "Number of runs of each true class".to_owned(),
             columns: std::iter::once(Column::new("ground", ""))
                 .chain(columns)
                 .collect(),
             rows: findings.iter().map(row).collect(),
-        }],
-        ..Section::default()
-    }
+        })
 }
 
 fn soundness(findings: &[Finding]) -> Section {
@@ -177,53 +171,41 @@ fn soundness(findings: &[Finding]) -> Section {
         columns: columns.to_vec(),
         rows,
     };
-    Section {
-        heading: "Are the files sound?".to_owned(),
-        answer,
-        text: "Each file was read back and checked for gaps, clipped and constant channels, units \
-               and signs, and labels that the channels contradict."
-            .to_owned(),
-        tables: if table.rows.is_empty() {
-            Vec::new()
-        } else {
-            vec![table]
-        },
-        ..Section::default()
-    }
+    Section::new("Are the files sound?")
+        .answer(answer)
+        .prose(
+            "Each file was read back and checked for gaps, clipped and constant channels, units and \
+             signs, and labels that the channels contradict.",
+        )
+        .table(table)
 }
 
 fn records(findings: &[Finding]) -> Section {
     let figure = |finding: &Finding| {
         let (id, _, svg) = &finding.first;
         let file = finding.run_file.display();
-        Figure {
-            svg: svg.clone(),
-            caption: format!("{id} of {file}, on {}.", finding.name),
-        }
+        Figure::new(svg.clone(), format!("{id} of {file}, on {}.", finding.name))
     };
-    Section {
-        heading: "What did a run record?".to_owned(),
-        text: "The first run on each ground in full; the drawings of all runs are in the folder \
-               figures beside this page."
-            .to_owned(),
-        figures: findings.iter().map(figure).collect(),
-        ..Section::default()
-    }
+    let section = Section::new("What did a run record?").prose(
+        "The first run on each ground in full; the drawings of all runs are in the folder figures \
+         beside this page.",
+    );
+    findings.iter().map(figure).fold(section, Section::figure)
 }
 
 fn next_steps(findings: &[Finding]) -> Section {
     let last = &findings[findings.len() - 1];
     let scenario = quoted(&last.scenario_file);
     let file = quoted(&last.run_file);
-    let row = |what: &str, command: String| vec![Cell::text(what), Cell::text(command)];
+    let row = |what: &str, command: String| vec![Cell::text(what), Cell::Code(command)];
     let columns = ["to", "command"].map(|name| Column::new(name, ""));
-    Section {
-        heading: "How do I go on?".to_owned(),
-        answer: "Change a scenario, simulate, and look again.".to_owned(),
-        text: "A scenario is a text file with units in its comments; every key can also be set on \
-               the command line. The run files are HDF5, which Python and MATLAB read."
-            .to_owned(),
-        tables: vec![Table {
+    Section::new("How do I go on?")
+        .answer("Change a scenario, simulate, and look again.")
+        .prose(
+            "A scenario is a text file with units in its comments; every key can also be set on the \
+             command line. The run files are HDF5, which Python and MATLAB read.",
+        )
+        .table(Table {
             caption: "Commands to begin with".to_owned(),
             columns: columns.to_vec(),
             rows: vec![
@@ -242,9 +224,7 @@ fn next_steps(findings: &[Finding]) -> Section {
                 ),
                 row("know all commands", "lugwheel --help".to_owned()),
             ],
-        }],
-        ..Section::default()
-    }
+        })
 }
 
 fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenance {
@@ -274,6 +254,7 @@ fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenanc
     page::Provenance {
         facts: facts.map(|(name, value)| (name.to_owned(), value)).to_vec(),
         commands: std::iter::once(again).chain(files).collect(),
+        ..page::Provenance::default()
     }
 }
 
