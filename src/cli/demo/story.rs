@@ -1,32 +1,60 @@
 //! What the demo found, as questions and answers.
 
+use super::identification::{Identified, Loads};
+use super::recognition::{Recognition, WINDOW};
 use super::{EDITS, Finding, RUNS};
 use crate::cli::dataset::classes;
+use crate::cli::provenance::{self, quoted};
 use crate::cli::series::spreads;
 use crate::cli::steady::{QUANTITIES, Quantity, Spread};
-use lugwheel::dataset::Provenance;
 use lugwheel::report::page::{self, Cell, Column, Figure, Page, Section, Table};
 use lugwheel::report::side_by_side;
 use std::path::Path;
 
-/// Time [s] in which the wheel comes to speed and to its depth, left out of the comparison.
-const START_UP: f64 = 2.0;
+/// What the page tells.
+pub struct Told<'a> {
+    /// Every ground.
+    pub findings: &'a [Finding],
+    /// Classes told from vibration.
+    pub recognition: &'a Recognition,
+    /// Parameters found from loads.
+    pub identified: &'a Identified,
+    /// What they were found from.
+    pub loads: &'a Loads,
+    /// The folder of the demo.
+    pub folder: &'a Path,
+    /// The seed of all runs.
+    pub seed: u64,
+    /// Seconds that it took.
+    pub computing_s: f64,
+}
 
-/// The page about `findings`, whose files are in `folder`.
-pub fn tell(findings: &[Finding], folder: &Path, seed: u64) -> Page {
+/// The page of the demo: data, what is recognised and identified in them, how to go on.
+pub fn tell(told: &Told) -> Page {
+    let Told {
+        findings,
+        recognition,
+        identified,
+        ..
+    } = *told;
+    let answers = std::iter::once(recognition.answer()).chain(identified.answer());
     Page {
         title: "What a lugged wheel feels of its ground".to_owned(),
+        question: "Which ground does a rover's wheel roll on, and what are its parameters?"
+            .to_owned(),
+        answer: answers.collect::<Vec<_>>().join(" "),
         intro: intro(findings),
         sections: vec![
             look(findings),
             loads(findings),
             lugs(findings),
+            recognition.section(),
+            identified.section(),
             soundness(findings),
             records(findings),
             next_steps(findings),
         ],
-        provenance: provenance(findings, folder, seed),
-        ..Page::default()
+        provenance: provenance(told),
     }
 }
 
@@ -66,12 +94,9 @@ fn look(findings: &[Finding]) -> Section {
              lower, and the jolts are softer.",
         )
         .figure(Figure::new(
-            side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
-            format!(
-                "The first run on each ground after its first {START_UP} s, in which the wheel comes to \
-                 speed. The scale is the same along a row. Sinkage is the rim's depth below the \
-                 undisturbed surface, and below 0 where the wheel stands on its lugs."
-            ),
+            side_by_side(&runs, [0.0, findings[0].scenario.duration]),
+            "The first run on each ground. The scale is the same along a row. Sinkage is the rim's depth \
+             below the undisturbed surface, and below 0 where the wheel stands on its lugs.",
         ))
 }
 
@@ -222,25 +247,45 @@ fn next_steps(findings: &[Finding]) -> Section {
                     "see another run",
                     format!("lugwheel plot {file} --run run_000001"),
                 ),
+                row("tell classes", format!("lugwheel recognize {file}")),
+                row(
+                    "sweep a key",
+                    "lugwheel study scenarios/studies/sweep_slip.toml".to_owned(),
+                ),
                 row("know all commands", "lugwheel --help".to_owned()),
             ],
         })
 }
 
-fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenance {
+fn provenance(told: &Told) -> page::Provenance {
+    let Told {
+        findings,
+        loads,
+        seed,
+        ..
+    } = *told;
     let files = findings.iter().map(|finding| {
         let scenario = quoted(&finding.scenario_file);
         let runs = quoted(&finding.run_file);
         format!("lugwheel dataset {scenario} --runs {RUNS} --seed {seed} --out {runs}")
     });
-    let again = format!("lugwheel demo --seed {seed} --out {}", quoted(folder));
+    let again = format!("lugwheel demo --seed {seed} --out {}", quoted(told.folder));
+    let reference = quoted(&findings[0].run_file);
+    let recognize = findings[1..].iter().map(|finding| {
+        let runs = quoted(&finding.run_file);
+        format!("lugwheel recognize {runs} --reference {reference} --window {WINDOW}")
+    });
+    let study = format!(
+        "lugwheel study {} --out {} --resume",
+        quoted(&loads.file),
+        quoted(&loads.folder)
+    );
     let rate = |finding: &Finding| {
         let rate = finding.scenario.physics_rate().hertz() / 1e3;
         format!("{} {rate} kHz", finding.name)
     };
     let rates: Vec<String> = findings.iter().map(rate).collect();
-    let facts = [
-        ("program", Provenance::measured().created_by),
+    let ours = [
         ("seed", seed.to_string()),
         (
             "scenarios",
@@ -250,10 +295,16 @@ fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenanc
             ),
         ),
         ("physics rate", rates.join(", ")),
+        ("computing", format!("{:.0} s", told.computing_s)),
     ];
+    let ours = ours.map(|(name, value)| (name.to_owned(), value));
     page::Provenance {
-        facts: facts.map(|(name, value)| (name.to_owned(), value)).to_vec(),
-        commands: std::iter::once(again).chain(files).collect(),
+        facts: provenance::facts().into_iter().chain(ours).collect(),
+        commands: std::iter::once(again)
+            .chain(files)
+            .chain(recognize)
+            .chain([study])
+            .collect(),
         ..page::Provenance::default()
     }
 }
@@ -275,26 +326,4 @@ fn spread(finding: &Finding, key: &str) -> Option<(&'static Quantity, Spread)> {
 fn range(quantity: &Quantity, spread: &Spread) -> String {
     let [mean, min, max] = [spread.mean, spread.min, spread.max].map(|value| quantity.shown(value));
     format!("{mean} [{min}, {max}]")
-}
-
-/// A path as a shell takes it.
-fn quoted(path: &Path) -> String {
-    let path = path.display().to_string();
-    let is_plain = |c: char| c.is_alphanumeric() || "/._-+,@%:=".contains(c);
-    if path.chars().all(is_plain) {
-        return path;
-    }
-    format!("'{}'", path.replace('\'', r"'\''"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_with_a_space_or_a_quote_stays_one_word() {
-        assert_eq!(quoted(Path::new("output/demo")), "output/demo");
-        assert_eq!(quoted(Path::new("my demo")), "'my demo'");
-        assert_eq!(quoted(Path::new("it's")), r"'it'\''s'");
-    }
 }
