@@ -15,6 +15,7 @@ mod interrupt;
 mod output;
 mod plot;
 mod progress;
+mod provenance;
 mod recognize;
 mod scenario_args;
 mod series;

@@ -10,7 +10,9 @@
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
 //! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
 //! - [`parameter_figure()`]: identified parameters by ground (Fig. 23 and 24).
-//! - [`page()`]: questions, answers, tables and figures as one HTML document.
+//! - [`page()`]: a question, its answer, tables and figures as one HTML document; [`page`](mod@page)
+//!   has the parts.
+//! - [`study_page()`]: what a study asked, what came of it and what was run, as such a document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
 mod class_strip;
@@ -26,6 +28,7 @@ pub mod page;
 mod parameter_figure;
 mod side_by_side;
 pub mod spectrum;
+pub mod study_page;
 mod threshold_figure;
 mod trace_figure;
 mod traverse_figure;
@@ -40,6 +43,7 @@ pub use gap_map::gap_map;
 pub use page::{Page, page};
 pub use parameter_figure::{IdentifiedGround, parameter_figure};
 pub use side_by_side::side_by_side;
+pub use study_page::{ToldStudy, study_page};
 pub use threshold_figure::threshold_figure;
 pub use trace_figure::trace_figure;
 pub use traverse_figure::traverse_figure;

@@ -2,6 +2,8 @@
 //!
 //! ```toml
 //! version = 1
+//! title = "Speed"                                           # of the report, if any
+//! question = "What does speed do to vibration and loads?"   # that it answers, if any
 //! scenarios = ["../single_wheel_ht.toml", "../single_wheel_st.toml"]  # relative to this file
 //! seed = 1
 //! repeats = 4                  # runs per condition
@@ -88,6 +90,7 @@
 //! ```
 
 mod band;
+pub mod conditions;
 mod execution;
 mod folder;
 pub mod identification;
@@ -101,7 +104,7 @@ mod table;
 pub mod thresholds;
 pub mod windows;
 
-pub use execution::{Options, Outcome, Progress};
+pub use execution::{Failure, Options, Outcome, Progress};
 
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
@@ -117,6 +120,7 @@ use std::collections::HashSet;
 use std::io;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
+pub use sweep::Axis;
 use sweep::{Sweep, SweepTable};
 use thresholds::{Thresholds, ThresholdsTable};
 
@@ -141,6 +145,10 @@ pub enum RandomNumbers {
 pub struct Study {
     /// Where all randomness comes from.
     pub seed: Seed,
+    /// What its report is called; empty where the file does not say.
+    pub title: String,
+    /// What it asks; empty where the file does not say.
+    pub question: String,
     repeats: u32,
     random_numbers: RandomNumbers,
     scenarios: Vec<Named>,
@@ -178,6 +186,10 @@ pub struct Run {
 struct StudyTable {
     #[serde(rename = "version")]
     _version: i64,
+    #[serde(default)]
+    title: String,
+    #[serde(default)]
+    question: String,
     scenarios: Vec<PathBuf>,
     seed: u64,
     repeats: u32,
@@ -271,8 +283,40 @@ impl Study {
         Ok(trace)
     }
 
+    /// The file's text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Name and text of every scenario, the one of the reference runs last.
+    pub fn scenario_texts(&self) -> impl Iterator<Item = (&str, &str)> {
+        let scenarios = self.scenarios.iter();
+        let scenarios = scenarios.map(|named| (named.name.as_str(), named.scenario.text()));
+        scenarios.chain(self.reference_text().map(|text| ("reference", text)))
+    }
+
+    /// Runs of each condition.
+    pub fn repeats(&self) -> u32 {
+        self.repeats
+    }
+
+    /// The first run of every scenario.
+    pub fn first_runs(&self) -> impl Iterator<Item = (&str, Run)> {
+        let each = self.combinations() * u64::from(self.repeats);
+        let scenarios = self.scenarios.iter().zip(0..);
+        scenarios.filter_map(move |(named, number): (_, u64)| {
+            let run = self.runs_in(number * each..number * each + 1).next()?;
+            Some((named.name.as_str(), run))
+        })
+    }
+
+    /// The sweeps, in the order of the file.
+    pub fn axes(&self) -> Vec<Axis> {
+        self.sweeps.iter().map(Axis::from).collect()
+    }
+
     /// The swept keys, in the order of the file.
-    fn keys(&self) -> impl Iterator<Item = &str> {
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
         let keys = self.sweeps.iter().flat_map(|sweep| &sweep.keys);
         keys.map(String::as_str)
     }
@@ -327,7 +371,7 @@ impl Study {
     }
 
     /// A hash of all that decides the results: program version, seed, study and scenarios.
-    fn fingerprint(&self) -> String {
+    pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         let seed = self.seed.0.to_string();
         let scenarios = self.scenarios.iter();
@@ -436,6 +480,8 @@ impl StudyTable {
         check_once(&settings, &sweeps).map_err(|(key, message)| at(&key, message))?;
         let study = Study {
             seed: Seed(self.seed),
+            title: self.title,
+            question: self.question,
             repeats: self.repeats,
             random_numbers: self.random_numbers,
             scenarios,

@@ -1,5 +1,7 @@
-//! `demo`: labelled data on several grounds, checked, drawn and told in one report.
+//! `demo`: labelled data on several grounds, classes recognised, parameters identified, one report.
 
+mod identification;
+mod recognition;
 mod story;
 
 use super::dataset::classes;
@@ -9,6 +11,7 @@ use super::progress::Progress;
 use super::series::{Jobs, Outcome, Series, spreads};
 use super::steady::{QUANTITIES, Spread};
 use clap::Args;
+use identification::Loads;
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::dataset::inspection::{Inspection, inspect};
 use lugwheel::quantity::Seed;
@@ -19,11 +22,13 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use story::Told;
 
 /// Show all of it on small scenarios, in a report that opens in a browser
 ///
-/// Simulates the paper's single wheel on several grounds, writes labelled run files, checks them,
-/// draws every run, and tells it in one HTML page. It takes less than two minutes.
+/// Simulates the paper's single wheel on several grounds, writes labelled run files, checks and draws
+/// them, recognises how the lugs met the ground, identifies the sand's parameters, and tells it in
+/// one HTML page. It takes less than three minutes.
 #[derive(Debug, Args)]
 pub struct Demo {
     /// Folder for run files, scenarios, figures and the report
@@ -70,11 +75,16 @@ const GROUNDS: [Ground; 4] = [
     },
 ];
 
-/// What is changed in the scenarios: short runs at the paper's highest speed, some lugs long.
-const EDITS: [&str; 2] = ["duration=8.0", "rig.single_wheel.forward_speed=0.02"];
+/// What is changed in the scenarios: two windows at the paper's highest speed, after the start.
+const EDITS: [&str; 4] = [
+    "duration=16.0",
+    "window=8.0",
+    "lead_in=2.0",
+    "rig.single_wheel.forward_speed=0.02",
+];
 
 /// Runs on each ground.
-const RUNS: u64 = 4;
+const RUNS: u64 = 5;
 
 /// What was found on one ground.
 struct Finding {
@@ -99,26 +109,39 @@ impl Demo {
                 Scenario::from_toml(ground.scenario, &file)?.with_all(&EDITS)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let simulated: f64 = scenarios.iter().map(|s| s.duration * RUNS as f64).sum();
-        let progress = Progress::new(output, "demo", simulated);
+        let loads = Loads::prepare(&self.out, self.seed)?;
+        let simulated: f64 = scenarios.iter().map(|s| s.driven() * RUNS as f64).sum();
+        let progress = Progress::new(output, "demo", simulated + loads.simulated());
         let findings = GROUNDS
             .iter()
             .zip(scenarios)
             .map(|(ground, scenario)| self.explore(ground, scenario, &progress))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| self.named(error))?;
+        let recognition = recognition::recognize(&findings).map_err(|error| self.named(error))?;
+        let identified = loads
+            .identify(self.jobs, &progress)
+            .map_err(|error| self.named(error))?;
         let computing_s = progress.elapsed();
         drop(progress);
         let report = self.out.join("report.html");
-        output::write_file(
-            &report,
-            &page(&story::tell(&findings, &self.out, self.seed)),
-        )?;
+        let told = story::tell(&Told {
+            findings: &findings,
+            recognition: &recognition,
+            identified: &identified,
+            loads: &loads,
+            folder: &self.out,
+            seed: self.seed,
+            computing_s,
+        });
+        output::write_file(&report, &page(&told))?;
         output.print(&Summary {
             seed: self.seed,
             runs_per_ground: RUNS,
             computing_s,
             grounds: findings.iter().map(GroundSummary::of).collect(),
+            recognition: recognition.answer(),
+            identification: identified.answer(),
             report: report.display().to_string(),
         })
     }
@@ -186,6 +209,8 @@ struct Summary {
     runs_per_ground: u64,
     computing_s: f64,
     grounds: Vec<GroundSummary>,
+    recognition: String,
+    identification: Option<String>,
     report: String,
 }
 
@@ -243,6 +268,10 @@ impl fmt::Display for Summary {
         write!(f, "\n{:<34}", "findings of inspect")?;
         for ground in &self.grounds {
             write!(f, "{:>17}", ground.findings)?;
+        }
+        write!(f, "\n\n{}", self.recognition)?;
+        if let Some(identification) = &self.identification {
+            write!(f, "\n{identification}")?;
         }
         write!(f, "\n\n{}", self.report)
     }

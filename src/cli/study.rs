@@ -3,13 +3,16 @@
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
+use super::provenance::{self, quoted};
 use anyhow::Context;
 use clap::Args;
-use lugwheel::report::{self, FeaturePoint, Group, IdentifiedGround};
-use lugwheel::study::identification::score::{GroupScore, IdentificationScore};
+use lugwheel::report::{self, FeaturePoint, Group, ToldStudy};
+use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
 use lugwheel::study::thresholds::ThresholdScore;
-use lugwheel::study::{self, Options, Study, StudyError};
+use lugwheel::study::{self, Options, Outcome, Run, Study, StudyError};
+use lugwheel::trace::Trace;
+use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -44,8 +47,8 @@ Examples:
   lugwheel study scenarios/studies/table3.toml --out output/table3 --resume
   lugwheel study scenarios/studies/table5.toml --shard 2/4
 
-The folder holds runs.csv (one row a run), failed.txt (why runs failed) and the study's text; a
-study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores) with
+The folder holds report.html (answer, tables, figures, how to run it again), runs.csv (one row a
+run), failed.txt (why runs failed) and the study's text; a study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores) with
 figures of features and answers, one
 with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit,
 one with [identification] steady.csv (loads), identification.txt and .csv (parameters, force errors)
@@ -71,6 +74,8 @@ struct Summary {
     failed: Vec<u64>,
     missing_shards: usize,
     computing_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    report: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     recognition: Option<RecognitionScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,6 +127,10 @@ impl StudyCommand {
         };
         let computing_s = progress.elapsed();
         drop(progress);
+        let report = match outcome.missing_shards {
+            0 => Some(self.write_report(&study, &stem, &outcome, &out)?),
+            _ => None,
+        };
         if let Some(score) = &outcome.thresholds {
             draw_limits(score, &out)?;
         }
@@ -138,6 +147,7 @@ impl StudyCommand {
             failed: outcome.failed.clone(),
             missing_shards: outcome.missing_shards,
             computing_s,
+            report,
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
             identification: outcome.identification,
@@ -153,6 +163,56 @@ impl StudyCommand {
         }
         .into())
     }
+}
+
+impl StudyCommand {
+    /// Writes the page of the study; its path.
+    fn write_report(
+        &self,
+        study: &Study,
+        name: &str,
+        outcome: &Outcome,
+        out: &Path,
+    ) -> anyhow::Result<String> {
+        let path = out.join("report.html");
+        let (file, folder) = (quoted(&self.study), quoted(out));
+        let told = ToldStudy {
+            study,
+            name,
+            outcome,
+            stills: &stills(study),
+            facts: &provenance::facts(),
+            commands: &[
+                format!("lugwheel study {file} --out {folder}"),
+                format!(
+                    "lugwheel study {file} --out {folder} --resume   # goes on where it was interrupted"
+                ),
+            ],
+        };
+        output::write_file(&path, &report::page(&report::study_page(&told)))?;
+        Ok(path.display().to_string())
+    }
+}
+
+/// Longest run that is made again to be looked at [s].
+const LOOK: f64 = 12.0;
+
+/// The beginning of the first run of every scenario; a run that fails is not shown.
+fn stills(study: &Study) -> Vec<(String, Trace)> {
+    let first: Vec<(&str, Run)> = study.first_runs().collect();
+    let still = |(name, run): &(&str, Run)| {
+        let scenario = study.scenario(run);
+        let duration = format!("duration={}", scenario.duration.min(LOOK));
+        // Some windows do not fit in so short a run.
+        let shortened = scenario.with(&duration).unwrap_or(scenario);
+        let go_on = &mut |_| match interrupt::is_requested() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let trace = shortened.run(study.seed, run.stream, go_on).ok()?;
+        Some(((*name).to_owned(), trace))
+    };
+    first.par_iter().filter_map(still).collect()
 }
 
 /// Draws a figure of every limit: `thresholds_<limit>.svg`, `..._olig.svg` of wheels of few lugs.
@@ -182,8 +242,7 @@ fn draw_recognition(score: &RecognitionScore, out: &Path) -> anyhow::Result<()> 
     }
     let by_ground = score.scores.iter();
     for MethodScore { method, all, .. } in by_ground.filter(|s| s.against == Against::Label) {
-        let title = format!("{method}: classes answered, and what the ground stands for");
-        let figure = report::confusion_figure(&all.confusion, &title);
+        let figure = report::study_page::answers_and_truth(method, &all.confusion);
         write(&format!("confusion_{method}.svg"), &figure)?;
     }
     Ok(())
@@ -191,19 +250,8 @@ fn draw_recognition(score: &RecognitionScore, out: &Path) -> anyhow::Result<()> 
 
 /// Draws the parameters of one group of every scenario: the first, or that at `from`.
 fn draw_parameters(score: &IdentificationScore, out: &Path) -> anyhow::Result<()> {
-    let drawn = score.references().filter_map(ground);
-    let figure = report::parameter_figure(&drawn.collect::<Vec<_>>());
+    let figure = report::study_page::parameter_drawing(score);
     output::write_file(&out.join("parameters.svg"), &figure)
-}
-
-fn ground(group: &GroupScore) -> Option<IdentifiedGround> {
-    let (_, parameters) = group.parameters()?;
-    Some(IdentifiedGround {
-        name: group.label.to_string(),
-        label: group.label,
-        parameters: parameters.iter().map(|told| told.identified).collect(),
-        own: parameters.iter().map(|told| told.own).collect(),
-    })
 }
 
 /// The first few numbers.
@@ -248,6 +296,9 @@ impl fmt::Display for Summary {
         }
         if let Some(score) = &self.identification {
             write!(f, "rows: {}/steady.csv\n\n{score}", self.folder)?;
+        }
+        if let Some(report) = &self.report {
+            write!(f, "\nreport: {report}\n")?;
         }
         Ok(())
     }

@@ -1,96 +1,123 @@
-//! One HTML page: questions, their answers, tables and figures, and how to run it all again.
+//! One HTML page: a question and its answer, then sections of prose, tables, figures and code, at
+//! last what was run and how to run it again.
+//!
+//! Every page of the program is built of the same parts:
+//!
+//! ```
+//! use lugwheel::report::page::{Cell, Column, Page, Provenance, Section, Table};
+//! use lugwheel::report::page;
+//!
+//! let html = page(&Page {
+//!     title: "How deep does it sink?".to_owned(),
+//!     answer: "By 12 mm.".to_owned(),
+//!     sections: vec![
+//!         Section::new("On every ground")
+//!             .prose("Means of eight runs.")
+//!             .table(Table {
+//!                 caption: "Sinkage of the rim".to_owned(),
+//!                 columns: vec![Column::new("ground", ""), Column::new("sinkage", "mm")],
+//!                 rows: vec![vec![Cell::text("sand"), Cell::Estimate(12.1, [11.0, 13.2])]],
+//!             }),
+//!     ],
+//!     provenance: Provenance {
+//!         facts: vec![("seed".to_owned(), "1".to_owned())],
+//!         commands: vec!["lugwheel dataset single_wheel_st --runs 8".to_owned()],
+//!         ..Provenance::default()
+//!     },
+//!     ..Page::default()
+//! });
+//! assert!(html.contains("12.10 [11.00, 13.20]"));
+//! ```
+//!
+//! A section shows its parts in the order in which they were added. All texts are plain, with blank
+//! lines between paragraphs, and are escaped; drawings go into the page as they are.
+
+mod table;
+
+pub use table::{Cell, Column, Table, four_digits};
 
 use minijinja::{AutoEscape, Environment, Value, context};
 
-/// A page; every text is plain text, with blank lines between paragraphs.
+/// A page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Page {
     /// Title.
     pub title: String,
-    /// What the page tells, in a few sentences.
+    /// What is asked; empty where the title says it.
+    pub question: String,
+    /// The answer in a sentence or two; empty for none.
+    pub answer: String,
+    /// What else the reader needs before the sections.
     pub intro: String,
-    /// Questions and answers, in reading order.
+    /// Sections, in reading order.
     pub sections: Vec<Section>,
-    /// What was run.
+    /// What was run: the last section.
     pub provenance: Provenance,
 }
 
-/// One question and its answer.
+/// A heading and what stands below it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Section {
-    /// The question.
-    pub heading: String,
-    /// The answer in a sentence; empty for none.
-    pub answer: String,
-    /// What else there is to say.
-    pub text: String,
-    /// Numbers.
-    pub tables: Vec<Table>,
-    /// Drawings.
-    pub figures: Vec<Figure>,
+    heading: String,
+    blocks: Vec<Block>,
 }
 
-/// A table.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Table {
-    /// What the numbers are.
-    pub caption: String,
-    /// One header for every column.
-    pub columns: Vec<Column>,
-    /// Rows, each as long as `columns`.
-    pub rows: Vec<Vec<Cell>>,
-}
-
-/// The header of a column.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Column {
-    /// Name.
-    pub name: String,
-    /// Unit; empty where the cells have none or each its own.
-    pub unit: String,
-}
-
-impl Column {
-    /// A column of this name and unit.
-    pub fn new(name: &str, unit: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-        }
-    }
-}
-
-/// What stands in a table. Measured and computed numbers are written with four digits.
+/// A part of a section.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// Text.
-    Text(String),
-    /// How many there are.
-    Count(u64),
-    /// A number.
-    Number(f64),
-    /// A number and the interval (low, high) that holds it with 95 %; infinite where unbounded.
-    Estimate(f64, [f64; 2]),
+enum Block {
+    Answer(String),
+    Prose(String),
+    Table(Table),
+    Figure(Figure),
+    Code(Code),
+    Facts(Vec<(String, String)>),
 }
 
-impl Cell {
-    /// A cell of text.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self::Text(text.into())
+impl Section {
+    /// A section with nothing below its heading yet.
+    pub fn new(heading: impl Into<String>) -> Self {
+        Self {
+            heading: heading.into(),
+            blocks: Vec::new(),
+        }
     }
 
-    fn written(&self) -> String {
-        match self {
-            Self::Text(text) => text.clone(),
-            Self::Count(count) => count.to_string(),
-            Self::Number(value) => four_digits(*value),
-            Self::Estimate(value, [low, high]) => format!(
-                "{} [{}, {}]",
-                four_digits(*value),
-                four_digits(*low),
-                four_digits(*high)
-            ),
+    /// Adds a sentence that stands out: the answer to the heading.
+    pub fn answer(self, sentence: impl Into<String>) -> Self {
+        self.with(Block::Answer(sentence.into()))
+    }
+
+    /// Adds paragraphs.
+    pub fn prose(self, text: impl Into<String>) -> Self {
+        self.with(Block::Prose(text.into()))
+    }
+
+    /// Adds a table; one without rows is left out.
+    pub fn table(self, table: Table) -> Self {
+        if table.rows.is_empty() {
+            return self;
         }
+        self.with(Block::Table(table))
+    }
+
+    /// Adds a figure.
+    pub fn figure(self, figure: Figure) -> Self {
+        self.with(Block::Figure(figure))
+    }
+
+    /// Adds what is typed or read by a program.
+    pub fn code(self, code: Code) -> Self {
+        self.with(Block::Code(code))
+    }
+
+    /// Adds names and values.
+    pub fn facts(self, facts: Vec<(String, String)>) -> Self {
+        self.with(Block::Facts(facts))
+    }
+
+    fn with(mut self, block: Block) -> Self {
+        self.blocks.push(block);
+        self
     }
 }
 
@@ -104,6 +131,25 @@ pub struct Figure {
     pub caption: String,
 }
 
+impl Figure {
+    /// A drawing and what is seen.
+    pub fn new(svg: String, caption: impl Into<String>) -> Self {
+        let caption = caption.into();
+        Self { svg, caption }
+    }
+}
+
+/// Lines to type, or the text of a file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Code {
+    /// What it is; empty for none.
+    pub caption: String,
+    /// The lines.
+    pub text: String,
+    /// Whether it shows its caption only, until it is opened or printed.
+    pub is_folded: bool,
+}
+
 /// What was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {
@@ -111,86 +157,127 @@ pub struct Provenance {
     pub facts: Vec<(String, String)>,
     /// Commands that repeat the page, one a line.
     pub commands: Vec<String>,
+    /// Files that the commands read: name and text.
+    pub files: Vec<(String, String)>,
 }
 
-/// A number with four significant digits; `unbounded` where infinite, `–` where there is none.
-pub fn four_digits(value: f64) -> String {
-    if value.is_nan() {
-        return "–".to_owned();
+impl Provenance {
+    fn section(&self) -> Option<Section> {
+        if *self == Self::default() {
+            return None;
+        }
+        let mut section = Section::new("What was run, and how to run it again");
+        if !self.facts.is_empty() {
+            section = section.facts(self.facts.clone());
+        }
+        if !self.commands.is_empty() {
+            section = section.code(Code {
+                text: self.commands.join("\n"),
+                ..Code::default()
+            });
+        }
+        let files = self.files.iter().map(|(name, text)| Code {
+            caption: name.clone(),
+            text: text.clone(),
+            is_folded: true,
+        });
+        Some(files.fold(section, Section::code))
     }
-    if value.is_infinite() {
-        return "unbounded".to_owned();
-    }
-    let text = if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) {
-        format!("{value:.3e}")
-    } else {
-        let digits = |value: f64| libm::floor(libm::log10(value)) as i32;
-        let decimals = if value == 0.0 {
-            0
-        } else {
-            3 - digits(value.abs())
-        };
-        format!("{value:.*}", decimals.max(0) as usize)
-    };
-    text.replace('-', "−")
 }
 
 /// The page as one HTML document that needs nothing else: it loads no script, font or picture.
 ///
-/// It reads on a telephone and prints on A4.
+/// Its tables can be sorted; it reads on a telephone, in the dark, and prints on A4.
 pub fn page(page: &Page) -> String {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment
-        .render_named_str("page.html", include_str!("page.html"), values(page))
+        .render_named_str("page.html", include_str!("page/page.html"), values(page))
         .expect("the template is part of the program and uses only the values given here")
 }
 
 fn values(page: &Page) -> Value {
-    let facts = page.provenance.facts.iter();
+    let sections = page
+        .sections
+        .iter()
+        .cloned()
+        .chain(page.provenance.section());
     context! {
+        style => Value::from_safe_string(include_str!("page/page.css").to_owned()),
+        script => Value::from_safe_string(include_str!("page/page.js").to_owned()),
         title => page.title.as_str(),
+        question => page.question.as_str(),
+        answer => page.answer.as_str(),
         intro => paragraphs(&page.intro),
-        sections => page.sections.iter().map(section_values).collect::<Vec<_>>(),
-        facts => facts.map(|(name, value)| vec![name.clone(), value.clone()]).collect::<Vec<_>>(),
-        commands => page.provenance.commands.join("\n"),
+        sections => sections.map(|section| section_values(&section)).collect::<Vec<_>>(),
     }
 }
 
 fn section_values(section: &Section) -> Value {
-    let figures = section.figures.iter().map(|figure| {
-        let svg = Value::from_safe_string(figure.svg.clone());
-        context! { svg, caption => figure.caption.as_str() }
-    });
     context! {
         heading => section.heading.as_str(),
-        answer => section.answer.as_str(),
-        text => paragraphs(&section.text),
-        tables => section.tables.iter().map(table_values).collect::<Vec<_>>(),
-        figures => figures.collect::<Vec<_>>(),
+        blocks => section.blocks.iter().map(block_values).collect::<Vec<_>>(),
+    }
+}
+
+fn block_values(block: &Block) -> Value {
+    match block {
+        Block::Answer(sentence) => context! { answer => sentence.as_str() },
+        Block::Prose(text) => context! { prose => paragraphs(text) },
+        Block::Table(table) => context! { table => table_values(table) },
+        Block::Figure(Figure { svg, caption }) => {
+            let svg = Value::from_safe_string(svg.clone());
+            context! { figure => context! { svg, caption => caption.as_str() } }
+        }
+        Block::Code(Code {
+            caption,
+            text,
+            is_folded,
+        }) => context! {
+            code => context! { caption => caption.as_str(), text => text.trim_end(), is_folded }
+        },
+        Block::Facts(facts) => {
+            let pairs = facts
+                .iter()
+                .map(|(name, value)| vec![name.clone(), value.clone()]);
+            context! { facts => pairs.collect::<Vec<_>>() }
+        }
     }
 }
 
 fn table_values(table: &Table) -> Value {
-    let is_number = |cell: &Cell| !matches!(cell, Cell::Text(_));
     let columns = table.columns.iter().enumerate().map(|(i, column)| {
-        let first = table.rows.first().and_then(|row| row.get(i));
+        let mut cells = table.rows.iter().filter_map(|row| row.get(i));
         context! {
             name => column.name.as_str(),
             unit => column.unit.as_str(),
-            is_number => first.is_some_and(is_number),
+            is_number => cells.any(|cell| cell.key().is_some()),
         }
     });
-    let cell = |cell: &Cell| context! { text => cell.written(), is_number => is_number(cell) };
     let rows = table
         .rows
         .iter()
-        .map(|row| row.iter().map(cell).collect::<Vec<_>>());
+        .map(|row| row.iter().map(cell_values).collect::<Vec<_>>());
     context! {
         caption => table.caption.as_str(),
         columns => columns.collect::<Vec<_>>(),
         rows => rows.collect::<Vec<_>>(),
     }
+}
+
+fn cell_values(cell: &Cell) -> Value {
+    let class = match cell {
+        Cell::Text(_) => "text",
+        Cell::Code(_) => "code",
+        _ => "number",
+    };
+    // A script reads `Infinity`, and `1e-7` as written here.
+    let key = cell.key().map(|key| match key {
+        f64::INFINITY => "Infinity".to_owned(),
+        f64::NEG_INFINITY => "-Infinity".to_owned(),
+        key => key.to_string(),
+    });
+    context! { text => cell.written(), class, key }
 }
 
 fn paragraphs(text: &str) -> Vec<String> {
@@ -206,27 +293,38 @@ mod tests {
     use super::*;
 
     fn hostile() -> Page {
-        let evil = "<script>alert('x')</script>";
+        let evil = "</pre><script>alert('x')</script>";
+        let code = |is_folded| Code {
+            caption: evil.to_owned(),
+            text: evil.to_owned(),
+            is_folded,
+        };
         Page {
             title: evil.to_owned(),
+            question: evil.to_owned(),
+            answer: evil.to_owned(),
             intro: format!("{evil}\n\nSecond."),
-            sections: vec![Section {
-                heading: evil.to_owned(),
-                answer: evil.to_owned(),
-                text: evil.to_owned(),
-                tables: vec![Table {
-                    caption: evil.to_owned(),
-                    columns: vec![Column::new(evil, evil)],
-                    rows: vec![vec![Cell::text(evil)]],
-                }],
-                figures: vec![Figure {
-                    svg: "<svg><title>drawn</title></svg>".to_owned(),
-                    caption: evil.to_owned(),
-                }],
-            }],
+            sections: vec![
+                Section::new(evil)
+                    .answer(evil)
+                    .prose(evil)
+                    .table(Table {
+                        caption: evil.to_owned(),
+                        columns: vec![Column::new(evil, evil), Column::new(evil, "")],
+                        rows: vec![vec![Cell::text(evil), Cell::Code(evil.to_owned())]],
+                    })
+                    .figure(Figure::new(
+                        "<svg><title>drawn</title></svg>".to_owned(),
+                        evil,
+                    ))
+                    .code(code(false))
+                    .code(code(true))
+                    .facts(vec![(evil.to_owned(), evil.to_owned())]),
+            ],
             provenance: Provenance {
                 facts: vec![(evil.to_owned(), evil.to_owned())],
                 commands: vec![evil.to_owned()],
+                files: vec![(evil.to_owned(), evil.to_owned())],
             },
         }
     }
@@ -234,11 +332,12 @@ mod tests {
     #[test]
     fn every_text_is_escaped_and_only_figures_are_not() {
         let html = page(&hostile());
-        assert!(!html.contains("<script"), "{html}");
+        assert_eq!(html.matches("<script").count(), 1, "the page's own: {html}");
         let escaped = html.matches("&lt;script&gt;alert(").count();
-        // title twice (tab and heading), intro, heading, answer, text, caption, column and unit,
-        // cell, figure's caption, fact's name and value, command
-        assert_eq!(escaped, 14, "{html}");
+        // title twice (tab and heading), question, answer, intro; heading, answer, prose; the
+        // table's caption, two columns and a unit, two cells; the figure's caption; two codes of
+        // two texts; a fact's name and value; the provenance's fact, command, file's name and text
+        assert_eq!(escaped, 5 + 3 + 6 + 1 + 4 + 2 + 5, "{html}");
         assert!(html.contains("<svg><title>drawn</title></svg>"));
         assert!(html.contains("<p>Second.</p>"));
     }
@@ -246,7 +345,7 @@ mod tests {
     #[test]
     fn a_page_loads_nothing() {
         let html = page(&hostile());
-        for loads in ["src=", "href=\"http", "@import", "url("] {
+        for loads in ["src=", "href=\"http", "@import", "url(", "fetch("] {
             assert!(!html.contains(loads), "{loads}");
         }
     }
@@ -255,25 +354,38 @@ mod tests {
     fn an_empty_page_is_a_page() {
         let html = page(&Page::default());
         assert!(html.starts_with("<!doctype html>") && html.trim_end().ends_with("</html>"));
-        assert!(!html.contains("<table") && !html.contains("<nav"));
+        assert!(!html.contains("<table>") && !html.contains("<nav>") && !html.contains("<h2"));
     }
 
     #[test]
-    fn numbers_have_four_digits_and_say_when_they_are_unbounded() {
-        let written = [0.0, 15.62, -0.01234567, 12345.6, 1.5e6, 1e-7, 999.96].map(four_digits);
-        let expected = [
-            "0",
-            "15.62",
-            "−0.01235",
-            "12346",
-            "1.500e6",
-            "1.000e−7",
-            "1000.0",
-        ];
-        assert_eq!(written, expected);
-        let cell = Cell::Estimate(1.1, [0.9, f64::INFINITY]).written();
-        assert_eq!(cell, "1.100 [0.9000, unbounded]");
-        assert_eq!(Cell::Number(f64::NAN).written(), "–");
-        assert_eq!(Cell::Count(20).written(), "20");
+    fn parts_of_a_section_keep_their_order_and_a_table_without_rows_is_left_out() {
+        let section = Section::new("Heading")
+            .prose("first")
+            .table(Table::default())
+            .answer("second")
+            .prose("third");
+        let html = page(&Page {
+            sections: vec![section],
+            ..Page::default()
+        });
+        let places = ["first", "second", "third"].map(|text| html.find(text).unwrap());
+        assert!(places.is_sorted());
+        assert!(!html.contains("<table>"));
+    }
+
+    #[test]
+    fn a_column_is_sorted_by_its_numbers_and_not_by_what_is_written() {
+        let cells = [Cell::Number(1.5e6), Cell::Missing, Cell::Number(-2.0)];
+        let html = page(&Page {
+            sections: vec![Section::new("").table(Table {
+                columns: vec![Column::new("a", "")],
+                rows: cells.map(|cell| vec![cell]).to_vec(),
+                ..Table::default()
+            })],
+            ..Page::default()
+        });
+        assert!(html.contains(r#"data-key="1500000">1.500e6<"#), "{html}");
+        assert!(html.contains(r#"data-key="-2">−2.000<"#));
+        assert!(html.contains(r#"<td class="number">–<"#));
     }
 }

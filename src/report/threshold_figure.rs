@@ -1,7 +1,8 @@
 //! How the windows of a study lie to one of the limits of Eq. (55) to (58).
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Scale, Stroke};
-use crate::study::thresholds::{self, Point, Statement};
+use crate::study;
+use crate::study::thresholds::{Point, Statement};
 
 /// Width of the drawing, and height of its panel [px].
 const WIDTH: f64 = 960.0;
@@ -21,7 +22,7 @@ const LUGS: &str = "wheel.lugs.count";
 /// `axes` are the sweeps of the study. A sweep over lugs goes across, or the first one where there
 /// is none; of the others the one with most entries has colours. Beyond as many as there are colours
 /// these repeat.
-pub fn threshold_figure(statement: &Statement, axes: &[thresholds::Axis]) -> String {
+pub fn threshold_figure(statement: &Statement, axes: &[study::Axis]) -> String {
     let title = format!("{}: {}", statement.equation, statement.quantity);
     let mut canvas = Canvas::new([WIDTH, 0.0], &title);
     let room = WIDTH - 2.0 * MARGIN;
@@ -71,14 +72,14 @@ fn remark(statement: &Statement) -> String {
 /// What goes where.
 struct Layout<'s> {
     points: &'s [Point],
-    across: Option<(usize, &'s thresholds::Axis)>,
-    coloured: Option<(usize, &'s thresholds::Axis)>,
+    across: Option<(usize, &'s study::Axis)>,
+    coloured: Option<(usize, &'s study::Axis)>,
     /// Entries of the sweep across that have points.
     columns: Vec<usize>,
 }
 
 impl<'s> Layout<'s> {
-    fn new(statement: &'s Statement, axes: &'s [thresholds::Axis]) -> Self {
+    fn new(statement: &'s Statement, axes: &'s [study::Axis]) -> Self {
         let numbered = || axes.iter().enumerate();
         let across = numbered()
             .find(|(_, axis)| axis.name == LUGS)

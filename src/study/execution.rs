@@ -1,5 +1,6 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
+use super::conditions::Condition;
 use super::folder::{Before, Folder};
 use super::identification::score::IdentificationScore;
 use super::identification::{self, SteadyRows};
@@ -52,6 +53,12 @@ pub struct Outcome {
     pub runs: u64,
     /// Numbers of those among them that failed.
     pub failed: Vec<u64>,
+    /// What they were and why they failed.
+    pub failures: Vec<Failure>,
+    /// Every condition, where no shard is missing.
+    pub conditions: Vec<Condition>,
+    /// Seconds of computing, all runs together.
+    pub computing_s: f64,
     /// Shards that other shares have still to do; the tables are there when there are none.
     pub missing_shards: usize,
     /// How well the classes of all windows were recognised, where the study asks and no shard is
@@ -61,6 +68,17 @@ pub struct Outcome {
     pub thresholds: Option<ThresholdScore>,
     /// Terrain parameters and what they predict, where the study asks and no shard is missing.
     pub identification: Option<IdentificationScore>,
+}
+
+/// A run that failed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// Its number.
+    pub run: u64,
+    /// Scenario and values of the swept keys.
+    pub condition: String,
+    /// Why.
+    pub reason: String,
 }
 
 impl Study {
@@ -151,8 +169,10 @@ impl Study {
             }
         }
         let (mut recognition, mut held, mut identification) = (None, None, None);
+        let mut conditions = Vec::new();
         if missing_shards == 0 {
             collected.write(folder)?;
+            conditions = self.conditions(&collected.texts[0].1);
             recognition = self.score(collected.text_of(windows::NAME))?;
             held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
             identification = self.identify(collected.text_of(identification::NAME));
@@ -170,7 +190,14 @@ impl Study {
         }
         Ok(Outcome {
             runs: collected.runs,
-            failed: collected.failed,
+            failed: collected
+                .failures
+                .iter()
+                .map(|failure| failure.run)
+                .collect(),
+            computing_s: collected.computing_s(),
+            failures: collected.failures,
+            conditions,
             missing_shards,
             recognition,
             thresholds: held,
@@ -325,8 +352,7 @@ struct Collected<'s> {
     /// Name and text of every table.
     texts: Vec<(&'static str, String)>,
     times: String,
-    failures: String,
-    failed: Vec<u64>,
+    failures: Vec<Failure>,
     runs: u64,
 }
 
@@ -338,8 +364,7 @@ impl<'s> Collected<'s> {
             study,
             texts: headers.collect(),
             times: "run,wall_s\n".to_owned(),
-            failures: String::new(),
-            failed: Vec::new(),
+            failures: Vec::new(),
             runs: 0,
         }
     }
@@ -371,10 +396,26 @@ impl<'s> Collected<'s> {
             folder.write(&format!("{name}.csv"), text.as_bytes())?;
         }
         folder.write("timing.csv", self.times.as_bytes())?;
-        if !self.failed.is_empty() {
-            folder.write("failed.txt", self.failures.as_bytes())?;
+        if !self.failures.is_empty() {
+            let lines = self.failures.iter().map(|failure| {
+                let Failure {
+                    run,
+                    condition,
+                    reason,
+                } = failure;
+                format!("run {run} ({condition}): {reason}\n")
+            });
+            let text: String = lines.collect();
+            folder.write("failed.txt", text.as_bytes())?;
         }
         Ok(())
+    }
+
+    /// Seconds of computing, all runs together.
+    fn computing_s(&self) -> f64 {
+        let times = self.times.lines().skip(1);
+        let times = times.filter_map(|line| line.split_once(',')?.1.parse::<f64>().ok());
+        times.sum()
     }
 
     fn note_failure(&mut self, run: &Run, reason: &str) {
@@ -386,9 +427,10 @@ impl<'s> Collected<'s> {
             .map(|(key, value)| format!(", {key} = {value}"))
             .collect();
         let scenario = self.study.scenario_name(run);
-        let number = run.number;
-        self.failed.push(number);
-        self.failures
-            .push_str(&format!("run {number} ({scenario}{condition}): {reason}\n"));
+        self.failures.push(Failure {
+            run: run.number,
+            condition: format!("{scenario}{condition}"),
+            reason: reason.to_owned(),
+        });
     }
 }

@@ -43,6 +43,25 @@ pub(super) struct Sweep {
     form: Form,
 }
 
+/// A sweep as it is told: conditions are divided by it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Its keys.
+    pub name: String,
+    /// Its entries.
+    pub values: Vec<String>,
+}
+
+impl From<&Sweep> for Axis {
+    fn from(sweep: &Sweep) -> Self {
+        let rows = sweep.rows.iter();
+        Self {
+            name: sweep.keys.join(", "),
+            values: rows.map(|row| row.join(", ")).collect(),
+        }
+    }
+}
+
 /// How a sweep is written in the file, for messages that point at it.
 #[derive(Debug, Clone, Copy)]
 enum Form {

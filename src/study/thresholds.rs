@@ -29,7 +29,7 @@ mod statement;
 pub mod tally;
 mod text;
 
-pub use statement::{Axis, Part, Point, Statement, ThresholdScore};
+pub use statement::{Part, Point, Statement, ThresholdScore};
 
 use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
 use super::windows::truth_of;

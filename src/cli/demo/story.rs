@@ -1,31 +1,60 @@
 //! What the demo found, as questions and answers.
 
+use super::identification::{Identified, Loads};
+use super::recognition::{Recognition, WINDOW};
 use super::{EDITS, Finding, RUNS};
 use crate::cli::dataset::classes;
+use crate::cli::provenance::{self, quoted};
 use crate::cli::series::spreads;
 use crate::cli::steady::{QUANTITIES, Quantity, Spread};
-use lugwheel::dataset::Provenance;
 use lugwheel::report::page::{self, Cell, Column, Figure, Page, Section, Table};
 use lugwheel::report::side_by_side;
 use std::path::Path;
 
-/// Time [s] in which the wheel comes to speed and to its depth, left out of the comparison.
-const START_UP: f64 = 2.0;
+/// What the page tells.
+pub struct Told<'a> {
+    /// Every ground.
+    pub findings: &'a [Finding],
+    /// Classes told from vibration.
+    pub recognition: &'a Recognition,
+    /// Parameters found from loads.
+    pub identified: &'a Identified,
+    /// What they were found from.
+    pub loads: &'a Loads,
+    /// The folder of the demo.
+    pub folder: &'a Path,
+    /// The seed of all runs.
+    pub seed: u64,
+    /// Seconds that it took.
+    pub computing_s: f64,
+}
 
-/// The page about `findings`, whose files are in `folder`.
-pub fn tell(findings: &[Finding], folder: &Path, seed: u64) -> Page {
+/// The page of the demo: data, what is recognised and identified in them, how to go on.
+pub fn tell(told: &Told) -> Page {
+    let Told {
+        findings,
+        recognition,
+        identified,
+        ..
+    } = *told;
+    let answers = std::iter::once(recognition.answer()).chain(identified.answer());
     Page {
         title: "What a lugged wheel feels of its ground".to_owned(),
+        question: "Which ground does a rover's wheel roll on, and what are its parameters?"
+            .to_owned(),
+        answer: answers.collect::<Vec<_>>().join(" "),
         intro: intro(findings),
         sections: vec![
             look(findings),
             loads(findings),
             lugs(findings),
+            recognition.section(),
+            identified.section(),
             soundness(findings),
             records(findings),
             next_steps(findings),
         ],
-        provenance: provenance(findings, folder, seed),
+        provenance: provenance(told),
     }
 }
 
@@ -53,27 +82,22 @@ fn look(findings: &[Finding]) -> Section {
         .iter()
         .map(|finding| (finding.name, &finding.first.1))
         .collect();
-    Section {
-        heading: "What does a ground look like from the wheel?".to_owned(),
-        answer: told(
+    Section::new("What does a ground look like from the wheel?")
+        .answer(told(
             findings,
             "acceleration_y_rms",
             "Vertical acceleration of the axle, rms",
-        ),
-        text: "On firm ground each lug that comes to bear jolts the axle, and the traces repeat \
-               lug by lug. Loose stones give way when they will. Sand lets the lugs in: the rim \
-               lies lower, and the jolts are softer."
-            .to_owned(),
-        figures: vec![Figure {
-            svg: side_by_side(&runs, [START_UP, findings[0].scenario.duration]),
-            caption: format!(
-                "The first run on each ground after its first {START_UP} s, in which the wheel comes to \
-                 speed. The scale is the same along a row. Sinkage is the rim's depth below the \
-                 undisturbed surface, and below 0 where the wheel stands on its lugs."
-            ),
-        }],
-        ..Section::default()
-    }
+        ))
+        .prose(
+            "On firm ground each lug that comes to bear jolts the axle, and the traces repeat lug \
+             by lug. Loose stones give way when they will. Sand lets the lugs in: the rim lies \
+             lower, and the jolts are softer.",
+        )
+        .figure(Figure::new(
+            side_by_side(&runs, [0.0, findings[0].scenario.duration]),
+            "The first run on each ground. The scale is the same along a row. Sinkage is the rim's depth \
+             below the undisturbed surface, and below 0 where the wheel stands on its lugs.",
+        ))
 }
 
 fn loads(findings: &[Finding]) -> Section {
@@ -90,10 +114,9 @@ fn loads(findings: &[Finding]) -> Section {
             .chain(cells)
             .collect()
     };
-    Section {
-        heading: "How much does the wheel pull there, and how deep does it sink?".to_owned(),
-        answer: told(findings, "drawbar_pull", "Drawbar pull"),
-        tables: vec![Table {
+    Section::new("How much does the wheel pull there, and how deep does it sink?")
+        .answer(told(findings, "drawbar_pull", "Drawbar pull"))
+        .table(Table {
             caption: format!(
                 "Steady values, from the middle half of each run: mean of {RUNS} runs [least, greatest]"
             ),
@@ -101,9 +124,7 @@ fn loads(findings: &[Finding]) -> Section {
                 .chain(columns)
                 .collect(),
             rows: findings.iter().map(row).collect(),
-        }],
-        ..Section::default()
-    }
+        })
 }
 
 /// Whether a quantity is an outcome here: load and slip are commanded.
@@ -127,27 +148,25 @@ fn lugs(findings: &[Finding]) -> Section {
         let counts: Vec<String> = counts.iter().map(|(c, n)| format!("{n} {c}")).collect();
         format!("{} on {}", counts.join(" and "), finding.name)
     });
-    let columns = CLASSES.iter().map(|class| Column::new(class, ""));
-    Section {
-        heading: "How do the lugs really meet the ground?".to_owned(),
-        answer: format!(
+    let columns = CLASSES.iter().map(|class| Column::new(*class, ""));
+    Section::new("How do the lugs really meet the ground?")
+        .answer(format!(
             "Runs of each class: {}.",
             told.collect::<Vec<_>>().join(", ")
-        ),
-        text: "This is the truth as the simulation saw it, lug by lug, and the label that a \
+        ))
+        .prose(
+            "This is the truth as the simulation saw it, lug by lug, and the label that a \
                recognition is scored against. LEIS: at least 90 % of the lugs that passed the \
                bottom went more than 1 mm into the soil. ALCT: else, at least 90 % touched. SLCT: \
-               fewer touched. UWTIC: none did, or none passed."
-            .to_owned(),
-        tables: vec![Table {
+               fewer touched. UWTIC: none did, or none passed.",
+        )
+        .table(Table {
             caption: "Number of runs of each true class".to_owned(),
             columns: std::iter::once(Column::new("ground", ""))
                 .chain(columns)
                 .collect(),
             rows: findings.iter().map(row).collect(),
-        }],
-        ..Section::default()
-    }
+        })
 }
 
 fn soundness(findings: &[Finding]) -> Section {
@@ -177,53 +196,41 @@ fn soundness(findings: &[Finding]) -> Section {
         columns: columns.to_vec(),
         rows,
     };
-    Section {
-        heading: "Are the files sound?".to_owned(),
-        answer,
-        text: "Each file was read back and checked for gaps, clipped and constant channels, units \
-               and signs, and labels that the channels contradict."
-            .to_owned(),
-        tables: if table.rows.is_empty() {
-            Vec::new()
-        } else {
-            vec![table]
-        },
-        ..Section::default()
-    }
+    Section::new("Are the files sound?")
+        .answer(answer)
+        .prose(
+            "Each file was read back and checked for gaps, clipped and constant channels, units and \
+             signs, and labels that the channels contradict.",
+        )
+        .table(table)
 }
 
 fn records(findings: &[Finding]) -> Section {
     let figure = |finding: &Finding| {
         let (id, _, svg) = &finding.first;
         let file = finding.run_file.display();
-        Figure {
-            svg: svg.clone(),
-            caption: format!("{id} of {file}, on {}.", finding.name),
-        }
+        Figure::new(svg.clone(), format!("{id} of {file}, on {}.", finding.name))
     };
-    Section {
-        heading: "What did a run record?".to_owned(),
-        text: "The first run on each ground in full; the drawings of all runs are in the folder \
-               figures beside this page."
-            .to_owned(),
-        figures: findings.iter().map(figure).collect(),
-        ..Section::default()
-    }
+    let section = Section::new("What did a run record?").prose(
+        "The first run on each ground in full; the drawings of all runs are in the folder figures \
+         beside this page.",
+    );
+    findings.iter().map(figure).fold(section, Section::figure)
 }
 
 fn next_steps(findings: &[Finding]) -> Section {
     let last = &findings[findings.len() - 1];
     let scenario = quoted(&last.scenario_file);
     let file = quoted(&last.run_file);
-    let row = |what: &str, command: String| vec![Cell::text(what), Cell::text(command)];
+    let row = |what: &str, command: String| vec![Cell::text(what), Cell::Code(command)];
     let columns = ["to", "command"].map(|name| Column::new(name, ""));
-    Section {
-        heading: "How do I go on?".to_owned(),
-        answer: "Change a scenario, simulate, and look again.".to_owned(),
-        text: "A scenario is a text file with units in its comments; every key can also be set on \
-               the command line. The run files are HDF5, which Python and MATLAB read."
-            .to_owned(),
-        tables: vec![Table {
+    Section::new("How do I go on?")
+        .answer("Change a scenario, simulate, and look again.")
+        .prose(
+            "A scenario is a text file with units in its comments; every key can also be set on the \
+             command line. The run files are HDF5, which Python and MATLAB read.",
+        )
+        .table(Table {
             caption: "Commands to begin with".to_owned(),
             columns: columns.to_vec(),
             rows: vec![
@@ -240,27 +247,45 @@ fn next_steps(findings: &[Finding]) -> Section {
                     "see another run",
                     format!("lugwheel plot {file} --run run_000001"),
                 ),
+                row("tell classes", format!("lugwheel recognize {file}")),
+                row(
+                    "sweep a key",
+                    "lugwheel study scenarios/studies/sweep_slip.toml".to_owned(),
+                ),
                 row("know all commands", "lugwheel --help".to_owned()),
             ],
-        }],
-        ..Section::default()
-    }
+        })
 }
 
-fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenance {
+fn provenance(told: &Told) -> page::Provenance {
+    let Told {
+        findings,
+        loads,
+        seed,
+        ..
+    } = *told;
     let files = findings.iter().map(|finding| {
         let scenario = quoted(&finding.scenario_file);
         let runs = quoted(&finding.run_file);
         format!("lugwheel dataset {scenario} --runs {RUNS} --seed {seed} --out {runs}")
     });
-    let again = format!("lugwheel demo --seed {seed} --out {}", quoted(folder));
+    let again = format!("lugwheel demo --seed {seed} --out {}", quoted(told.folder));
+    let reference = quoted(&findings[0].run_file);
+    let recognize = findings[1..].iter().map(|finding| {
+        let runs = quoted(&finding.run_file);
+        format!("lugwheel recognize {runs} --reference {reference} --window {WINDOW}")
+    });
+    let study = format!(
+        "lugwheel study {} --out {} --resume",
+        quoted(&loads.file),
+        quoted(&loads.folder)
+    );
     let rate = |finding: &Finding| {
         let rate = finding.scenario.physics_rate().hertz() / 1e3;
         format!("{} {rate} kHz", finding.name)
     };
     let rates: Vec<String> = findings.iter().map(rate).collect();
-    let facts = [
-        ("program", Provenance::measured().created_by),
+    let ours = [
         ("seed", seed.to_string()),
         (
             "scenarios",
@@ -270,10 +295,17 @@ fn provenance(findings: &[Finding], folder: &Path, seed: u64) -> page::Provenanc
             ),
         ),
         ("physics rate", rates.join(", ")),
+        ("computing", format!("{:.0} s", told.computing_s)),
     ];
+    let ours = ours.map(|(name, value)| (name.to_owned(), value));
     page::Provenance {
-        facts: facts.map(|(name, value)| (name.to_owned(), value)).to_vec(),
-        commands: std::iter::once(again).chain(files).collect(),
+        facts: provenance::facts().into_iter().chain(ours).collect(),
+        commands: std::iter::once(again)
+            .chain(files)
+            .chain(recognize)
+            .chain([study])
+            .collect(),
+        ..page::Provenance::default()
     }
 }
 
@@ -294,26 +326,4 @@ fn spread(finding: &Finding, key: &str) -> Option<(&'static Quantity, Spread)> {
 fn range(quantity: &Quantity, spread: &Spread) -> String {
     let [mean, min, max] = [spread.mean, spread.min, spread.max].map(|value| quantity.shown(value));
     format!("{mean} [{min}, {max}]")
-}
-
-/// A path as a shell takes it.
-fn quoted(path: &Path) -> String {
-    let path = path.display().to_string();
-    let is_plain = |c: char| c.is_alphanumeric() || "/._-+,@%:=".contains(c);
-    if path.chars().all(is_plain) {
-        return path;
-    }
-    format!("'{}'", path.replace('\'', r"'\''"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_with_a_space_or_a_quote_stays_one_word() {
-        assert_eq!(quoted(Path::new("output/demo")), "output/demo");
-        assert_eq!(quoted(Path::new("my demo")), "'my demo'");
-        assert_eq!(quoted(Path::new("it's")), r"'it'\''s'");
-    }
 }

@@ -33,7 +33,9 @@
 //! | `covered`, `of` | forces within their intervals, and forces with one |
 
 use super::Published;
-use crate::identification::{Force, ForceErrors, Identified, Parameter};
+use crate::identification::{
+    Estimate, Force, ForceErrors, Identified, Parameter, Setting, SteadyLoad,
+};
 use crate::recognition::confusion::Share;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use serde::Serialize;
@@ -132,6 +134,20 @@ pub struct GroupScore {
     pub fits: Vec<FitScore>,
     /// Every repeat fitted alone by the label's model.
     pub repeats: Vec<RepeatScore>,
+    /// The estimate of [`parameters`](Self::parameters) and what it was fitted to.
+    #[serde(skip)]
+    pub source: Option<Source>,
+}
+
+/// An estimate and what it was fitted to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// The estimate.
+    pub estimate: Estimate,
+    /// What stands for the wheel.
+    pub setting: Setting,
+    /// The steady loads, as the model takes them.
+    pub loads: Vec<SteadyLoad>,
 }
 
 /// A model fitted to a group, or why it could not be.

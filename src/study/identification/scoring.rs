@@ -9,7 +9,7 @@ use super::reading;
 use super::repeats;
 use super::score::{
     Accuracy, CarriedScore, Choice, FitOutcome, FitScore, FoundScore, GroundScore, GroupScore,
-    IdentificationScore, MODELS, ModelScore, ParameterScore, PredictionScore, RepeatScore,
+    IdentificationScore, MODELS, ModelScore, ParameterScore, PredictionScore, RepeatScore, Source,
 };
 use crate::identification::{Estimate, Force, ForceErrors, Identified, PredictedForce, Warning};
 use crate::recognition::confusion::Share;
@@ -117,6 +117,11 @@ impl GroupScore {
                 })
                 .collect(),
             repeats: group.repeats.clone(),
+            source: group.source().map(|estimate| Source {
+                estimate: estimate.clone(),
+                setting: rows.setting.clone(),
+                loads: rows.loads(estimate.class, |_| true),
+            }),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::reading::{Window, Windows};
 use super::tally::{Bounded, Empirical, Tally};
 use super::{Thresholds, acceleration_columns};
-use crate::study::Study;
+use crate::study::{Axis, Study};
 use crate::trace::truth::MOST;
 use crate::vibration::bounds::mean_square_bound_of_jumps;
 use serde::Serialize;
@@ -20,15 +20,6 @@ pub struct ThresholdScore {
     pub axes: Vec<Axis>,
     /// Every limit, for multi-lugged wheels and for olig-lugged ones.
     pub statements: Vec<Statement>,
-}
-
-/// A sweep, as the windows are divided by it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
-    /// Its keys.
-    pub name: String,
-    /// Its entries.
-    pub values: Vec<String>,
 }
 
 /// One limit and the windows of one kind of wheel.
@@ -124,6 +115,13 @@ impl Bound {
     /// Whether it is derived for wheels whose rim comes down between lugs.
     fn is_for_olig_lugged(self) -> bool {
         matches!(self, Self::Amplitude | Self::MeanSquare)
+    }
+}
+
+impl Statement {
+    /// Whether the limit is the one that the paper states.
+    pub fn is_the_papers(&self) -> bool {
+        self.limit == PAPER
     }
 }
 
@@ -334,7 +332,7 @@ impl Study {
     ) -> Option<ThresholdScore> {
         let Thresholds { bandwidths } = self.thresholds.as_ref()?;
         let windows = Windows::read(windows?);
-        let axes: Vec<Axis> = self.sweeps.iter().map(axis).collect();
+        let axes = self.axes();
         let accelerations = bandwidths.iter().flat_map(|b| of_acceleration(*b));
         let limits: Vec<Limit> = of_displacement().into_iter().chain(accelerations).collect();
         let statements = [true, false].iter().flat_map(|multi| {
@@ -347,13 +345,5 @@ impl Study {
             statements: statements.collect(),
             axes,
         })
-    }
-}
-
-fn axis(sweep: &crate::study::sweep::Sweep) -> Axis {
-    let rows = sweep.rows.iter();
-    Axis {
-        name: sweep.keys.join(", "),
-        values: rows.map(|row| row.join(", ")).collect(),
     }
 }

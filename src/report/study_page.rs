@@ -1,0 +1,172 @@
+//! The page of a study: what it asks, what came of it, what was run.
+
+mod conditions;
+mod identification;
+mod recognition;
+mod thresholds;
+
+pub use identification::{force_errors, identified_parameters, parameter_drawing};
+pub use recognition::answers_and_truth;
+
+use super::page::{Cell, Column, Figure, Page, Provenance, Section, Table};
+use super::trace_figure;
+use crate::study::{Outcome, Study};
+use crate::trace::Trace;
+
+/// A study and what came of it.
+#[derive(Debug, Clone, Copy)]
+pub struct ToldStudy<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// What it is called where its file has no title.
+    pub name: &'a str,
+    /// What came of it; no shard is missing.
+    pub outcome: &'a Outcome,
+    /// Runs to look at: the name of the scenario, and the run.
+    pub stills: &'a [(String, Trace)],
+    /// What was run on what, beside what the study knows: version, machine.
+    pub facts: &'a [(String, String)],
+    /// Commands that run it again.
+    pub commands: &'a [String],
+}
+
+/// The page of a study, of the same parts whatever the study asks: answer, scores with tables and
+/// figures, means of every condition, what a run looks like, runs that failed, how to run it again.
+pub fn study_page(told: &ToldStudy) -> Page {
+    let ToldStudy { study, outcome, .. } = *told;
+    let mut sections = Vec::new();
+    let mut answers = Vec::new();
+    if let Some(score) = &outcome.recognition {
+        answers.push(recognition::answer(score));
+        sections.extend(recognition::sections(score));
+    }
+    if let Some(score) = &outcome.thresholds {
+        answers.push(thresholds::answer(score));
+        sections.extend(thresholds::sections(score));
+    }
+    if let Some(score) = &outcome.identification {
+        answers.push(identification::answer(score));
+        sections.extend(identification::sections(score));
+    }
+    if answers.is_empty() {
+        answers.push(conditions::answer(&outcome.conditions));
+    }
+    answers.extend(failed(outcome));
+    sections.push(conditions::section(study, &outcome.conditions));
+    sections.extend(looks(told.stills));
+    sections.extend(failures(outcome));
+    Page {
+        title: or(&study.title, told.name),
+        question: or(&study.question, &asked(study)),
+        answer: answers.join(" "),
+        intro: String::new(),
+        sections,
+        provenance: provenance(told),
+    }
+}
+
+fn or(text: &str, otherwise: &str) -> String {
+    let text = if text.is_empty() { otherwise } else { text };
+    text.to_owned()
+}
+
+/// The question of a study that does not state one.
+fn asked(study: &Study) -> String {
+    let scenarios: Vec<&str> = study.first_runs().map(|(name, _)| name).collect();
+    let scenarios = scenarios.join(", ");
+    let keys: Vec<String> = study.axes().into_iter().map(|axis| axis.name).collect();
+    if keys.is_empty() {
+        return format!("What do the runs of {scenarios} give?");
+    }
+    format!("What changes with {} in {scenarios}?", keys.join(" and "))
+}
+
+fn failed(outcome: &Outcome) -> Option<String> {
+    let failed = outcome.failures.len();
+    (failed > 0).then(|| format!("{failed} of {} runs failed.", outcome.runs))
+}
+
+/// The runs to look at, in full.
+fn looks(stills: &[(String, Trace)]) -> Option<Section> {
+    let figure = |(scenario, trace): &(String, Trace)| {
+        let svg = trace_figure(trace, scenario).ok()?;
+        let caption = format!(
+            "The first run of {scenario}: wheel and ground to scale, what the sensors recorded, and the \
+             vibration by order of the wheel's turn."
+        );
+        Some(Figure::new(svg, caption))
+    };
+    let figures: Vec<Figure> = stills.iter().filter_map(figure).collect();
+    let section = Section::new("What does a run look like?");
+    (!figures.is_empty()).then(|| figures.into_iter().fold(section, Section::figure))
+}
+
+fn failures(outcome: &Outcome) -> Option<Section> {
+    let rows = outcome.failures.iter().map(|failure| {
+        vec![
+            Cell::Count(failure.run),
+            Cell::text(&failure.condition),
+            Cell::text(&failure.reason),
+        ]
+    });
+    let table = Table {
+        caption: "Runs without values".to_owned(),
+        columns: Column::named(["run", "condition", "reason"]),
+        rows: rows.collect(),
+    };
+    let answer = format!("{} A failed run counts nowhere above.", failed(outcome)?);
+    let section = Section::new("Which runs failed, and why?");
+    Some(section.answer(answer).table(table))
+}
+
+fn provenance(told: &ToldStudy) -> Provenance {
+    let ToldStudy { study, outcome, .. } = *told;
+    let sweeps = study.axes().into_iter().map(|axis| axis.values.len());
+    let counts: Vec<String> = std::iter::once(study.first_runs().count())
+        .chain(sweeps)
+        .chain([study.repeats() as usize])
+        .map(|count| count.to_string())
+        .collect();
+    let ours = [
+        ("seed", study.seed.0.to_string()),
+        (
+            "runs",
+            format!(
+                "{} = {} (scenarios × entries of each sweep × repeats), {} failed",
+                outcome.runs,
+                counts.join(" × "),
+                outcome.failures.len()
+            ),
+        ),
+        ("computing", duration(outcome.computing_s)),
+        ("fingerprint", study.fingerprint()),
+    ];
+    let ours = ours.map(|(name, value)| (name.to_owned(), value));
+    let texts = study.scenario_texts();
+    let texts = texts.map(|(name, text)| (format!("{name}.toml"), text.to_owned()));
+    Provenance {
+        facts: told.facts.iter().cloned().chain(ours).collect(),
+        commands: told.commands.to_vec(),
+        files: std::iter::once(("study.toml".to_owned(), study.text().to_owned()))
+            .chain(texts)
+            .collect(),
+    }
+}
+
+/// A time [s] in the unit that suits it.
+fn duration(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        ..120.0 => (seconds, "s"),
+        ..7200.0 => (seconds / 60.0, "min"),
+        _ => (seconds / 3600.0, "h"),
+    };
+    format!("{value:.1} {unit}, all runs together on one core")
+}
+
+/// The value of a key: sorted by its size where it is a number.
+fn value_cell(value: &str) -> Cell {
+    match value.parse::<f64>() {
+        Ok(number) => Cell::Written(value.replace('-', "−"), number),
+        Err(_) => Cell::text(value),
+    }
+}

@@ -1,0 +1,90 @@
+//! What every condition gave.
+
+use super::value_cell;
+use crate::report::page::{Cell, Column, Section, Table, four_digits};
+use crate::study::Study;
+use crate::study::conditions::{Condition, Mean, QUANTITIES};
+
+/// Conditions shown; a page is no place for more.
+const SHOWN: usize = 400;
+
+/// From where to where the pull goes.
+pub fn answer(conditions: &[Condition]) -> String {
+    let pulls = conditions.iter().filter_map(|condition| {
+        let mean = condition.means[0]?;
+        Some((mean, place(condition)))
+    });
+    let mut pulls: Vec<(Mean, String)> = pulls.collect();
+    pulls.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
+    match pulls.as_slice() {
+        [] => "No run recorded a drawbar pull.".to_owned(),
+        [(one, place)] => format!("The wheel pulls {} N in {place}.", written(one)),
+        [(least, low), .., (most, high)] => format!(
+            "Drawbar pull goes from {} N ({low}) to {} N ({high}).",
+            written(least),
+            written(most)
+        ),
+    }
+}
+
+fn place(condition: &Condition) -> String {
+    let values = condition.values.iter().map(|value| format!(", {value}"));
+    format!("{}{}", condition.scenario, values.collect::<String>())
+}
+
+fn written(mean: &Mean) -> String {
+    let value = four_digits(mean.value);
+    mean.ci95.map_or(value.clone(), |[low, high]| {
+        format!("{value} [{}, {}]", four_digits(low), four_digits(high))
+    })
+}
+
+/// A table of the means of every condition.
+pub fn section(study: &Study, conditions: &[Condition]) -> Section {
+    let told: Vec<usize> = (0..QUANTITIES.len())
+        .filter(|&i| {
+            conditions
+                .iter()
+                .any(|condition| condition.means[i].is_some())
+        })
+        .collect();
+    let quantities = told.iter().map(|&i| &QUANTITIES[i]);
+    let quantities = quantities.map(|quantity| Column::new(quantity.name, quantity.unit));
+    let keys = study.keys().map(|key| Column::new(key, ""));
+    let columns = std::iter::once(Column::new("scenario", ""))
+        .chain(keys)
+        .chain([Column::new("runs", "")])
+        .chain(quantities);
+    let row = |condition: &Condition| {
+        let mut cells = vec![Cell::text(&condition.scenario)];
+        cells.extend(condition.values.iter().map(|value| value_cell(value)));
+        cells.push(Cell::Count(condition.runs as u64));
+        cells.extend(told.iter().map(|&i| mean_cell(condition.means[i])));
+        cells
+    };
+    let intervals = if study.repeats() > 1 {
+        ", with Student's 95 % interval over the runs"
+    } else {
+        "; one run has no interval"
+    };
+    let section = Section::new("What did every condition give?")
+        .prose("Steady values, from the middle half of each run; a click on a header sorts.")
+        .table(Table {
+            caption: format!("Means of the runs of a condition{intervals}"),
+            columns: columns.collect(),
+            rows: conditions.iter().take(SHOWN).map(row).collect(),
+        });
+    if conditions.len() <= SHOWN {
+        return section;
+    }
+    let all = conditions.len();
+    section.prose(format!(
+        "These are the first {SHOWN} of {all} conditions; runs.csv has all."
+    ))
+}
+
+fn mean_cell(mean: Option<Mean>) -> Cell {
+    mean.map_or(Cell::Missing, |Mean { value, ci95 }| {
+        ci95.map_or(Cell::Number(value), |ci95| Cell::Estimate(value, ci95))
+    })
+}

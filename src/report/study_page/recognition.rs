@@ -1,0 +1,239 @@
+//! How well classes were recognised.
+
+use super::value_cell;
+use crate::recognition::confusion::{CLASSES, Confusion, Share};
+use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::{FeaturePoint, Group, confusion_figure, feature_planes, feature_values};
+use crate::study::score::features::{FeaturesOfScenario, Slope};
+use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
+
+/// How many answers were right, method by method, beside those published.
+pub fn answer(score: &RecognitionScore) -> String {
+    let right = |name: &str, counted: &Counted| {
+        counted
+            .accuracy
+            .map(|share| format!("{name} {}", right_answers(&counted.confusion, &share)))
+    };
+    let labelled = score.scores.iter().filter(|s| s.against == Against::Label);
+    let methods = labelled.filter_map(|s| right(&s.method, &s.all));
+    let published = score.published.iter();
+    let published = published.filter_map(|counted| right("published", counted));
+    let told: Vec<String> = methods.chain(published).collect();
+    match told.is_empty() {
+        true => "No ground stands for one class.".to_owned(),
+        false => format!(
+            "Windows told by the class their ground stands for: {}.",
+            told.join("; ")
+        ),
+    }
+}
+
+fn right_answers(confusion: &Confusion, share: &Share) -> String {
+    let [value, low, high] = [share.value, share.ci95[0], share.ci95[1]].map(|s| 100.0 * s);
+    format!(
+        "{} of {}, {value:.1} % [{low:.1}, {high:.1}]",
+        confusion.correct(),
+        share.n
+    )
+}
+
+/// Scores, their map, and the features behind them.
+pub fn sections(score: &RecognitionScore) -> Vec<Section> {
+    let mut sections = vec![methods(score), map(score)];
+    sections.extend(features(score));
+    sections
+}
+
+fn methods(score: &RecognitionScore) -> Section {
+    let section = Section::new("How often is the class recognised?")
+        .prose(
+            "Answers are counted against the class that the ground stands for, as the paper does; against \
+             how lugs and ground really met, which the simulation knows; and on the windows in which both \
+             are one. Shares have Wilson's 95 % interval, which takes windows for independent.",
+        )
+        .table(totals(score));
+    let labelled: Vec<&MethodScore> = of_label(score).collect();
+    let mut rows = Vec::new();
+    for MethodScore { method, all, .. } in &labelled {
+        rows.extend(answers(method, all));
+    }
+    if let Some(published) = &score.published {
+        rows.extend(answers("published", published));
+    }
+    let section = section.table(Table {
+        caption: "Answers by true class, the ground's class taken for true".to_owned(),
+        columns: Column::named(["method", "true class"])
+            .into_iter()
+            .chain(CLASSES.map(|class| Column::new(class.as_str(), "")))
+            .chain([Column::new("right", "")])
+            .collect(),
+        rows,
+    });
+    let figures = labelled.iter().map(|score| {
+        Figure::new(
+            answers_and_truth(&score.method, &score.all.confusion),
+            format!(
+                "What {} answered; the ground's class is taken for true.",
+                score.method
+            ),
+        )
+    });
+    figures.fold(section, Section::figure)
+}
+
+/// The confusion matrix of a method, drawn.
+pub fn answers_and_truth(method: &str, confusion: &Confusion) -> String {
+    let title = format!("{method}: classes answered, and what the ground stands for");
+    confusion_figure(confusion, &title)
+}
+
+fn of_label(score: &RecognitionScore) -> impl Iterator<Item = &MethodScore> {
+    let scores = score.scores.iter();
+    scores.filter(|score| score.against == Against::Label)
+}
+
+fn totals(score: &RecognitionScore) -> Table {
+    let row = |method: &str, against: &str, counted: &Counted| {
+        vec![
+            Cell::text(method),
+            Cell::text(against),
+            Cell::Count(counted.confusion.total()),
+            Cell::Count(counted.confusion.correct()),
+            Cell::from(counted.accuracy.as_ref()),
+            Cell::Count(counted.confused),
+        ]
+    };
+    let methods = score.scores.iter().map(|score| {
+        let against = match score.against {
+            Against::Label => "what the ground stands for",
+            Against::Truth => "how lugs and ground met",
+            Against::Agreed => "both, where they are one",
+        };
+        row(&score.method, against, &score.all)
+    });
+    let published = score.published.iter();
+    let published =
+        published.map(|counted| row("published", "what the ground stands for", counted));
+    Table {
+        caption: "Right answers of every method".to_owned(),
+        columns: Column::named([
+            "method",
+            "true is",
+            "windows",
+            "right",
+            "share",
+            "confused with another known class",
+        ]),
+        rows: methods.chain(published).collect(),
+    }
+}
+
+/// A row for every true class that occurs.
+fn answers(method: &str, counted: &Counted) -> Vec<Vec<Cell>> {
+    let rows = CLASSES.iter().zip(counted.confusion.counts);
+    let rows = rows.filter_map(|(class, counts)| {
+        let recall = counted.recalls.get(class)?;
+        let first = [Cell::text(method), Cell::text(class.as_str())];
+        let row = first.into_iter().chain(counts.map(Cell::Count));
+        Some(row.chain([Cell::share(recall)]).collect())
+    });
+    rows.collect()
+}
+
+fn map(score: &RecognitionScore) -> Section {
+    let methods: Vec<&MethodScore> = of_label(score).collect();
+    let rows = methods.first().map_or(&[][..], |first| &first.map);
+    let row = |(number, part): (usize, &Part)| {
+        let n = part.counted.accuracy.map_or(0, |share| share.n);
+        let mut cells = vec![
+            Cell::text(&part.by),
+            value_cell(&part.value),
+            Cell::Count(n),
+        ];
+        let shares = methods.iter().map(|method| &method.map[number].counted);
+        cells.extend(shares.map(|counted| Cell::from(counted.accuracy.as_ref())));
+        cells
+    };
+    let names = methods.iter().map(|score| score.method.as_str());
+    Section::new("Where is it recognised?").table(Table {
+        caption: "Right answers by scenario and by swept key, the ground's class taken for true"
+            .to_owned(),
+        columns: Column::named(["by", "value", "windows"].into_iter().chain(names)),
+        rows: rows.iter().enumerate().map(row).collect(),
+    })
+}
+
+fn features(score: &RecognitionScore) -> Option<Section> {
+    let points = score.points.iter().map(|&(terrain, p)| FeaturePoint {
+        group: Group::Terrain(terrain),
+        p,
+    });
+    let points: Vec<FeaturePoint> = points.collect();
+    if points.is_empty() {
+        return None;
+    }
+    let mut section = Section::new("What do the features say?").table(spreads(&score.features));
+    section = section.table(slopes(&score.features));
+    section = section.figure(Figure::new(
+        feature_values(&points),
+        "The four features of every window by ground.",
+    ));
+    if let Some(lugs) = score.lugs {
+        section = section.figure(Figure::new(
+            feature_planes(&points, lugs),
+            "Windows in the planes of two features, with the paper's regions.",
+        ));
+    }
+    Some(section)
+}
+
+const NAMES: [&str; 4] = ["p1 frequency", "p2 amplitudes", "p3 mean", "p4 mean square"];
+
+fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
+    let row = |of: &FeaturesOfScenario| {
+        let features = of.features.iter().flat_map(|spread| {
+            let [low, middle, high] = spread.percentiles.map(|p| format!("{p:.2}"));
+            let text = format!("{middle} ({low} to {high})").replace('-', "−");
+            [
+                Cell::Written(text, spread.percentiles[1]),
+                Cell::Count(spread.within as u64),
+            ]
+        });
+        let first = [Cell::text(&of.scenario), Cell::Count(of.n as u64)];
+        first.into_iter().chain(features).collect()
+    };
+    let names = NAMES.iter().flat_map(|name| [*name, "in its region"]);
+    Table {
+        caption: "Median of each feature (10 % to 90 % of the windows), and windows within the paper's limits \
+                  for what the ground stands for"
+            .to_owned(),
+        columns: Column::named(["scenario", "windows"].into_iter().chain(names)),
+        rows: scenarios.iter().map(row).collect(),
+    }
+}
+
+/// Empty where speed was not swept.
+fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
+    let has = |of: &&FeaturesOfScenario| of.features.iter().any(|spread| spread.slope.is_some());
+    let row = |of: &FeaturesOfScenario| {
+        let slopes = of.features.iter().map(|spread| {
+            let told = |Slope {
+                            value,
+                            ci95: [low, high],
+                        }: Slope| {
+                let text = format!("{value:+.2} [{low:+.2}, {high:+.2}]");
+                Cell::Written(text.replace('-', "−"), value)
+            };
+            spread.slope.map_or(Cell::Missing, told)
+        });
+        std::iter::once(Cell::text(&of.scenario))
+            .chain(slopes)
+            .collect()
+    };
+    Table {
+        caption: "Decades of a feature per decade of speed, with Student's 95 % interval"
+            .to_owned(),
+        columns: Column::named(["scenario"].into_iter().chain(NAMES)),
+        rows: scenarios.iter().filter(has).map(row).collect(),
+    }
+}

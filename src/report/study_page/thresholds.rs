@@ -1,0 +1,128 @@
+//! How far the limits of Eq. (55) to (58) hold.
+
+use super::value_cell;
+use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::threshold_figure;
+use crate::study::thresholds::tally::Tally;
+use crate::study::thresholds::{Part, Statement, ThresholdScore};
+
+/// The share of windows above the paper's limits, the first of each equation.
+pub fn answer(score: &ThresholdScore) -> String {
+    let mut equations: Vec<&str> = Vec::new();
+    let first = shown(score).filter(|statement| {
+        let is_first = !equations.contains(&statement.equation);
+        equations.push(statement.equation);
+        is_first
+    });
+    let told = first.map(|statement| {
+        let violations = statement.parts[0].tally.violations;
+        let [value, low, high] =
+            [violations.value, violations.ci95[0], violations.ci95[1]].map(|s| 100.0 * s);
+        format!(
+            "{} {} {value:.1} % [{low:.1}, {high:.1}]",
+            statement.equation, statement.name
+        )
+    });
+    let told: Vec<String> = told.collect();
+    format!(
+        "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged \
+         wheels: {}.",
+        score.all_touched,
+        told.join("; ")
+    )
+}
+
+/// The limits as the paper states them, for its wheels of many lugs.
+fn shown(score: &ThresholdScore) -> impl Iterator<Item = &Statement> {
+    let statements = score.statements.iter();
+    statements.filter(|statement| statement.multi_lugged && statement.is_the_papers())
+}
+
+/// Tallies, parts and figures.
+pub fn sections(score: &ThresholdScore) -> Vec<Section> {
+    let summary = score.statements.iter().map(|statement| {
+        let wheels = if statement.multi_lugged {
+            "multi-lugged"
+        } else {
+            "olig-lugged"
+        };
+        let first = [
+            Cell::text(&statement.name),
+            Cell::text(statement.equation),
+            Cell::text(wheels),
+        ];
+        let then = [Cell::text(&statement.quantity), Cell::text(statement.limit)];
+        let first = first.into_iter().chain(tally(&statement.parts[0].tally));
+        first.chain(then).collect()
+    });
+    let parts = shown(score).flat_map(|statement| {
+        let by_sweep = statement.parts.iter().filter(|part| part.by != "all");
+        by_sweep.map(
+            |Part {
+                 by,
+                 value,
+                 tally: of,
+             }| {
+                let first = [
+                    Cell::text(&statement.name),
+                    Cell::text(by),
+                    value_cell(value),
+                ];
+                first.into_iter().chain(tally(of)).collect()
+            },
+        )
+    });
+    let hold = Section::new("Do the limits hold?")
+        .prose(format!(
+            "{} of {} windows are truly ALCT: nine in ten lugs or more touched. They are held to the limits; to \
+             those of displacements where nine in ten touch also without slip. The last but one column is the \
+             99 % quantile of value over limit: 1 is a limit just reached, 0.1 a loose one.",
+            score.all_touched, score.windows
+        ))
+        .table(Table {
+            caption: "Every limit. Shares have Wilson's 95 % interval, which takes windows for independent".to_owned(),
+            columns: columns(["name", "equation", "wheels"], &["what is limited", "the limit"]),
+            rows: summary.collect(),
+        })
+        .table(Table {
+            caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
+            columns: columns(["name", "by", "value"], &[]),
+            rows: parts.collect(),
+        });
+    let figures = shown(score).map(|statement| {
+        let caption = format!(
+            "{} {}: {}.",
+            statement.equation, statement.name, statement.quantity
+        );
+        Figure::new(threshold_figure(statement, &score.axes), caption)
+    });
+    let drawn = Section::new("How do the windows lie to the paper's limits?").prose(
+        "Every window over its limit, multi-lugged wheels; the folder of the study has the figures of the other \
+         limits and wheels.",
+    );
+    vec![hold, figures.fold(drawn, Section::figure)]
+}
+
+fn columns(first: [&str; 3], last: &[&str]) -> Vec<Column> {
+    let numbers = ["windows", "median", "95 %", "99 %", "largest", "limit"];
+    let then = ["99 % / limit", "above the limit"];
+    let names = first.iter().chain(&numbers).chain(&then).chain(last);
+    Column::named(names.copied())
+}
+
+fn tally(tally: &Tally) -> Vec<Cell> {
+    let [low, high] = tally.bound;
+    let bound = if high - low < 0.005 {
+        format!("{low:.2}")
+    } else {
+        format!("{low:.2} to {high:.2}")
+    };
+    let numbers = [tally.median, tally.q95, tally.q99, tally.largest];
+    let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
+    let mut cells = vec![Cell::Count(tally.n as u64)];
+    cells.extend(numbers.map(number));
+    cells.push(Cell::Written(bound, high));
+    cells.push(number(tally.tightness));
+    cells.push(Cell::share(&tally.violations));
+    cells
+}

@@ -1,0 +1,141 @@
+//! What the runs of a condition have in common: means of their steady values, from `runs.csv`.
+
+use super::Study;
+use super::table::bare;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::collections::HashMap;
+
+/// A steady value of a run, as a reader wants it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// What it is.
+    pub name: &'static str,
+    /// Its unit as shown.
+    pub unit: &'static str,
+    column: &'static str,
+    /// From the column's unit to the one shown.
+    factor: f64,
+}
+
+const fn quantity(name: &'static str, unit: &'static str, column: &'static str) -> Quantity {
+    Quantity {
+        name,
+        unit,
+        column,
+        factor: 1.0,
+    }
+}
+
+/// What is told of every condition.
+pub const QUANTITIES: [Quantity; 8] = [
+    quantity("drawbar pull", "N", "drawbar_pull_mean_n"),
+    quantity("load", "N", "normal_force_mean_n"),
+    quantity("driving torque", "N m", "driving_torque_mean_n_m"),
+    Quantity {
+        factor: 1.0e3,
+        ..quantity("sinkage", "mm", "sinkage_mean_m")
+    },
+    quantity("slip", "-", "slip_ratio_mean"),
+    quantity(
+        "acceleration 2 to 20 Hz, rms",
+        "m/s²",
+        "acceleration_rms_2_20_hz_m_s2",
+    ),
+    quantity("20 to 200 Hz", "m/s²", "acceleration_rms_20_200_hz_m_s2"),
+    quantity("200 to 800 Hz", "m/s²", "acceleration_rms_200_800_hz_m_s2"),
+];
+
+/// A condition and the means of its runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Condition {
+    /// The scenario.
+    pub scenario: String,
+    /// Values of the swept keys, as TOML.
+    pub values: Vec<String>,
+    /// Runs that did not fail.
+    pub runs: usize,
+    /// Runs that failed.
+    pub failed: usize,
+    /// Every quantity, in the order of [`QUANTITIES`]; none where no run has it.
+    pub means: [Option<Mean>; QUANTITIES.len()],
+}
+
+/// The mean of some runs, in the unit of its [`Quantity`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mean {
+    /// The mean.
+    pub value: f64,
+    /// Student's 95 % interval over the runs; none of one run.
+    pub ci95: Option<[f64; 2]>,
+}
+
+impl Mean {
+    /// `None` of nothing.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        if values.is_empty() {
+            return None;
+        }
+        let value = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - value) * (v - value)).sum();
+        let quantile = StudentsT::new(0.0, 1.0, n - 1.0).map(|t| t.inverse_cdf(0.975));
+        let half = quantile.map(|quantile| quantile * libm::sqrt(squares / (n - 1.0) / n));
+        Some(Self {
+            value,
+            ci95: half.ok().map(|half| [value - half, value + half]),
+        })
+    }
+}
+
+impl Study {
+    /// The conditions in their order, from the table of the runs.
+    pub(super) fn conditions(&self, runs: &str) -> Vec<Condition> {
+        let mut reader = csv::Reader::from_reader(runs.as_bytes());
+        let header = reader.headers().cloned().unwrap_or_default();
+        let places: HashMap<&str, usize> = header.iter().zip(0..).collect();
+        let columns = QUANTITIES.map(|quantity| (places[quantity.column], quantity.factor));
+        let (number, failure) = (places["condition"], places["failure"]);
+        let records: Vec<csv::StringRecord> = reader.records().flatten().collect();
+        let of_one = records.chunk_by(|a, b| a[number] == b[number]);
+        let condition = |(condition, rows): (u64, &[csv::StringRecord])| {
+            let (named, entries) = self.condition(condition);
+            let entries = self.sweeps.iter().zip(entries);
+            let values = entries.flat_map(|(sweep, entry)| &sweep.rows[entry]);
+            let sound = rows.iter().filter(|row| row[failure].is_empty()).count();
+            Condition {
+                scenario: named.name.clone(),
+                values: values.map(|value| bare(value)).collect(),
+                runs: sound,
+                failed: rows.len() - sound,
+                means: columns.map(|(column, factor)| {
+                    let values = rows.iter().filter_map(|row| row[column].parse().ok());
+                    let values: Vec<f64> = values.map(|value: f64| factor * value).collect();
+                    Mean::of(&values)
+                }),
+            }
+        };
+        (0..).zip(of_one).map(condition).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Standard deviation 1 and t(0.975, 4) = 2.776.
+    #[test]
+    fn a_mean_has_students_interval_and_one_value_has_none() {
+        let values = [9.0, 11.0, 10.0, 9.0, 11.0];
+        let Mean { value, ci95 } = Mean::of(&values).unwrap();
+        let [low, high] = ci95.unwrap();
+        assert_eq!(value, 10.0);
+        assert!(
+            (high - 10.0 - 2.776 / libm::sqrt(5.0)).abs() < 1e-3
+                && (high + low - 20.0).abs() < 1e-9
+        );
+        let one = Mean::of(&[3.0]).unwrap();
+        assert_eq!((one.value, one.ci95), (3.0, None));
+        assert_eq!(Mean::of(&[]), None);
+    }
+}
