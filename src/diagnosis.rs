@@ -61,7 +61,7 @@ pub use investigation::{
 };
 pub use next_run::{FurtherRuns, NextRun};
 pub use observation::Observation;
-pub use responses::{Candidate, DiagnosisError, Level, Library, Measured, Responses};
+pub use responses::{Candidate, DiagnosisError, Level, Library, Measured, Moved, Responses};
 pub use screen::{Alarm, Screened, Suspicion, screen};
 pub use shrinkage::Shrinkage;
 pub use verdict::{Answer, Located, Recalibrated, Suspect, Verdict};

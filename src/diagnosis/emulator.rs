@@ -1,10 +1,11 @@
 //! Statistics as a function of parameters and of an effect's magnitude, condition by condition.
 //!
 //! ```text
-//! mean(θ, e, m) = base + J θ + d_e(m)
+//! mean(θ, e, m) = base + J θ + Q θ² + d_e(m)
 //! ```
 //!
-//! `θ` in standard deviations of the parameters' priors; changes of several effects add. All
+//! `θ` in standard deviations of the parameters' priors, `θ²` each one's own square; changes of
+//! several parameters and effects add. All
 //! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it, so that
 //! each is of unit variance. How far that holds for a run that had no part in it is tried on
 //! replicates left out, and the variance raised to what they show. The scatter of the changes from
@@ -15,6 +16,10 @@ use super::product::product;
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::shape::{Knot, Shape};
 use crate::gap::{Cell, Condition, Reading, Readings, Whitening};
+
+/// Offset [prior standard deviations] beyond which a parameter's change bends no more: it was
+/// simulated up to one.
+pub(super) const BENT: f64 = 2.5;
 
 /// Replicates that are left out, one at a time, to try the whitening.
 const TRIALS: usize = 12;
@@ -44,6 +49,8 @@ pub(super) struct Emulated {
     /// Change per parameter, and its variance.
     pub jacobian: Vec<Vec<f64>>,
     pub jacobian_error: Vec<Vec<f64>>,
+    /// Change per square of each parameter.
+    pub bend: Vec<Vec<f64>>,
     /// Change by candidate.
     pub shapes: Vec<Shape>,
 }
@@ -108,8 +115,18 @@ impl Emulated {
         let shapes = shapes
             .map(|(number, _)| Shape::new(transform.cells().len(), knots(number)))
             .collect();
-        let (jacobian, jacobian_error) =
-            responses.parameters.iter().map(|rows| change(rows)).unzip();
+        let (jacobian, jacobian_error) = responses
+            .parameters
+            .iter()
+            .map(|it| change(&it.slope))
+            .unzip();
+        let bend = responses
+            .parameters
+            .iter()
+            .map(|it| match it.bend.is_empty() {
+                true => vec![0.0; transform.cells().len()],
+                false => change(&it.bend).0,
+            });
         Ok(Self {
             condition: responses.condition.clone(),
             covariates: responses.covariates,
@@ -117,11 +134,21 @@ impl Emulated {
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
             variance: tried(responses, &rows).map_err(of_replicates)?,
             least: transform.least(&responses.sizes, calibration.least_spread),
+            bend: bend.collect(),
             jacobian,
             jacobian_error,
             shapes,
             transform,
         })
+    }
+
+    /// Adds the change that parameters make to `sums`.
+    pub fn add_parameters(&self, offsets: &[f64], sums: &mut [f64]) {
+        for ((slope, bend), offset) in self.jacobian.iter().zip(&self.bend).zip(offsets) {
+            super::product::add(sums, *offset, slope);
+            let bent = offset.clamp(-BENT, BENT);
+            super::product::add(sums, bent * bent, bend);
+        }
     }
 
     /// A run's departure from the replicates' mean, whitened.

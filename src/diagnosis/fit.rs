@@ -1,8 +1,9 @@
 //! A hypothesis fitted to all conditions, and to all but each one of them.
 //!
 //! Numbers are whitened, so that with precisions `Λ` the log likelihood of parameters `θ` and
-//! strengths `m` is `−½ (r − d(m) − J θ)ᵀ Λ (r − d(m) − J θ)`. It is exact in `θ`, whose prior is
-//! normal of one of a few spreads; strengths are tried on a grid that closes in on where the
+//! strengths `m` is `−½ (r − d(m) − J θ)ᵀ Λ (r − d(m) − J θ)`. It is exact in `θ` where the
+//! change bends little, else taken about the best fit of the round before; its prior is normal of one
+//! of a few spreads; strengths are tried on a grid that closes in on where the
 //! posterior is. `Λ` holds the spread of measurements and replicates, the emulator's error at the
 //! best fit, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
 //! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone.
@@ -11,7 +12,7 @@
 //! is a predictive density, Laplace's approximation over the parameters.
 
 use super::calibration::Calibration;
-use super::emulator::{Emulated, Emulator};
+use super::emulator::{BENT, Emulated, Emulator};
 use super::grid::Axis;
 use super::hypothesis::{Hypothesis, Scale};
 use super::observation::{Observation, Observed};
@@ -92,7 +93,9 @@ impl Fit {
             .map(|(_, observed)| observed.variance.clone())
             .collect();
         let mut precisions: Vec<Vec<f64>> = variances.iter().map(|v| inverse(v)).collect();
-        let mut posterior = Posterior::new(problem, &hypothesis, &precisions, None);
+        let nowhere = vec![0.0; problem.emulator.parameters.len()];
+        let about = Local::all(problem, &nowhere);
+        let mut posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), None);
         for _ in 1..ROUNDS {
             let (strengths, offsets) = posterior.best();
             for (number, (emulated, observed)) in problem.conditions().enumerate() {
@@ -102,7 +105,9 @@ impl Fit {
                 precisions[number] =
                     model.precision(observed, &variances[number], problem.calibration.freedom);
             }
-            posterior = Posterior::new(problem, &hypothesis, &precisions, Some(posterior.axes));
+            let about = Local::all(problem, offsets.as_slice());
+            let axes = Some(posterior.axes);
+            posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), axes);
         }
         let held_out = problem.conditions().enumerate();
         let held_out = held_out
@@ -148,9 +153,7 @@ impl<'a> Model<'a> {
         for (&effect, &strength) in effects.iter().zip(strengths) {
             emulated.shapes[effect].add(strength, 1.0, &mut by_effects);
         }
-        for (column, offset) in emulated.jacobian.iter().zip(offsets) {
-            add(&mut by_parameters, *offset, column);
-        }
+        emulated.add_parameters(offsets, &mut by_parameters);
         Self {
             effects,
             strengths,
@@ -194,6 +197,41 @@ impl<'a> Model<'a> {
     }
 }
 
+/// A condition about some parameters: `r − J θ − Q θ²` as a straight line in `θ`.
+struct Local {
+    jacobian: Vec<Vec<f64>>,
+    residual: Vec<f64>,
+}
+
+impl Local {
+    fn all(problem: Problem, offsets: &[f64]) -> Vec<Self> {
+        let conditions = problem.conditions();
+        conditions
+            .map(|(emulated, observed)| Self::about(emulated, observed, offsets))
+            .collect()
+    }
+
+    fn about(emulated: &Emulated, observed: &Observed, offsets: &[f64]) -> Self {
+        let mut residual = observed.residual.clone();
+        let slopes = emulated.jacobian.iter().zip(&emulated.bend).zip(offsets);
+        let jacobian = slopes.map(|((slope, bend), offset)| {
+            let bent = offset.clamp(-BENT, BENT);
+            let mut slope = slope.clone();
+            if bent == *offset {
+                add(&mut slope, 2.0 * bent, bend);
+                add(&mut residual, bent * bent, bend);
+            } else {
+                add(&mut residual, -bent * bent, bend);
+            }
+            slope
+        });
+        Self {
+            jacobian: jacobian.collect(),
+            residual,
+        }
+    }
+}
+
 /// Sums of one condition, at every point of the grid.
 struct Terms {
     /// `Jᵀ Λ J`.
@@ -207,13 +245,12 @@ struct Terms {
 impl Terms {
     fn new(
         emulated: &Emulated,
-        observed: &Observed,
+        Local { jacobian, residual }: &Local,
         precision: &[f64],
         axes: &[(usize, Axis)],
     ) -> Self {
-        let count = emulated.jacobian.len();
-        let weighted: Vec<Vec<f64>> = emulated
-            .jacobian
+        let count = jacobian.len();
+        let weighted: Vec<Vec<f64>> = jacobian
             .iter()
             .map(|column| scaled(column, precision))
             .collect();
@@ -221,11 +258,11 @@ impl Terms {
             DVector::from_iterator(count, weighted.iter().map(|column| product(column, row)))
         };
         let information = DMatrix::from_fn(count, count, |i, j| {
-            product(&weighted[i.max(j)], &emulated.jacobian[i.min(j)])
+            product(&weighted[i.max(j)], &jacobian[i.min(j)])
         });
-        let weighted_residual = scaled(&observed.residual, precision);
-        let mut squares = vec![product(&weighted_residual, &observed.residual)];
-        let mut projections = vec![project(&observed.residual)];
+        let weighted_residual = scaled(residual, precision);
+        let mut squares = vec![product(&weighted_residual, residual)];
+        let mut projections = vec![project(residual)];
         let mut former: Option<Vec<Vec<f64>>> = None;
         for (effect, axis) in axes {
             let changes: Vec<Vec<f64>> = axis
@@ -237,7 +274,7 @@ impl Terms {
                 .iter()
                 .map(|change| {
                     let weighted = scaled(change, precision);
-                    let along = product(&weighted, &observed.residual);
+                    let along = product(&weighted, residual);
                     let square = product(&weighted, change) - 2.0 * along;
                     (square, project(change), weighted)
                 })
@@ -327,7 +364,7 @@ impl Posterior {
     fn new(
         problem: Problem,
         hypothesis: &Hypothesis,
-        precisions: &[Vec<f64>],
+        (about, precisions): (&[Local], &[Vec<f64>]),
         before: Option<Vec<(usize, Axis)>>,
     ) -> Self {
         let candidates = &problem.emulator.candidates;
@@ -345,10 +382,10 @@ impl Posterior {
         };
         let scales = hypothesis.scales(problem.emulator.parameters.len());
         for look in 0.. {
-            let terms = problem.conditions().zip(precisions);
+            let terms = problem.conditions().zip(about).zip(precisions);
             let terms = terms
-                .map(|((emulated, observed), precision)| {
-                    Terms::new(emulated, observed, precision, &axes)
+                .map(|(((emulated, _), about), precision)| {
+                    Terms::new(emulated, about, precision, &axes)
                 })
                 .collect();
             let posterior = Self {

@@ -138,9 +138,7 @@ fn draw(problem: Problem, hypothesis: &Hypothesis, rng: &mut impl Rng) -> Vec<Ve
                     libm::sqrt(*variance) * (normal(rng) + off)
                 })
                 .collect();
-            for (column, offset) in emulated.jacobian.iter().zip(&offsets) {
-                add(&mut row, *offset, column);
-            }
+            emulated.add_parameters(&offsets, &mut row);
             for (&effect, strength) in hypothesis.effects().iter().zip(&strengths) {
                 emulated.shapes[effect].add(*strength, 1.0, &mut row);
             }

@@ -4,7 +4,7 @@ use super::arm::Arm;
 use super::bank::{Outcome, Request};
 use super::condition::Case;
 use super::plan::{Plan, Signature, Slope};
-use super::responses::{Candidate, Level, Library, Measured, Responses};
+use super::responses::{Candidate, Level, Library, Measured, Moved, Responses};
 use crate::gap::{Comparison, Run, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -130,9 +130,9 @@ impl Rows<'_> {
         }
     }
 
-    /// Change per standard deviation, stream by stream: half the way from down to up, or the one
-    /// way that could be simulated. A parameter that no stream tells changes nothing.
-    fn slope(&self, slope: &Slope) -> Vec<Vec<f64>> {
+    /// Half the way from down to up, and half of what is between it and the middle; or the one way
+    /// that could be simulated. A parameter that no stream tells changes nothing.
+    fn slope(&self, slope: &Slope) -> Moved {
         let [down, up] = [0, 1].map(|way| self.changes(&slope.arms[way]));
         let streams: BTreeSet<u64> = down.keys().chain(up.keys()).copied().collect();
         let of_stream = |stream: u64| match (down.get(&stream), up.get(&stream)) {
@@ -144,9 +144,16 @@ impl Rows<'_> {
             (None, Some(up)) => up.clone(),
             (None, None) => vec![0.0; self.table.cells.len()],
         };
-        match streams.is_empty() {
-            true => vec![vec![0.0; self.table.cells.len()]],
-            false => streams.into_iter().map(of_stream).collect(),
+        let bend = |stream: &u64| {
+            let ways = down.get(stream)?.iter().zip(up.get(stream)?);
+            Some(ways.map(|(down, up)| 0.5 * (up + down)).collect())
+        };
+        Moved {
+            bend: streams.iter().filter_map(bend).collect(),
+            slope: match streams.is_empty() {
+                true => vec![vec![0.0; self.table.cells.len()]],
+                false => streams.iter().copied().map(of_stream).collect(),
+            },
         }
     }
 

@@ -101,6 +101,16 @@ pub struct Level {
     pub changes: Vec<Vec<f64>>,
 }
 
+/// Changes of the statistics by a parameter off the middle of its prior by `θ` standard deviations:
+/// `slope θ + bend θ²`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moved {
+    /// One row a stream; at least one.
+    pub slope: Vec<Vec<f64>>,
+    /// One row a stream; none where only one way was simulated.
+    pub bend: Vec<Vec<f64>>,
+}
+
 /// What a simulator says of one condition, in the cells' units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Responses {
@@ -114,8 +124,8 @@ pub struct Responses {
     pub sizes: Vec<f64>,
     /// Replicates without effect, at the middle of the parameters.
     pub base: Vec<Vec<f64>>,
-    /// By parameter, one row a stream: change per standard deviation of its prior.
-    pub parameters: Vec<Vec<Vec<f64>>>,
+    /// What each parameter changes.
+    pub parameters: Vec<Moved>,
     /// By candidate, its levels; none where the simulation of it failed.
     pub effects: Vec<Vec<Level>>,
 }
@@ -154,8 +164,9 @@ impl Responses {
         )?;
         self.expect("the effects", self.effects.len(), library.candidates.len())?;
         self.rows("a replicate", &self.base)?;
-        for rows in &self.parameters {
-            self.rows("a parameter's change", rows)?;
+        for moved in &self.parameters {
+            self.rows("a parameter's change", &moved.slope)?;
+            self.rows("a parameter's change", &moved.bend)?;
         }
         for level in self.effects.iter().flatten() {
             self.rows("an effect's change", &level.changes)?;

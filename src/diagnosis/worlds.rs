@@ -144,7 +144,10 @@ impl World {
                 .map(|_| self.run(number, &Truth::default(), &mut rng))
                 .collect(),
             parameters: (0..self.size.parameters)
-                .map(|p| self.streams(number, &Truth::parameter(p, 1.0), &mut rng))
+                .map(|p| Moved {
+                    slope: self.streams(number, &Truth::parameter(p, 1.0), &mut rng),
+                    bend: Vec::new(),
+                })
                 .collect(),
             effects: (0..self.size.effects)
                 .map(|effect| {

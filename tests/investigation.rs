@@ -1,0 +1,211 @@
+//! From measured runs and a scenario to an answer: short runs on flat hard ground, where few
+//! parameters and effects are, so that the whole way is gone in seconds.
+
+use lugwheel::diagnosis::{
+    Answer, Calibration, Diagnosis, Investigation, InvestigationError, Settings, bank,
+};
+use lugwheel::effects::catalogue;
+use lugwheel::quantity::Seed;
+use lugwheel::scenario::Scenario;
+use lugwheel::trace::Trace;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Effects that are tried; all others are held to be impossible.
+const TRIED: [&str; 4] = ["gain_error", "bias_drift", "quantization", "added_noise"];
+
+/// A second on slate, with the noise of a real sensor.
+fn rig() -> Scenario {
+    let folder = env!("CARGO_MANIFEST_DIR");
+    let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_ht.toml")).unwrap();
+    let edits = [
+        "duration=1.0",
+        "physics_rate=8000",
+        "sensors.accelerometer.acceleration_y.noise_density=4.9e-5",
+        "sensors.force_torque.normal_force.noise_density=2.0e-3",
+        "sensors.force_torque.drawbar_pull.noise_density=2.0e-3",
+        "sensors.force_torque.driving_torque.noise_density=1.2e-4",
+        "sensors.encoder.forward_speed.noise_density=1.0e-6",
+    ];
+    scenario.with_all(&edits).unwrap()
+}
+
+/// Three conditions, each measured twice, of a rig with these edits; other ground than the
+/// simulations'.
+fn measured(edits: &[&str]) -> Vec<Trace> {
+    let conditions = [[0.1, 0.03], [0.3, 0.03], [0.1, 0.06]];
+    let run = |number: usize| {
+        let [slip, speed] = conditions[number % 3];
+        let scenario = rig().with_all(edits).unwrap();
+        let scenario = scenario
+            .with_all(&[
+                format!("rig.single_wheel.slip={slip}"),
+                format!("rig.single_wheel.forward_speed={speed}"),
+            ])
+            .unwrap();
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let mut trace = scenario.run(Seed(77), number as u64, go_on).unwrap();
+        trace.truth = None;
+        trace.attributes.physics_rate = None;
+        trace
+    };
+    (0..6).map(run).collect()
+}
+
+fn settings(tried: &[&str]) -> Settings {
+    let others = catalogue().map(|effect| effect.name);
+    let others = others.filter(|name| !tried.contains(name));
+    Settings {
+        longest: 20.0,
+        // Seven replicates and two streams of seven parameters.
+        budget: 400.0,
+        without: others.map(str::to_owned).collect(),
+        seed: Seed(5),
+        calibration: Calibration::default(),
+    }
+}
+
+fn go_on(_: bank::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn diagnosed(runs: &[Trace], tried: &[&str], folder: &Path) -> Diagnosis {
+    let settings = settings(tried);
+    let investigation = Investigation::new(runs, &rig(), &settings, (folder, "test 1")).unwrap();
+    investigation.run(&go_on).unwrap().0
+}
+
+fn refused(runs: &[Trace], settings: &Settings) -> InvestigationError {
+    let folder = tempfile::tempdir().unwrap();
+    let investigation = Investigation::new(runs, &rig(), settings, (folder.path(), "test 1"));
+    match investigation {
+        Err(error) => error,
+        Ok(investigation) => investigation.run(&go_on).unwrap_err(),
+    }
+}
+
+#[test]
+fn a_wrong_gain_is_named_found_and_closes_the_gap_and_the_cache_gives_the_same_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = measured(&["effect.gain_error.normal_force=0.08"]);
+    let diagnosis = diagnosed(&runs, &TRIED, folder.path());
+    let verdict = &diagnosis.verdict;
+    assert_eq!(
+        verdict.verdict,
+        Answer::Effect,
+        "{:?}",
+        verdict.probabilities
+    );
+    assert!(verdict.named[0].contains(&"gain_error.normal_force".to_owned()));
+    let first = &verdict.effects[0];
+    assert!((first.magnitude - 0.08).abs() < 0.02, "{first:?}");
+    let closed = diagnosis.closed.unwrap();
+    assert!(closed.value > 0.6, "{closed:?}");
+    let gap = diagnosis.gap.unwrap();
+    assert!(gap.with_effect < gap.recalibrated && gap.recalibrated <= gap.as_shipped + 0.05);
+    // What was predicted comes true when it is simulated.
+    assert!(
+        diagnosis.again.iter().all(|again| again.as_predicted),
+        "{:?}",
+        diagnosis.again
+    );
+    let again = diagnosed(&runs, &TRIED, folder.path());
+    let text = |diagnosis: &Diagnosis| serde_json::to_string(diagnosis).unwrap();
+    assert_eq!(text(&diagnosis), text(&again));
+}
+
+#[test]
+fn an_effect_that_is_held_to_be_impossible_is_unknown_where_it_shows_and_no_other_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = measured(&["effect.gain_error.normal_force=0.08"]);
+    let diagnosis = diagnosed(&runs, &["quantization", "added_noise"], folder.path());
+    let verdict = &diagnosis.verdict;
+    assert_eq!(
+        verdict.verdict,
+        Answer::Unknown,
+        "{:?}",
+        verdict.probabilities
+    );
+    let first = &verdict.located[0].cell;
+    assert!(first.channel.contains("normal_force"), "{first}");
+}
+
+#[test]
+fn where_nothing_is_wrong_no_effect_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let diagnosis = diagnosed(&measured(&[]), &TRIED, folder.path());
+    let verdict = &diagnosis.verdict;
+    let calm = [Answer::None, Answer::Parameter, Answer::Undecided];
+    assert!(
+        calm.contains(&verdict.verdict),
+        "{:?}",
+        verdict.probabilities
+    );
+    assert!(
+        verdict
+            .effects
+            .iter()
+            .all(|suspect| suspect.probability < 0.5)
+    );
+}
+
+#[test]
+fn one_condition_measured_once_gives_no_confident_answer_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = measured(&["effect.gain_error.normal_force=0.08"]);
+    let diagnosis = diagnosed(&runs[..1], &TRIED, folder.path());
+    let verdict = &diagnosis.verdict;
+    assert_eq!(
+        verdict.verdict,
+        Answer::Undecided,
+        "{:?}",
+        verdict.probabilities
+    );
+    let reasons = verdict.reasons.join("; ");
+    assert!(
+        reasons.contains("one condition") && reasons.contains("no repeats"),
+        "{reasons}"
+    );
+    assert!(verdict.next_run.is_some());
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_with_its_reason() {
+    let runs = measured(&[]);
+    let sound = settings(&TRIED);
+    assert_eq!(
+        refused(&[], &sound).to_string(),
+        "there are no measured runs"
+    );
+    let mut foreign = runs[0].clone();
+    for channel in &mut foreign.channels {
+        channel.name = format!("my_{}", channel.name);
+    }
+    let message = refused(&[foreign], &sound).to_string();
+    assert!(
+        message.contains("no simulation makes what it holds: my_"),
+        "{message}"
+    );
+    let mut large = runs[0].clone();
+    large.attributes.wheel_radius = 0.2;
+    let message = refused(&[large], &sound).to_string();
+    assert!(
+        message.contains("radius of 0.2 m, the scenario's 0.14 m"),
+        "{message}"
+    );
+    let without = Settings {
+        without: vec!["slipsinkage".to_owned()],
+        ..sound.clone()
+    };
+    let message = refused(&runs, &without).to_string();
+    assert_eq!(
+        message,
+        "there is no effect `slipsinkage` to leave out; `lugwheel effects` lists them"
+    );
+    let poor = Settings {
+        budget: 1.0,
+        ..sound
+    };
+    let message = refused(&runs, &poor).to_string();
+    assert!(message.contains("1 s of driving are too few"), "{message}");
+}
