@@ -21,7 +21,7 @@
 //! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
 //! [`study`]
 //! many of them in one table with a score of the classes recognised and of the limits that the paper
-//! sets to vibration, [`report`] draws what came of it.
+//! sets to vibration, [`report`] draws what came of it and makes pages of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
