@@ -5,7 +5,13 @@ mod chromium;
 use chromium::{look, sheets};
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::report::page::{Cell, Code, Column, Figure, Page, Provenance, Section, Table};
-use lugwheel::report::{confusion_figure, page};
+use lugwheel::report::{ToldStudy, confusion_figure, page, study_page};
+use lugwheel::study::{Options, Study};
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::LazyLock;
+use tempfile::TempDir;
 
 /// Widths [px] of a screen and of a telephone.
 const SCREEN: u32 = 1280;
@@ -119,4 +125,153 @@ fn a_page_prints_with_what_is_folded_on_the_screen() {
     // Eighty lines do not fit below the rest on one sheet.
     let printed = sheets(&sample());
     assert!((2..6).contains(&printed), "{printed}");
+}
+
+/// Two grounds at three slips, asked for classes, limits and parameters: a second of each run.
+const STUDY: &str = r#"
+version = 1
+title = "Everything at once"
+scenarios = ["SCENARIOS/single_wheel_ht.toml", "SCENARIOS/single_wheel_st.toml"]
+seed = 5
+repeats = 1
+random_numbers = "independent"
+[set]
+duration = 8.0
+window = 4.0
+lead_in = 1.0
+rig.single_wheel.forward_speed = 0.02
+[[sweep]]
+key = "rig.single_wheel.slip"
+values = [0.0, 0.2, 0.4]
+[recognition]
+[recognition.published]
+ALCT = [58, 0, 0, 2]
+SLCT = [0, 118, 0, 2]
+LEIS = [0, 0, 116, 4]
+[thresholds]
+bandwidths = [20.0, 100.0]
+[identification]
+[identification.published]
+ALCT = [15.2, 11.68, 15.52]
+SLCT = [11.85, 6.67, 8.46]
+LEIS = [8.11, 7.64, 7.75]
+"#;
+
+/// The page of that study and what its folder holds.
+static STUDY_PAGE: LazyLock<String> = LazyLock::new(|| {
+    let folder = TempDir::new().unwrap();
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let file = folder.path().join("everything.toml");
+    fs::write(
+        &file,
+        STUDY.replace("SCENARIOS", scenarios.to_str().unwrap()),
+    )
+    .unwrap();
+    let study = Study::load(&file).unwrap();
+    let options = Options {
+        out: folder.path().join("out"),
+        jobs: None,
+        resume: false,
+        shard: None,
+    };
+    let outcome = study
+        .execute(&options, &|_| ControlFlow::Continue(()))
+        .unwrap();
+    let run = study.runs().next().unwrap();
+    let still = study.run(&run, &mut |_| ControlFlow::Continue(())).unwrap();
+    page(&study_page(&ToldStudy {
+        study: &study,
+        name: "everything",
+        outcome: &outcome,
+        stills: &[("single_wheel_ht".to_owned(), still)],
+        facts: &[("program".to_owned(), "lugwheel".to_owned())],
+        commands: &["lugwheel study everything.toml --out out".to_owned()],
+    }))
+});
+
+#[test]
+fn the_page_of_a_study_draws_what_it_asked_for_within_its_frames() {
+    let found = look(&STUDY_PAGE, SCREEN);
+    assert_eq!(found["errors"], serde_json::json!([]));
+    let drawings = found["drawings"].as_array().unwrap();
+    let titles: Vec<&str> = drawings
+        .iter()
+        .map(|d| d["title"].as_str().unwrap())
+        .collect();
+    // Two methods, two of features, the paper's limits, parameters, forces of two grounds, a run.
+    assert!(drawings.len() >= 12, "{titles:?}");
+    for drawing in drawings {
+        assert!(drawing["width"].as_f64().unwrap() > 300.0, "{drawing}");
+        assert!(drawing["parts"].as_u64().unwrap() > 5, "{drawing}");
+        assert_eq!(drawing["outside"], serde_json::json!([]), "{drawing}");
+        assert_eq!(drawing["overlaps"], serde_json::json!([]), "{drawing}");
+    }
+    assert!(found["tables"].as_array().unwrap().len() >= 8);
+}
+
+#[test]
+fn the_page_of_a_study_fits_a_telephone_and_paper() {
+    let found = look(&STUDY_PAGE, TELEPHONE);
+    assert_eq!(found["pageWidth"], TELEPHONE, "{}", found["wideBoxes"]);
+    assert!(sheets(&STUDY_PAGE) > 5);
+}
+
+#[test]
+fn the_page_of_a_study_has_answer_published_numbers_and_how_to_run_it_again() {
+    for part in [
+        "<h1>Everything at once</h1>",
+        "What changes with rig.single_wheel.slip in single_wheel_ht, single_wheel_st?",
+        "Windows told by the class their ground stands for: paper ",
+        "published 292 of 300, 97.3 % [94.8, 98.6]",
+        "exceed the paper&#x27;s limits",
+        "(published 15.2 / 11.7 / 15.5)",
+        "the paper&#x27;s ground (Table 6)",
+        "lugwheel study everything.toml --out out",
+        "6 = 2 × 3 × 1 (scenarios × entries of each sweep × repeats), 0 failed",
+        "values = [0.0, 0.2, 0.4]",
+    ] {
+        assert!(STUDY_PAGE.contains(part), "{part}");
+    }
+    assert!(!STUDY_PAGE.contains("Which runs failed"));
+}
+
+/// Sand does not carry a hundred tonnes.
+#[test]
+fn a_run_that_failed_is_named_on_the_page_with_its_reason() {
+    let folder = TempDir::new().unwrap();
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let file = folder.path().join("heavy.toml");
+    let text = format!(
+        "version = 1\nscenarios = [\"{}/single_wheel_st.toml\"]\nseed = 1\nrepeats = 1\n\
+         random_numbers = \"common\"\n[set]\nduration = 0.5\nphysics_rate = 4000\n\
+         [[sweep]]\nkey = \"rig.single_wheel.load\"\nvalues = [100.0, 1e6]\n",
+        scenarios.display()
+    );
+    fs::write(&file, text).unwrap();
+    let study = Study::load(&file).unwrap();
+    let options = Options {
+        out: folder.path().join("out"),
+        jobs: None,
+        resume: false,
+        shard: None,
+    };
+    let outcome = study
+        .execute(&options, &|_| ControlFlow::Continue(()))
+        .unwrap();
+    let html = page(&study_page(&ToldStudy {
+        study: &study,
+        name: "heavy",
+        outcome: &outcome,
+        stills: &[],
+        facts: &[],
+        commands: &[],
+    }));
+    let failure = &outcome.failures[0];
+    assert_eq!((outcome.failures.len(), failure.run), (1, 1));
+    assert!(html.contains("1 of 2 runs failed."));
+    assert!(html.contains("single_wheel_st, rig.single_wheel.load = 1000000.0"));
+    assert!(
+        html.contains("Drawbar pull") || html.contains("The wheel pulls "),
+        "the other run counts"
+    );
 }
