@@ -240,6 +240,13 @@ impl Study {
         self.condition_count() * u64::from(self.repeats)
     }
 
+    /// Time [s] simulated in all runs.
+    pub fn simulated(&self) -> f64 {
+        let conditions = 0..self.condition_count();
+        let durations = conditions.map(|condition| self.scenario_of(condition).duration);
+        durations.sum::<f64>() * f64::from(self.repeats)
+    }
+
     fn condition_count(&self) -> u64 {
         self.scenarios.len() as u64 * self.combinations()
     }

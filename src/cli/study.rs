@@ -116,8 +116,7 @@ impl StudyCommand {
             .clone()
             .unwrap_or_else(|| PathBuf::from("output").join(&stem));
         output::make_folder(&out)?;
-        let durations = study.runs().map(|run| study.scenario(&run).duration);
-        let progress = Progress::new(output, &stem, durations.sum());
+        let progress = Progress::new(output, &stem, study.simulated());
         let outcome = self.outcome(&study, &out, &progress)?;
         let computing_s = progress.elapsed();
         drop(progress);
