@@ -3,6 +3,7 @@
 //! A command's result goes to stdout, as text or with `--json` as one document; progress and
 //! warnings go to stderr. [`failure`] has the exit codes.
 
+mod cluster;
 mod dataset;
 mod demo;
 mod diagnose;

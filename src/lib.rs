@@ -10,7 +10,7 @@
 //!
 //! A tour, in the order in which the modules build on each other. What things are:
 //! [`quantity`] holds the few typed numbers, [`document`] the texts that describe experiments and
-//! campaigns and the faults in them, [`wheel`] the wheel, [`soil`] the equations of wheel and soil
+//! campaigns and the faults in them, [`whole_file`] the only way to write a file, [`wheel`] the wheel, [`soil`] the equations of wheel and soil
 //! with the project's symbol table, [`terrain`] the ground along the track, [`vibration`] the
 //! kinematics of a rigid wheel that rolls over it. What happens: [`simulation`] moves the wheel,
 //! state by state. What is measured: [`trace`] holds channels and truth, [`sensors`] turn states
@@ -52,6 +52,7 @@ pub mod quantity;
 
 pub mod document;
 pub mod wheel;
+pub mod whole_file;
 
 pub mod soil;
 pub mod terrain;

@@ -87,6 +87,7 @@
 //! origin.txt     program version, seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on
+//! slurm/         what the jobs of a cluster said, see `study::slurm`
 //! ```
 
 mod band;
@@ -99,6 +100,7 @@ mod references;
 pub mod runs;
 pub mod score;
 mod shard;
+pub mod slurm;
 mod sweep;
 mod table;
 pub mod thresholds;
@@ -116,6 +118,7 @@ use identification::{IdentificationTable, Plan};
 use recognition::{Recognition, RecognitionTable};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
+use slurm::SlurmError;
 use std::collections::HashSet;
 use std::io;
 use std::ops::{ControlFlow, Range};
@@ -247,6 +250,13 @@ impl Study {
     /// Number of runs: scenarios x entries of each sweep x repeats.
     pub fn run_count(&self) -> u64 {
         self.condition_count() * u64::from(self.repeats)
+    }
+
+    /// Time [s] simulated in all runs.
+    pub fn simulated(&self) -> f64 {
+        let conditions = 0..self.condition_count();
+        let durations = conditions.map(|condition| self.scenario_of(condition).duration);
+        durations.sum::<f64>() * f64::from(self.repeats)
     }
 
     fn condition_count(&self) -> u64 {
@@ -589,6 +599,14 @@ fn check_once(settings: &[(String, String)], sweeps: &[Sweep]) -> Result<(), Wro
     Ok(())
 }
 
+/// What a failed write means for the study.
+fn way_on(action: &str) -> &'static str {
+    match action {
+        "write" => "; what is whole stays, and --resume goes on from it",
+        _ => "",
+    }
+}
+
 /// Why a study is none, or was not finished.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
@@ -621,7 +639,7 @@ pub enum StudyError {
         folder: PathBuf,
     },
     /// The file system refused.
-    #[error("cannot {action} {}", path.display())]
+    #[error("cannot {action} {}{}", path.display(), way_on(action))]
     File {
         /// `read`, `write` or `make`.
         action: &'static str,
@@ -630,6 +648,19 @@ pub enum StudyError {
         /// The system's reason.
         source: io::Error,
     },
+    /// Shards are missing or damaged.
+    #[error(
+        "{missing} shards of runs in {} are missing or damaged; --resume does them", folder.display()
+    )]
+    Incomplete {
+        /// The folder.
+        folder: PathBuf,
+        /// How many.
+        missing: usize,
+    },
+    /// The cluster did not do it.
+    #[error(transparent)]
+    Slurm(#[from] SlurmError),
     /// The threads cannot be had.
     #[error("cannot start {jobs} threads; ask for fewer (--jobs)")]
     Threads {

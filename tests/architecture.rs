@@ -8,6 +8,7 @@ const ORDER: [&str; 19] = [
     "quantity",
     "document",
     "wheel",
+    "whole_file",
     "soil",
     "terrain",
     "vibration",

@@ -1,8 +1,12 @@
 //! A study's results depend on its file alone: not on threads, interruptions or how it was shared.
 
+#[path = "common/results.rs"]
+mod results;
+
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::{Options, Outcome, Progress, Run, Study, StudyError};
 use lugwheel::terrain::class::Wtic;
+use results::contents;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -68,26 +72,6 @@ fn execute(study: &Study, options: &Options) -> Result<Outcome, StudyError> {
 
 fn done(study: &Study, options: &Options) -> Outcome {
     execute(study, options).unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// Every file below a folder with its bytes, without those that hold computing times.
-fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut found = Vec::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(inner) = folders.pop() {
-        for entry in std::fs::read_dir(inner).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            if path.is_dir() {
-                folders.push(path);
-            } else if name != "timing.csv" && !name.ends_with(".times.csv") {
-                let relative = path.strip_prefix(folder).unwrap().to_owned();
-                found.push((relative, std::fs::read(path).unwrap()));
-            }
-        }
-    }
-    found.sort();
-    found
 }
 
 /// What the short study leaves behind on two threads, at one go.

@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 use clap::Args;
+use lugwheel::whole_file;
 use serde::Serialize;
 use std::fmt::Display;
 use std::fs;
@@ -57,37 +58,12 @@ pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
     })
 }
 
-/// Writes a whole file or nothing: it takes its name when it is complete.
+/// Writes a whole file or nothing.
 pub fn write_file(path: &Path, content: &str) -> anyhow::Result<()> {
-    write_beside(path, content).map_err(|error| {
-        let message = error.to_string();
-        // Without the path of the temporary file.
-        let reason = message.split(" at path").next().unwrap_or(&message);
+    whole_file::write(path, content.as_bytes()).map_err(|error| {
         anyhow::anyhow!(
-            "cannot write {}: {reason}; name another place with --out",
+            "cannot write {}: {error}; name another place with --out",
             path.display()
         )
     })
-}
-
-fn write_beside(path: &Path, content: &str) -> io::Result<()> {
-    if path.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".lugwheel-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut part = builder.tempfile_in(folder)?;
-    part.write_all(content.as_bytes())?;
-    part.as_file().sync_all()?;
-    part.persist(path)?;
-    Ok(())
 }

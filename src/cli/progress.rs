@@ -19,6 +19,7 @@ const TEMPLATE: &str = "{msg} [{bar:30}] {percent:>3} %, {speed}, {eta} left";
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
+    name: String,
     begun: Instant,
     is_quiet: bool,
     shown: Once,
@@ -46,6 +47,7 @@ impl Progress {
             .with_message(name.to_owned());
         Self {
             bar,
+            name: name.to_owned(),
             begun: Instant::now(),
             is_quiet: output.quiet,
             shown: Once::new(),
@@ -55,6 +57,34 @@ impl Progress {
     /// `simulated` [s] more are done.
     pub fn advance(&self, simulated: f64) {
         self.bar.inc((simulated * FINENESS) as u64);
+        self.show();
+    }
+
+    /// This share of all is done.
+    pub fn set_share(&self, share: f64) {
+        let length = self.bar.length().unwrap_or_default();
+        self.bar.set_position((share * length as f64) as u64);
+        self.show();
+    }
+
+    /// Says more behind the name.
+    pub fn add_to_name(&self, more: &str) {
+        self.bar.set_message(format!("{}, {more}", self.name));
+    }
+
+    /// Says something above the bar, unless all is to be quiet.
+    pub fn say(&self, text: &str) {
+        if !self.is_quiet {
+            self.bar.suspend(|| eprintln!("{text}"));
+        }
+    }
+
+    /// Warns of something above the bar.
+    pub fn warn(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("warning: {text}"));
+    }
+
+    fn show(&self) {
         if !self.is_quiet && self.begun.elapsed() > PATIENCE {
             self.shown
                 .call_once(|| self.bar.set_draw_target(ProgressDrawTarget::stderr()));

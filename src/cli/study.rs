@@ -1,11 +1,12 @@
 //! `study`: sweeps and seeds, resumable, one row of a table a run.
 
+use super::cluster::{Cluster, Work};
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
 use anyhow::Context;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use lugwheel::report::{self, FeaturePoint, Group, ToldStudy};
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
@@ -15,7 +16,7 @@ use lugwheel::trace::Trace;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -30,15 +31,32 @@ pub struct StudyCommand {
     /// Folder of the results [default: output/<study>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs at a time; all cores if not given. The results do not depend on it
+    /// Runs at a time; all cores if not given, with --slurm one a task. The results do not depend
+    /// on it
     #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    jobs: Option<NonZeroU32>,
     /// Go on with what the folder holds
     #[arg(long)]
     resume: bool,
     /// Do only share I of N; several processes may work on one folder
     #[arg(long, value_name = "I/N", value_parser = share)]
     shard: Option<(u32, u32)>,
+    /// When to put the shards together into tables
+    #[arg(long, value_name = "WHEN", default_value = "whole")]
+    collect: Collect,
+    #[command(flatten)]
+    cluster: Cluster,
+}
+
+/// When to put the shards together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Collect {
+    /// When all are there
+    Whole,
+    /// Not now: others do
+    Never,
+    /// At once, without running anything
+    Only,
 }
 
 const EXAMPLES: &str = "\
@@ -46,6 +64,10 @@ Examples:
   lugwheel study scenarios/studies/quick.toml
   lugwheel study scenarios/studies/table3.toml --out output/table3 --resume
   lugwheel study scenarios/studies/table5.toml --shard 2/4
+  lugwheel study scenarios/studies/table5.toml --slurm --slurm-option=--time=30
+
+With --slurm, program, study and folder must lie where all nodes see them. Ctrl-C leaves the jobs
+running; the same command with --resume follows them again and submits what is missing.
 
 The folder holds report.html (answer, tables, figures, how to run it again), runs.csv (one row a
 run), failed.txt (why runs failed) and the study's text; a study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores) with
@@ -99,34 +121,13 @@ impl StudyCommand {
             .clone()
             .unwrap_or_else(|| PathBuf::from("output").join(&stem));
         output::make_folder(&out)?;
-        let options = Options {
-            out: out.clone(),
-            jobs: self.jobs,
-            resume: self.resume,
-            shard: self.shard,
-        };
-        let durations = study.runs().map(|run| study.scenario(&run).duration);
-        let simulated: f64 = durations.sum();
-        let progress = Progress::new(output, &stem, simulated);
-        let each = simulated / study.run_count() as f64;
-        let heard = AtomicU64::new(0);
-        let outcome = study.execute(&options, &|now: study::Progress| {
-            let before = heard.fetch_max(now.done, Ordering::Relaxed);
-            progress.advance(now.done.saturating_sub(before) as f64 * each);
-            if interrupt::is_requested() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
-        let outcome = match outcome {
-            Err(stopped @ StudyError::Stopped { .. }) => {
-                return Err(Interrupted(stopped.to_string()).into());
-            }
-            other => other.with_context(|| format!("study {}", self.study.display()))?,
-        };
+        let progress = Progress::new(output, &stem, study.simulated());
+        let outcome = self.outcome(&study, &out, &progress)?;
         let computing_s = progress.elapsed();
         drop(progress);
+        let Some(outcome) = outcome else {
+            return Ok(());
+        };
         let report = match outcome.missing_shards {
             0 => Some(self.write_report(&study, &stem, &outcome, &out)?),
             _ => None,
@@ -166,6 +167,55 @@ impl StudyCommand {
 }
 
 impl StudyCommand {
+    /// What the study comes to, where its shards are put together.
+    fn outcome(
+        &self,
+        study: &Study,
+        out: &Path,
+        progress: &Progress,
+    ) -> anyhow::Result<Option<Outcome>> {
+        let named = || format!("study {}", self.study.display());
+        if self.cluster.is_wanted() {
+            let work = Work {
+                study: &self.study,
+                out,
+                threads: self.jobs,
+                resume: self.resume,
+            };
+            self.cluster.run(study, &work, progress)?;
+        }
+        if self.cluster.is_wanted() || self.collect == Collect::Only {
+            return study.collect(out).with_context(named).map(Some);
+        }
+        let options = Options {
+            out: out.to_owned(),
+            jobs: self.jobs.map(NonZeroUsize::try_from).transpose()?,
+            resume: self.resume,
+            shard: self.shard,
+        };
+        let heard = AtomicU64::new(0);
+        let total = study.run_count() as f64;
+        let hear = |now: study::Progress| {
+            heard.fetch_max(now.done, Ordering::Relaxed);
+            progress.set_share(heard.load(Ordering::Relaxed) as f64 / total);
+            if interrupt::is_requested() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let outcome = match self.collect {
+            Collect::Never => study.execute_share(&options, &hear).map(|()| None),
+            _ => study.execute(&options, &hear).map(Some),
+        };
+        match outcome {
+            Err(stopped @ StudyError::Stopped { .. }) => {
+                Err(Interrupted(stopped.to_string()).into())
+            }
+            other => other.with_context(named),
+        }
+    }
+
     /// Writes the page of the study; its path.
     fn write_report(
         &self,

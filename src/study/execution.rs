@@ -17,7 +17,7 @@ use std::any::Any;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -31,7 +31,7 @@ pub struct Options {
     /// Whether to keep the whole shards in the folder and do the others.
     pub resume: bool,
     /// Share `I` of `N`, `I` from 1: every `N`th shard. Processes with different shares may work on
-    /// one folder at a time; the one that finds all shards there collects them.
+    /// one folder at a time.
     pub shard: Option<(u32, u32)>,
 }
 
@@ -82,7 +82,7 @@ pub struct Failure {
 }
 
 impl Study {
-    /// Runs the study and collects its tables.
+    /// Runs the study, or a share of it, and collects its tables once all shards are there.
     ///
     /// `progress` hears of every run and of many moments within, from several threads; a `Break`
     /// stops all at once. What a run, the order or the number of threads did before never shows in
@@ -100,16 +100,34 @@ impl Study {
         options: &Options,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
+        let folder = self.finish_share(options, progress)?;
+        self.put_together(&folder)
+    }
+
+    /// Runs the study, or a share of it, and leaves its tables to [`Study::collect`].
+    ///
+    /// # Errors
+    /// Those of [`Study::execute`].
+    pub fn execute_share(
+        &self,
+        options: &Options,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<(), StudyError> {
+        self.finish_share(options, progress).map(drop)
+    }
+
+    fn finish_share(
+        &self,
+        options: &Options,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Folder, StudyError> {
         let shards = shard::all(self);
         let share = options.share(&shards)?;
         let folder = Folder::open(self, &options.out, options.before())?;
         let tables = self.tables();
-        let is_whole = |shard: &Shard| {
-            let mut tables = tables.iter();
-            tables.all(|table| rows(&folder, &**table, shard).is_some())
-        };
-        let (kept, missing): (Vec<&Shard>, Vec<&Shard>) =
-            share.iter().partition(|&&shard| is_whole(shard));
+        let (kept, missing): (Vec<&Shard>, Vec<&Shard>) = share
+            .iter()
+            .partition(|shard| is_whole(&folder, &tables, shard));
         if !kept.is_empty() && !options.resume {
             let folder = options.out.clone();
             return Err(StudyError::NotEmpty { folder });
@@ -128,14 +146,50 @@ impl Study {
             let each = missing.par_iter().with_max_len(1);
             each.try_for_each(|shard| work.finish(shard))
         });
+        let is_whole = |shard: &&&Shard| is_whole(&folder, &tables, shard);
         match finished {
             Err(Halt::Failed(error)) => Err(error),
             Err(Halt::Stopped) => Err(StudyError::Stopped {
-                whole: share.iter().filter(|shard| is_whole(shard)).count(),
+                whole: share.iter().filter(is_whole).count(),
                 shards: share.len(),
             }),
-            Ok(()) => self.collect(&folder, &tables, &shards),
+            Ok(()) => Ok(folder),
         }
+    }
+
+    /// Puts the shards in the folder `out` together, without running anything.
+    ///
+    /// # Errors
+    /// `Incomplete` where shards are missing or damaged; `OtherStudy` where the folder holds
+    /// something else; `File` where the file system refuses, `Baseline` where the windows train no
+    /// classifier.
+    pub fn collect(&self, out: &Path) -> Result<Outcome, StudyError> {
+        let folder = Folder::open(self, out, Before::ThisStudy)?;
+        let outcome = self.put_together(&folder)?;
+        match outcome.missing_shards {
+            0 => Ok(outcome),
+            missing => Err(StudyError::Incomplete {
+                folder: out.to_owned(),
+                missing,
+            }),
+        }
+    }
+
+    /// The shards that are not whole.
+    pub(super) fn missing(&self, folder: &Folder) -> Vec<Shard> {
+        let tables = self.tables();
+        let mut shards = shard::all(self);
+        shards.retain(|shard| !is_whole(folder, &tables, shard));
+        shards
+    }
+
+    /// Runs of the shards that seem to be there; a shard's last table is written last.
+    pub(super) fn runs_present(&self, folder: &Folder) -> u64 {
+        let last = self.tables().pop().map_or("", |table| table.name());
+        let present = folder.present(last);
+        let shards = shard::all(self);
+        let there = shards.iter().filter(|s| present.contains(&s.number));
+        runs(&there.collect::<Vec<_>>())
     }
 
     fn tables(&self) -> Vec<Box<dyn Table + '_>> {
@@ -153,24 +207,21 @@ impl Study {
     }
 
     /// Puts the shards together, where all are whole.
-    fn collect(
-        &self,
-        folder: &Folder,
-        tables: &[Box<dyn Table + '_>],
-        shards: &[Shard],
-    ) -> Result<Outcome, StudyError> {
-        let mut collected = Collected::new(self, tables);
+    fn put_together(&self, folder: &Folder) -> Result<Outcome, StudyError> {
+        let tables = self.tables();
+        let mut collected = Collected::new(self, &tables);
         let mut missing_shards = 0;
-        for shard in shards {
-            let rows = tables.iter().map(|table| rows(folder, &**table, shard));
+        for shard in shard::all(self) {
+            let rows = tables.iter().map(|table| rows(folder, &**table, &shard));
             match rows.collect::<Option<Vec<String>>>() {
-                Some(rows) => collected.add(shard, &rows, folder.times(shard)),
+                Some(rows) => collected.add(&shard, &rows, folder.times(&shard)),
                 None => missing_shards += 1,
             }
         }
         let (mut recognition, mut held, mut identification) = (None, None, None);
         let mut conditions = Vec::new();
         if missing_shards == 0 {
+            folder.remove_abandoned_parts();
             collected.write(folder)?;
             conditions = self.conditions(&collected.texts[0].1);
             recognition = self.score(collected.text_of(windows::NAME))?;
@@ -236,6 +287,11 @@ impl Options {
 fn runs(shards: &[&Shard]) -> u64 {
     let lengths = shards.iter().map(|shard| shard.runs.end - shard.runs.start);
     lengths.sum()
+}
+
+fn is_whole(folder: &Folder, tables: &[Box<dyn Table + '_>], shard: &Shard) -> bool {
+    let mut tables = tables.iter();
+    tables.all(|table| rows(folder, &**table, shard).is_some())
 }
 
 /// The rows of a whole shard for a table, below the columns that the table has now.

@@ -2,7 +2,9 @@
 
 use super::shard::Shard;
 use super::{Study, StudyError, VERSION_OF_PROGRAM};
-use std::io::{self, Write};
+use crate::whole_file;
+use std::collections::HashSet;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A folder that holds results of one study, and nothing else.
@@ -47,8 +49,8 @@ impl Folder {
     fn found(&self, study: &Study, origin: &str) -> Result<(), StudyError> {
         make_folder(&self.path)?;
         self.write("origin.txt", origin.as_bytes())?;
-        make_folder(&self.path.join("shards"))?;
-        make_folder(&self.path.join("scenarios"))?;
+        self.make(SHARDS)?;
+        self.make("scenarios")?;
         self.write("study.toml", study.text.as_bytes())?;
         for named in &study.scenarios {
             let name = format!("scenarios/{}.toml", named.name);
@@ -93,18 +95,51 @@ impl Folder {
         self.write(&name(shard, table), sealed.as_bytes())
     }
 
-    /// Writes a file beside its name and gives it that name when it is whole.
+    /// Numbers of the shards that have a file for the table of this name, whole or not.
+    pub(super) fn present(&self, table: &str) -> HashSet<usize> {
+        let ending = format!(".{table}.csv");
+        let entries = std::fs::read_dir(self.path.join(SHARDS)).into_iter();
+        let number = |entry: std::fs::DirEntry| {
+            let name = entry.file_name();
+            name.to_str()?.strip_suffix(&ending)?.parse().ok()
+        };
+        entries.flatten().flatten().filter_map(number).collect()
+    }
+
+    /// Removes what processes that were killed were writing.
+    pub(super) fn remove_abandoned_parts(&self) {
+        for folder in [&self.path, &self.path.join(SHARDS)] {
+            whole_file::remove_abandoned_parts(folder);
+        }
+    }
+
+    /// The fingerprint of the study.
+    pub(super) fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// Makes a folder in this one.
+    pub(super) fn make(&self, name: &str) -> Result<PathBuf, StudyError> {
+        let path = self.path.join(name);
+        make_folder(&path)?;
+        Ok(path)
+    }
+
+    /// Writes a whole file or nothing.
     pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), StudyError> {
         let path = self.path.join(name);
-        write_whole(&path, bytes).map_err(|source| file_error("write", &path, source))
+        whole_file::write(&path, bytes).map_err(|source| file_error("write", &path, source))
     }
 }
+
+/// The folder of the shards.
+const SHARDS: &str = "shards";
 
 /// What the file of computing times is named for.
 const TIMES: &str = "times";
 
 fn name(shard: &Shard, table: &str) -> String {
-    format!("shards/{:05}.{table}.csv", shard.number)
+    format!("{SHARDS}/{:05}.{table}.csv", shard.number)
 }
 
 fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyError {
@@ -120,9 +155,6 @@ fn make_folder(path: &Path) -> Result<(), StudyError> {
     std::fs::create_dir_all(path).map_err(|source| file_error("make", path, source))
 }
 
-/// How the name of a file begins while it is written.
-const PART: &str = ".lugwheel-";
-
 /// Whether there is nothing at `path`, or a folder with nothing but files being written.
 fn is_empty(path: &Path) -> io::Result<bool> {
     let entries = match std::fs::read_dir(path) {
@@ -131,24 +163,9 @@ fn is_empty(path: &Path) -> io::Result<bool> {
         Err(error) => return Err(error),
     };
     for entry in entries {
-        if !entry?.file_name().to_string_lossy().starts_with(PART) {
+        if !whole_file::is_part(&entry?.file_name()) {
             return Ok(false);
         }
     }
     Ok(true)
-}
-
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PART).suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut part = builder.tempfile_in(path.parent().unwrap_or(Path::new(".")))?;
-    part.write_all(bytes)?;
-    part.as_file().sync_all()?;
-    part.persist(path)?;
-    Ok(())
 }

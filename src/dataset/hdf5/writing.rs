@@ -7,6 +7,7 @@ use super::{
 };
 use crate::dataset::Provenance;
 use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth, unit_of};
+use crate::whole_file::WholeFile;
 use ::hdf5::file::LibraryVersion;
 use ::hdf5::filters::deflate_available;
 use ::hdf5::types::VarLenUnicode;
@@ -15,7 +16,6 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use tempfile::NamedTempFile;
 
 /// Elements in a compressed chunk: 64 KiB of single precision.
 const CHUNK: usize = 16_384;
@@ -31,9 +31,9 @@ const DEFLATE: u8 = 1;
 #[derive(Debug)]
 pub struct RunFileWriter {
     target: PathBuf,
-    /// Closed, and removed if need be, after `file`: fields drop in order.
+    /// Closed before `whole`, which removes it if need be: fields drop in order.
     file: Option<File>,
-    part: NamedTempFile,
+    whole: WholeFile,
     runs: HashSet<String>,
 }
 
@@ -53,15 +53,12 @@ impl RunFileWriter {
         for text in scenario.iter().chain([created_by]) {
             check_text(text).map_err(|reason| unfit(&target, "/", reason))?;
         }
-        if target.is_dir() {
-            return Err(RunFileError::write(&target, "it is a folder"));
-        }
-        let part = part_of(&target).map_err(|error| io_error(&target, &error))?;
+        let whole = WholeFile::begin(&target).map_err(|error| io_error(&target, &error))?;
         let write = || {
             let file = File::with_options()
                 .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
                 .with_fcpl(|fcpl| fcpl.obj_track_times(false))
-                .create(part.path())?;
+                .create(whole.part())?;
             set_text(&file, "format", FORMAT)?;
             set(&file, "format_version", FORMAT_VERSION)?;
             set_text(&file, "created_by", created_by)?;
@@ -78,7 +75,7 @@ impl RunFileWriter {
         Ok(Self {
             target,
             file: Some(file),
-            part,
+            whole,
             runs: HashSet::new(),
         })
     }
@@ -116,38 +113,17 @@ impl RunFileWriter {
         };
         let closed = file.flush().and_then(|()| file.close());
         closed.map_err(|error| RunFileError::write(&self.target, reason(&error)))?;
-        let synced = self.part.as_file().sync_all();
-        synced.map_err(|error| io_error(&self.target, &error))?;
-        let named = self.part.persist(&self.target);
-        named.map_err(|error| io_error(&self.target, &error.error))?;
-        Ok(())
+        let named = self.whole.finish();
+        named.map_err(|error| io_error(&self.target, &error))
     }
-}
-
-/// An empty file beside `target`, removed when dropped, with the permissions of any new file.
-fn part_of(target: &Path) -> io::Result<NamedTempFile> {
-    let folder = match target.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".lugwheel-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }
 
 fn io_error(target: &Path, error: &io::Error) -> RunFileError {
-    let message = error.to_string();
     let reason = match error.kind() {
-        io::ErrorKind::NotFound => "No such file or folder",
-        // Without the path of the temporary file.
-        _ => message.split(" at path").next().unwrap_or(&message),
+        io::ErrorKind::NotFound => "No such file or folder".to_owned(),
+        _ => error.to_string(),
     };
-    RunFileError::write(target, reason)
+    RunFileError::write(target, &reason)
 }
 
 fn unfit(target: &Path, id: &str, reason: String) -> RunFileError {
