@@ -21,7 +21,8 @@
 //! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
 //! [`study`]
 //! many of them in one table with a score of the classes recognised and of the limits that the paper
-//! sets to vibration, [`report`] draws what came of it.
+//! sets to vibration, [`challenge`] puts a diagnosis to blind trials and scores its answers, [`report`]
+//! draws what came of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -82,5 +83,7 @@ pub mod effects;
 pub mod scenario;
 
 pub mod study;
+
+pub mod challenge;
 
 pub mod report;

@@ -102,6 +102,7 @@ pub mod thresholds;
 pub mod windows;
 
 pub use execution::{Options, Outcome, Progress};
+pub(crate) use folder::write_whole;
 
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
@@ -389,7 +390,8 @@ impl Study {
 /// The program whose results these are.
 const VERSION_OF_PROGRAM: &str = concat!("lugwheel ", env!("CARGO_PKG_VERSION"));
 
-fn hex(bytes: &[u8]) -> String {
+/// Bytes in hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
