@@ -33,7 +33,7 @@ mod order;
 pub mod score;
 mod truth;
 
-pub use answer::{Answer, Suspect, Verdict};
+pub use answer::{Answer, Closed, Compared, Screened, Suspect, Verdict};
 pub use answering::{Answered, Progress, Question, Unanswered, answer};
 pub use folder::{Manifest, Posed};
 pub use making::{Made, begun, make};

@@ -3,6 +3,7 @@
 //! A command's result goes to stdout, as text or with `--json` as one document; progress and
 //! warnings go to stderr. [`failure`] has the exit codes.
 
+mod challenge;
 mod dataset;
 mod demo;
 mod effects;
@@ -47,9 +48,10 @@ Examples:
   lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
   lugwheel identify measured.h5                       terrain parameters and how sure they are
   lugwheel effects                                    what a simulation can be given beyond the ideal
+  lugwheel challenge make --out output/trial          campaigns whose truth is sealed
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
-4 study finished with failed runs, 130 interrupted.";
+4 study or trial finished with failed runs, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -63,6 +65,7 @@ enum Command {
     Recognize(recognize::Recognize),
     Identify(identify::Identify),
     Effects(effects::Effects),
+    Challenge(challenge::Challenge),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -88,5 +91,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Recognize(command) => command.run(output),
         Command::Identify(command) => command.run(output),
         Command::Effects(command) => command.run(output),
+        Command::Challenge(command) => command.run(output),
     }
 }

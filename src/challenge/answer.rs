@@ -34,8 +34,24 @@ pub struct Suspect {
     /// What the runs cannot tell from it.
     #[serde(default)]
     pub equivalent_to: Vec<String>,
-    /// Distance from the neutral magnitude that could just be detected.
+}
+
+/// What could be seen of an effect at all.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Screened {
+    /// Name, with its channel where it has one.
+    pub name: String,
+    /// Distance from the neutral magnitude that could just be detected; the magnitude itself where
+    /// the neutral one is infinite.
     pub detectable: Option<f64>,
+}
+
+/// What was compared.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+pub struct Compared {
+    /// Names of the effects that were tried.
+    #[serde(default)]
+    pub candidates: Vec<String>,
 }
 
 /// Share of the gap that an explanation closes.
@@ -65,6 +81,15 @@ pub struct Answer {
     pub located: Vec<serde_json::Value>,
     /// The run that would tell more.
     pub next_run: Option<serde_json::Value>,
+    /// What could be seen of every effect tried.
+    #[serde(default)]
+    pub screen: Vec<Screened>,
+    /// What was compared.
+    #[serde(default)]
+    pub compared: Compared,
+    /// Cosines of the projected signatures of the effects tried, row by row.
+    #[serde(default)]
+    pub isolability: Vec<Vec<Option<f64>>>,
 }
 
 impl Answer {

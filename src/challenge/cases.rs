@@ -378,3 +378,192 @@ fn hidden(frozen: &Frozen, form: Form, level: Level) -> Hidden {
         level: Some(level),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Stage, catalogue};
+    use crate::quantity::Seed;
+    use std::collections::{BTreeMap, BTreeSet};
+    use std::ops::ControlFlow;
+
+    fn order(selection: Selection, cases: Option<usize>, seed: u64) -> Order {
+        Order {
+            selection,
+            cases,
+            grounds: vec!["sand".to_owned(), "hard".to_owned()],
+            duration: None,
+            seed: Seed(seed),
+        }
+    }
+
+    fn designs(grounds: &[&str], duration: Option<f64>) -> Vec<Design> {
+        let read = |ground: &&str| Design::of(ground, duration).unwrap().unwrap();
+        grounds.iter().map(read).collect()
+    }
+
+    fn drawn(order: &Order) -> Vec<Truth> {
+        draw(order, &designs(&["sand", "hard"], None)).unwrap()
+    }
+
+    fn all() -> Vec<Truth> {
+        drawn(&order(Selection::all(), None, 7))
+    }
+
+    /// How often each key comes.
+    fn counts<K: Ord>(keys: impl Iterator<Item = K>) -> BTreeMap<K, usize> {
+        let mut counts = BTreeMap::new();
+        for key in keys {
+            *counts.entry(key).or_default() += 1;
+        }
+        counts
+    }
+
+    #[test]
+    fn of_cases_with_nothing_withheld_a_third_is_in_the_tails_and_a_sixth_varies_twice_as_much() {
+        let cases = all();
+        let nothing = cases.iter().filter(|case| case.set == Set::C0);
+        let rigs = counts(nothing.clone().map(|case| case.rig));
+        assert_eq!(rigs[&Rig::Plain], 60);
+        assert_eq!(rigs[&Rig::Tails], 40);
+        assert_eq!(rigs[&Rig::Variable], 20);
+        assert!(nothing.clone().all(|case| case.effects.is_empty()));
+        let by_ground = counts(nothing.map(|case| (case.rig, case.ground.clone())));
+        assert!(
+            by_ground.values().all(|n| [10, 20, 30].contains(n)),
+            "{by_ground:?}"
+        );
+    }
+
+    #[test]
+    fn every_effect_comes_six_times_at_each_magnitude_and_half_of_them_in_its_other_form() {
+        let cases = all();
+        let singles = cases
+            .iter()
+            .filter(|case| [Set::C1, Set::C2].contains(&case.set));
+        let found = counts(singles.map(|case| {
+            let hidden = &case.effects[0];
+            (hidden.effect().to_owned(), hidden.level)
+        }));
+        // Gravel alone has stones to be pressed into.
+        let possible = catalogue().filter(|effect| effect.name != "gravel_embedding");
+        assert_eq!(found.len(), 3 * possible.count());
+        assert!(found.values().all(|n| *n == 6), "{found:?}");
+        for case in &cases {
+            let form = if case.set == Set::C2 {
+                Form::Other
+            } else {
+                Form::Own
+            };
+            assert!(case.effects.iter().all(|hidden| hidden.form == form));
+        }
+    }
+
+    #[test]
+    fn a_few_cases_are_spread_over_sets_effects_and_magnitudes() {
+        let few = drawn(&order(Selection::all(), Some(70), 7));
+        assert_eq!(few.len(), 70);
+        let whole = counts(all().iter().map(|case| case.set));
+        let total: usize = whole.values().sum();
+        for (set, n) in counts(few.iter().map(|case| case.set)) {
+            let share = 70.0 * whole[&set] as f64 / total as f64;
+            assert!((n as f64 - share).abs() < 1.0, "{set}: {n} of {share}");
+        }
+        let singles = drawn(&order("C1".parse().unwrap(), Some(31), 7));
+        let effects = counts(
+            singles
+                .iter()
+                .map(|case| case.effects[0].effect().to_owned()),
+        );
+        assert_eq!(effects.len(), 31);
+        let levels = counts(singles.iter().map(|case| case.effects[0].level));
+        assert!(levels.values().all(|n| [10, 11].contains(n)), "{levels:?}");
+    }
+
+    #[test]
+    fn a_case_s_number_tells_nothing_of_its_set() {
+        let cases = all();
+        let mean = |set: Set| {
+            let places = cases.iter().enumerate().filter(|(_, case)| case.set == set);
+            let places: Vec<f64> = places.map(|(at, _)| at as f64).collect();
+            (
+                places.iter().sum::<f64>() / places.len() as f64,
+                places.len() as f64,
+            )
+        };
+        let n = cases.len() as f64;
+        for set in Set::ALL {
+            let (mean, of_set) = mean(set);
+            // Four standard errors of the mean of uniform places.
+            let allowed = 4.0 * n / (12.0 * of_set).sqrt();
+            assert!((mean - n / 2.0).abs() < allowed, "{set}: {mean} of {n}");
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_truths_and_another_seed_none_of_them() {
+        let text = |seed: u64| -> BTreeSet<String> {
+            let cases = drawn(&order(Selection::all(), Some(40), seed));
+            cases.iter().map(Truth::text).collect()
+        };
+        assert_eq!(text(1), text(1));
+        assert!(text(1).is_disjoint(&text(2)));
+        let salts: BTreeSet<String> = all().into_iter().map(|case| case.salt).collect();
+        assert_eq!(salts.len(), all().len());
+    }
+
+    #[test]
+    fn calibration_cases_share_no_seed_rig_or_magnitude_with_scoring_cases() {
+        let scoring = all();
+        let calibration = drawn(&order(Selection::calibration(), None, 7));
+        assert_eq!(calibration.len(), CALIBRATION);
+        let seeds =
+            |cases: &[Truth]| -> BTreeSet<u64> { cases.iter().map(|it| it.seed.0).collect() };
+        assert!(seeds(&scoring).is_disjoint(&seeds(&calibration)));
+        for case in &calibration {
+            assert_eq!(Family::of(case.seed), Some(Family::Calibration));
+            assert!(scoring.iter().all(|other| other.edits != case.edits));
+            for hidden in &case.effects {
+                assert_eq!(hidden.form, Form::Own);
+                assert!(hidden.level.is_none());
+                let seat = hidden.application().unwrap().seat();
+                assert!(!seat.levels.contains(&hidden.magnitude), "{}", hidden.name);
+            }
+        }
+    }
+
+    #[test]
+    fn every_frozen_magnitude_can_be_simulated_in_every_form() {
+        // 0.05 s: what an effect edits is built, and the wheel begins to move.
+        let designs = designs(&GROUNDS, Some(0.05));
+        let go_on = &mut |_: f64| ControlFlow::Continue(());
+        let recordings: Vec<_> = designs
+            .iter()
+            .map(|design| design.scenario.record(Seed(1), 0, go_on).unwrap())
+            .collect();
+        let table = frozen();
+        for form in [Form::Own, Form::Other] {
+            for frozen in &table {
+                let place = designs.iter().position(|it| is_possible(frozen, it, form));
+                let Some(place) = place else {
+                    // Only another form may be missing.
+                    assert_eq!(form, Form::Other, "{}", frozen.name);
+                    continue;
+                };
+                for level in frozen.levels {
+                    let effect = Application::new(&frozen.name, level).unwrap();
+                    let mut scenario = designs[place].scenario.clone();
+                    scenario.effects.push(effect.in_form(form).unwrap());
+                    let simulated = match effect.effect().stage {
+                        Stage::Sensors => {
+                            let sensors = scenario.experiment().unwrap().sensors;
+                            recordings[place].measure(&sensors).is_ok()
+                        }
+                        Stage::Physics => scenario.run(Seed(1), 0, go_on).is_ok(),
+                    };
+                    assert!(simulated, "{effect} on {}", designs[place].ground);
+                }
+            }
+        }
+    }
+}

@@ -162,6 +162,8 @@ pub struct Scores {
     /// Number of cases by truth and answer.
     pub confusion: Matrix,
     /// Mean probability of answers by truth.
+    pub told: Matrix,
+    /// Mean size of the cosine between projected signatures of effects, where answers tell it.
     pub isolability: Matrix,
     /// Hits against magnitude over detection limit.
     pub power: Vec<Power>,
@@ -214,6 +216,7 @@ impl Scores {
             calibration_error: calibration_error(judged),
             seconds: Score::median(judged.iter().filter_map(|case| case.seconds)),
             confusion: tables::confusion(judged),
+            told: tables::told(judged),
             isolability: tables::isolability(judged),
             power: tables::power(judged),
             effects: tables::of_effects(judged),
@@ -384,4 +387,259 @@ fn calibration_error(cases: &[Judged]) -> Score {
             .sum();
         (!drawn.is_empty()).then(|| off / drawn.len() as f64)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::challenge::answer::Answer;
+    use crate::challenge::cases::draw;
+    use crate::challenge::design::Design;
+    use crate::challenge::order::{Order, Selection};
+    use crate::challenge::truth::Truth;
+    use crate::quantity::Seed;
+    use rand::RngExt;
+    use serde_json::{Value, json};
+
+    fn truths(count: usize) -> Vec<Truth> {
+        let grounds = ["sand", "hard"].map(str::to_owned).to_vec();
+        let read = |ground: &String| Design::of(ground, None).unwrap().unwrap();
+        let designs: Vec<Design> = grounds.iter().map(read).collect();
+        let order = Order {
+            selection: Selection::all(),
+            cases: Some(count),
+            grounds,
+            duration: None,
+            seed: Seed(3),
+        };
+        draw(&order, &designs).unwrap()
+    }
+
+    fn scores(truths: &[Truth], answer: impl Fn(&Truth) -> Value) -> Scores {
+        let judged: Vec<Judged> = truths
+            .iter()
+            .map(|truth| Judged {
+                answer: Some(serde_json::from_value::<Answer>(answer(truth)).unwrap()),
+                seconds: Some(10.0),
+                truth: truth.clone(),
+            })
+            .collect();
+        Scores::of(&judged, truths.len())
+    }
+
+    fn suspects(truth: &Truth) -> Vec<Value> {
+        let suspect = |hidden: &crate::challenge::truth::Hidden| {
+            let m = hidden.magnitude;
+            json!({"name": hidden.name, "magnitude": m, "ci95": [0.9 * m, null]})
+        };
+        truth.effects.iter().map(suspect).collect()
+    }
+
+    /// Who knows everything.
+    fn perfect(truth: &Truth) -> Value {
+        let names: Vec<&str> = truth.effects.iter().map(|it| it.name.as_str()).collect();
+        let (verdict, label) = match truth.set {
+            Set::C0 => ("parameter", "parameter".to_owned()),
+            Set::C1 | Set::C2 => ("effect", names[0].to_owned()),
+            Set::C3 => ("unknown", "unknown".to_owned()),
+            Set::C4 => ("effects", names.join("+")),
+        };
+        let application = truth.effects.first().map(|it| it.application().unwrap());
+        let channel = application.map_or("", |it| it.effect().signature.channels[0]);
+        let screen: Vec<Value> = names
+            .iter()
+            .map(|name| json!({"name": name, "detectable": 1.0e-9}))
+            .collect();
+        json!({
+            "verdict": verdict, "probabilities": {label: 1.0}, "effects": suspects(truth),
+            "closed": {"value": 1.0, "ci95": [0.9, 1.0]}, "screen": screen,
+            "located": [{"condition": "ST", "cell": format!("{channel}/time/mean"), "deviations": 9.0}],
+        })
+    }
+
+    #[test]
+    fn who_knows_everything_has_every_score() {
+        let scores = scores(&truths(150), perfect);
+        let is = |score: &Score, value: f64| {
+            let found = score.value.unwrap();
+            assert!(
+                score.n > 0 && (found - value).abs() < 1.0e-12,
+                "{found} for {value}"
+            );
+        };
+        is(&scores.nothing.cleared, 1.0);
+        is(&scores.nothing.false_attribution, 0.0);
+        for single in [&scores.own_form, &scores.other_form] {
+            is(&single.top1, 1.0);
+            is(&single.top1_equivalent, 1.0);
+            is(&single.top3, 1.0);
+            is(&single.set_size, 1.0);
+            is(&single.undecided, 0.0);
+            is(&single.magnitude_error, 0.0);
+            is(&single.magnitude_covered, 1.0);
+            is(&single.closed, 1.0);
+        }
+        is(&scores.left_out.unknown, 1.0);
+        is(&scores.left_out.located, 1.0);
+        is(&scores.pairs.both_named, 1.0);
+        is(&scores.unknown.auroc, 1.0);
+        is(&scores.unknown.f1, 1.0);
+        is(&scores.c1_less_c2, 0.0);
+        is(&scores.probability_on_truth, 1.0);
+        is(&scores.calibration_error, 0.0);
+        is(&scores.seconds, 10.0);
+        assert!(scores.effects.iter().all(|effect| !effect.is_weak));
+        let diagonal = |row: usize| scores.confusion.values[row][row];
+        let hits: f64 = (0..scores.confusion.rows.len() - 1).map(diagonal).sum();
+        let singles = scores.nothing.cleared.n + scores.own_form.top1.n + scores.other_form.top1.n;
+        assert_eq!(hits, singles as f64);
+    }
+
+    #[test]
+    fn who_never_sees_anything_is_right_where_there_is_nothing_and_nowhere_else() {
+        let truths = truths(150);
+        let scores = scores(
+            &truths,
+            |_| json!({"verdict": "none", "probabilities": {"none": 1.0}}),
+        );
+        let nothing = truths.iter().filter(|truth| truth.set == Set::C0).count() as f64;
+        let share = nothing / truths.len() as f64;
+        assert_eq!(scores.nothing.cleared.value, Some(1.0));
+        assert_eq!(scores.own_form.top1_equivalent.value, Some(0.0));
+        assert_eq!(scores.own_form.top3.value, Some(0.0));
+        assert_eq!(scores.own_form.set_size.n, 0);
+        assert_eq!(scores.pairs.one_named.value, Some(0.0));
+        assert_eq!(scores.left_out.unknown.value, Some(0.0));
+        // No probability of the unknown is larger than another.
+        assert_eq!(scores.unknown.auroc.value, Some(0.5));
+        assert_eq!(scores.unknown.f1.value, Some(0.0));
+        assert!((scores.probability_on_truth.value.unwrap() - share).abs() < 1.0e-12);
+        assert!((scores.calibration_error.value.unwrap() - (1.0 - share)).abs() < 1.0e-12);
+        assert!(scores.effects.iter().all(|effect| effect.is_weak));
+        assert!(
+            scores
+                .effects
+                .iter()
+                .all(|it| it.partner.as_deref() == Some("nothing"))
+        );
+    }
+
+    #[test]
+    fn who_guesses_is_right_as_often_as_chance_says() {
+        let truths = truths(400);
+        let names: Vec<String> = truths
+            .iter()
+            .flat_map(|truth| truth.effects.iter().map(|hidden| hidden.name.clone()))
+            .collect();
+        let scores = scores(&truths, |truth| {
+            let mut rng = truth.seed.rng("guess", 0);
+            // Among ten names, of which one is the truth where there is one.
+            let mut choice: Vec<&String> = names.iter().take(9).collect();
+            choice.extend(truth.effects.first().map(|hidden| &hidden.name));
+            let guess = choice[rng.random_range(0..choice.len())];
+            let unknown: f64 = rng.random();
+            json!({
+                "verdict": "effect", "effects": [{"name": guess, "magnitude": 1.0}],
+                "probabilities": {guess: 1.0 - unknown, "unknown": unknown},
+            })
+        });
+        let near = |score: &Score, chance: f64, sd: f64| {
+            let found = score.value.unwrap();
+            assert!((found - chance).abs() < 4.0 * sd, "{found} for {chance}");
+        };
+        let n = scores.own_form.top1.n as f64;
+        // A truth that is also among the nine adds to its chance a little.
+        near(&scores.own_form.top1, 0.11, (0.1_f64 * 0.9 / n).sqrt());
+        let hits = scores.left_out.unknown.n as f64;
+        near(&scores.unknown.auroc, 0.5, (1.0 / (12.0 * hits)).sqrt());
+        assert_eq!(scores.nothing.false_attribution.value, Some(1.0));
+    }
+
+    #[test]
+    fn undecided_and_failed_diagnoses_are_misses() {
+        let truths = truths(60);
+        let undecided = scores(&truths, |truth| {
+            json!({
+                "verdict": "undecided", "effects": suspects(truth),
+                "probabilities": {"undecided": 0.6},
+            })
+        });
+        assert_eq!(undecided.own_form.top3.value, Some(0.0));
+        assert_eq!(undecided.own_form.undecided.value, Some(1.0));
+        assert_eq!(undecided.nothing.cleared.value, Some(0.0));
+        let failed = truths.iter().map(|truth| Judged {
+            truth: truth.clone(),
+            answer: None,
+            seconds: None,
+        });
+        let failed = Scores::of(&failed.collect::<Vec<_>>(), truths.len() + 5);
+        assert_eq!((failed.failed, failed.unanswered), (60, 5));
+        assert_eq!(failed.own_form.top1.value, Some(0.0));
+        assert_eq!(failed.nothing.cleared.value, Some(0.0));
+        assert_eq!(failed.seconds.value, None);
+    }
+
+    #[test]
+    fn an_effect_in_the_set_of_another_counts_up_to_equivalence_only() {
+        let scores = scores(&truths(60), |truth| {
+            let names: Vec<&str> = truth.effects.iter().map(|it| it.name.as_str()).collect();
+            let name = names.first().copied().unwrap_or("slope");
+            json!({
+                "verdict": "effect", "probabilities": {"else": 0.7, name: 0.3},
+                "effects": [{"name": "else", "magnitude": 1.0, "equivalent_to": names}],
+                "next_run": {"run": "in reverse", "between": ["else", name]},
+            })
+        });
+        assert_eq!(scores.own_form.top1.value, Some(0.0));
+        assert_eq!(scores.own_form.top1_equivalent.value, Some(1.0));
+        assert_eq!(scores.own_form.set_size.value, Some(2.0));
+        assert_eq!(scores.own_form.probability_on_truth.value, Some(0.3));
+        // One set that holds both effects of a pair names one of them.
+        assert_eq!(scores.pairs.one_named.value, Some(1.0));
+        assert_eq!(scores.pairs.both_named.value, Some(0.0));
+        let effect = &scores.effects[0];
+        assert_eq!(effect.partner.as_deref(), Some("else"));
+        assert_eq!(effect.next_run.as_deref(), Some("in reverse"));
+    }
+
+    #[test]
+    fn power_is_told_against_the_least_that_can_be_detected() {
+        let twice = |truth: &Truth| {
+            let mut answer = perfect(truth);
+            let half = truth.effects.iter().map(|hidden| {
+                let seat = hidden.application().unwrap().seat();
+                let detectable = match seat.neutral.is_finite() {
+                    true => (hidden.magnitude - seat.neutral).abs() / 3.0,
+                    false => hidden.magnitude * 3.0,
+                };
+                json!({"name": hidden.name, "detectable": detectable})
+            });
+            answer["screen"] = half.collect();
+            answer
+        };
+        let scores = scores(&truths(100), twice);
+        for class in &scores.power {
+            let expected = if class.low == 2.0 {
+                scores.own_form.top1.n
+            } else {
+                0
+            };
+            assert_eq!(class.own.n, expected, "{}", class.low);
+        }
+    }
+
+    #[test]
+    fn an_area_under_the_curve_is_the_share_of_pairs_in_order() {
+        let told = [
+            (true, 0.9),
+            (true, 0.4),
+            (false, 0.4),
+            (false, 0.1),
+            (false, 0.6),
+        ];
+        // 0.9 beats three; 0.4 beats one, ties one, loses one.
+        let area = auroc(&told.iter().collect::<Vec<_>>()).unwrap();
+        assert!((area - 4.5 / 6.0).abs() < 1.0e-12, "{area}");
+        assert_eq!(auroc(&[&(true, 0.5)]), None);
+    }
 }

@@ -205,16 +205,22 @@ impl Judged {
         Some((hidden, suspect, hidden.application().ok()?))
     }
 
-    /// The true magnitude's distance from neutral over the least that could be detected [-]; none
-    /// where the answer does not tell it, or the neutral magnitude is infinite.
+    /// The true magnitude's distance from neutral over the least that could be detected [-], the
+    /// other way round for magnitudes themselves where neutral is infinite; none where the answer
+    /// does not tell it.
     pub(super) fn power(&self) -> Option<f64> {
         let hidden = self.hidden()?;
         let effect = hidden.application().ok()?;
-        let suspect = self.answer.as_ref()?.suspect(&hidden.name)?;
-        let detectable = suspect.detectable.filter(|it| *it > 0.0)?;
-        let neutral = effect.seat().neutral;
-        let ratio = (hidden.magnitude - neutral).abs() / detectable;
-        ratio.is_finite().then_some(ratio)
+        let screen = &self.answer.as_ref()?.screen;
+        let screened = screen
+            .iter()
+            .find(|screened| screened.name == hidden.name)?;
+        let detectable = screened.detectable.filter(|it| *it > 0.0)?;
+        let size = distance(&effect, hidden.magnitude);
+        Some(match effect.seat().neutral.is_finite() {
+            true => size / detectable,
+            false => detectable / size,
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::interval::{Score, mean};
 use super::judged::Judged;
+use crate::challenge::answer::Answer;
 use crate::challenge::order::Set;
 use crate::challenge::truth::Hidden;
 use serde::Serialize;
@@ -87,9 +88,38 @@ pub(super) fn confusion(cases: &[Judged]) -> Matrix {
     }
 }
 
-/// Mean probability [-] that answers (columns) have where something else (rows) is true: what
-/// cannot be isolated shares its probability.
+/// Mean size of the cosine [-] between projected signatures of effects, over the answers that tell
+/// it: 1 where they cannot be isolated.
 pub(super) fn isolability(cases: &[Judged]) -> Matrix {
+    let answers: Vec<&Answer> = cases.iter().filter_map(|it| it.answer.as_ref()).collect();
+    let mut cosines: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
+    for answer in answers {
+        let names = &answer.compared.candidates;
+        for (a, row) in names.iter().zip(&answer.isolability) {
+            for (b, cosine) in names.iter().zip(row) {
+                let known = cosines.entry((a, b)).or_default();
+                known.extend(cosine.map(f64::abs));
+            }
+        }
+    }
+    let mut names: Vec<String> = cosines.keys().map(|(a, _)| (*a).to_owned()).collect();
+    names.dedup();
+    let value = |a: &String, b: &String| {
+        let found = cosines.get(&(a.as_str(), b.as_str()));
+        found
+            .and_then(|found| mean(found.iter().copied()))
+            .unwrap_or(0.0)
+    };
+    let row = |a: &String| names.iter().map(|b| value(a, b)).collect();
+    Matrix {
+        values: names.iter().map(row).collect(),
+        columns: names.clone(),
+        rows: names,
+    }
+}
+
+/// Mean probability [-] that answers (columns) have where something else (rows) is true.
+pub(super) fn told(cases: &[Judged]) -> Matrix {
     let effects = effects(cases);
     let rows = named(&effects, &["nothing"], &["unknown"]);
     let columns = rows.clone();
