@@ -3,6 +3,7 @@
 //! A command's result goes to stdout, as text or with `--json` as one document; progress and
 //! warnings go to stderr. [`failure`] has the exit codes.
 
+mod challenge;
 mod cluster;
 mod dataset;
 mod demo;
@@ -51,9 +52,10 @@ Examples:
   lugwheel identify measured.h5                       terrain parameters and how sure they are
   lugwheel effects                                    what a simulation can be given beyond the ideal
   lugwheel diagnose --measured rig.h5 --scenario single_wheel_st   why they differ
+  lugwheel challenge make --out output/trial          campaigns whose truth is sealed
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
-4 study finished with failed runs, 130 interrupted.";
+4 study or trial finished with failed runs, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -68,6 +70,7 @@ enum Command {
     Identify(identify::Identify),
     Effects(effects::Effects),
     Diagnose(diagnose::Diagnose),
+    Challenge(challenge::Challenge),
 }
 
 /// What the program was called with; wrong usage and `--help` end it here.
@@ -94,5 +97,6 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Identify(command) => command.run(output),
         Command::Effects(command) => command.run(output),
         Command::Diagnose(command) => command.run(output),
+        Command::Challenge(command) => command.run(output),
     }
 }

@@ -22,7 +22,8 @@
 //! [`diagnosis`] repeats measured conditions with parameters and effects otherwise than the scenario
 //! has them and tells which of them, or what unknown, explains what was measured, [`study`] runs many
 //! scenarios into one table with a score of the classes recognised and of the limits that the paper
-//! sets to vibration, [`report`] draws what came of it and makes pages of it.
+//! sets to vibration, [`challenge`] puts the diagnosis to blind trials and scores its answers,
+//! [`report`] draws what came of it and makes pages of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -86,5 +87,7 @@ pub mod scenario;
 pub mod diagnosis;
 
 pub mod study;
+
+pub mod challenge;
 
 pub mod report;

@@ -9,6 +9,7 @@
 //! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
 //! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
+//! - [`matrix_figure()`], [`power_figure()`]: what blind trials of the diagnosis came to.
 //! - [`parameter_figure()`]: identified parameters by ground (Fig. 23 and 24).
 //! - [`page()`]: a question, its answer, tables and figures as one HTML document; [`page`](mod@page)
 //!   has the parts.
@@ -24,8 +25,10 @@ mod feature_values;
 pub mod figure;
 mod force_curves;
 mod gap_map;
+mod matrix_figure;
 pub mod page;
 mod parameter_figure;
+mod power_figure;
 mod side_by_side;
 pub mod spectrum;
 pub mod study_page;
@@ -40,8 +43,10 @@ pub use feature_points::{FeaturePoint, Group};
 pub use feature_values::feature_values;
 pub use force_curves::force_curves;
 pub use gap_map::gap_map;
+pub use matrix_figure::{Entries, matrix_figure};
 pub use page::{Page, page};
 pub use parameter_figure::{IdentifiedGround, parameter_figure};
+pub use power_figure::power_figure;
 pub use side_by_side::side_by_side;
 pub use study_page::{ToldStudy, study_page};
 pub use threshold_figure::threshold_figure;

@@ -443,7 +443,8 @@ impl Study {
 /// The program whose results these are.
 const VERSION_OF_PROGRAM: &str = concat!("lugwheel ", env!("CARGO_PKG_VERSION"));
 
-fn hex(bytes: &[u8]) -> String {
+/// Bytes in hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -1,10 +1,12 @@
 //! What went wrong, in words and as an exit code.
 
+use super::challenge::FailedCases;
 use super::identify::NothingIdentified;
 use super::interrupt::Interrupted;
 use super::recognize::Unfit;
 use super::scenario_args::NoScenario;
 use super::study::FailedRuns;
+use lugwheel::challenge::ChallengeError;
 use lugwheel::dataset::csv::CampaignError;
 use lugwheel::dataset::hdf5::RunFileError;
 use lugwheel::diagnosis::InvestigationError;
@@ -19,7 +21,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 /// An input file is missing or not what it should be. (2 is wrong usage, told by clap.)
 const INVALID_INPUT: u8 = 3;
-/// A study was finished with failed runs.
+/// A study or a trial was finished with failed runs.
 const FAILED_RUNS: u8 = 4;
 /// Ctrl-C, as shells number it.
 const INTERRUPTED: u8 = 130;
@@ -54,7 +56,10 @@ fn message(error: &anyhow::Error) -> String {
 fn exit_code(error: &anyhow::Error) -> u8 {
     if error.chain().any(|cause| cause.is::<Interrupted>()) {
         INTERRUPTED
-    } else if error.chain().any(|cause| cause.is::<FailedRuns>()) {
+    } else if error
+        .chain()
+        .any(|cause| cause.is::<FailedRuns>() || cause.is::<FailedCases>())
+    {
         FAILED_RUNS
     } else if error.chain().any(is_invalid_input) {
         INVALID_INPUT
@@ -81,6 +86,14 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || matches!(
             cause.downcast_ref::<StudyError>(),
             Some(StudyError::Unreadable { .. } | StudyError::Invalid(_))
+        )
+        || matches!(
+            cause.downcast_ref::<ChallengeError>(),
+            Some(
+                ChallengeError::Content { .. }
+                    | ChallengeError::TruthAltered(_)
+                    | ChallengeError::CampaignAltered(_)
+            )
         )
         || cause
             .downcast_ref::<RunFileError>()

@@ -34,6 +34,9 @@ impl Jobs {
         jobs: NonZeroUsize::new(1),
     };
 
+    /// All cores.
+    pub const ALL: Self = Self { jobs: None };
+
     /// How many.
     pub fn count(self) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);

@@ -1,0 +1,110 @@
+//! Blind trials of the diagnosis: campaigns whose truth is sealed, and the score of its answers.
+//!
+//! ```text
+//! order ──▶ cases ──▶ campaigns/  manifest.json, a scenario a ground, a run file a case
+//!             └─────▶ truth/      what was done, with its salt; hashed in the manifest
+//!           campaigns/ ──▶ diagnosis ──▶ answers/
+//!           campaigns/ + truth/ + answers/ ──▶ score
+//! ```
+//!
+//! [`make()`] draws the cases of an [`Order`] and simulates them. A campaign reads like a measured
+//! one: no scenario, seed, ground truth or physics rate stands in it, commands stand as commanded,
+//! and the file's place in the list tells nothing. What was done stands in a [`Truth`], whose
+//! SHA-256 is published in the [`Manifest`]: nobody can change it later, and nobody can guess it,
+//! since it holds 128 random bits of salt. [`answer()`] knows the campaigns only; [`score()`] opens
+//! the truth, refuses what is not as sealed, and counts.
+//!
+//! All randomness comes from the order's seed. Who is not told that seed cannot open a seal, and who
+//! is told can make everything again, so a trial keeps its seed (in `truth/`) until its answers are
+//! in. Seeds of cases for scoring, of cases for calibrating a diagnosis and of everybody else never
+//! meet: see [`Family`].
+//!
+//! The sets are those of [`Set`]; what the runs are and how rigs differ stands in
+//! `scenarios/challenge/`, with the magnitudes of every effect, frozen before any score.
+
+mod answer;
+mod answering;
+mod cases;
+mod design;
+mod folder;
+mod frozen;
+mod making;
+mod order;
+pub mod score;
+mod truth;
+
+pub use answer::{Answer, Closed, Compared, Screened, Suspect, Verdict};
+pub use answering::{Answered, Progress, Question, Unanswered, answer};
+pub use folder::{Manifest, Posed};
+pub use making::{Made, begun, make};
+pub use order::{Family, Order, Selection, Set};
+pub use score::score;
+pub use truth::{Edit, Hidden, Level, Rig, Truth};
+
+use crate::dataset::hdf5::RunFileError;
+use std::io;
+use std::path::PathBuf;
+
+/// The grounds on which campaigns can be made.
+pub const GROUNDS: [&str; 3] = ["sand", "hard", "gravel"];
+
+/// Why a trial cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ChallengeError {
+    /// The file system refused.
+    #[error("cannot {action} {}: {source}", path.display())]
+    File {
+        /// What was to be done.
+        action: &'static str,
+        /// With what.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// A file is not what it should be.
+    #[error("{} is not as expected: {reason}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A campaign cannot be written.
+    #[error(transparent)]
+    Campaign(#[from] RunFileError),
+    /// There is no such set of cases.
+    #[error("there is no set `{0}`; there are C0, C1, C2, C3, C4, all and calibration")]
+    NoSet(String),
+    /// There is no such ground.
+    #[error("there is no ground `{0}`; there are sand, hard and gravel")]
+    NoGround(String),
+    /// The duration of runs cannot be.
+    #[error(transparent)]
+    Duration(#[from] crate::quantity::RangeError),
+    /// The folder holds something else.
+    #[error("{} holds something else; name another folder", .0.display())]
+    NotEmpty(PathBuf),
+    /// The folder holds another trial.
+    #[error(
+        "{} holds a trial of another order; name another folder, or leave set, cases, grounds and \
+         seed as they were", .0.display()
+    )]
+    OtherOrder(PathBuf),
+    /// The answers there belong to another trial or program.
+    #[error("{} holds answers to other campaigns or of another program; remove it", .0.display())]
+    OtherAnswers(PathBuf),
+    /// A truth is not the one that was sealed.
+    #[error("the truth of {0} is not the one that was sealed: its hash differs")]
+    TruthAltered(String),
+    /// A campaign is not the one that was published.
+    #[error("{} is not the campaign that was published: its hash differs", .0.display())]
+    CampaignAltered(PathBuf),
+    /// The caller stopped it.
+    #[error("stopped with {done} of {total} cases done; the same again goes on with the others")]
+    Stopped {
+        /// Cases done.
+        done: usize,
+        /// Cases asked for.
+        total: usize,
+    },
+}

@@ -1,0 +1,645 @@
+//! Answers beside the truth, in numbers.
+//!
+//! | score | what it is |
+//! |---|---|
+//! | `C0.cleared` | share of cases without effect that are answered `none` or `parameter` |
+//! | `C0.false_attribution` | share of them in which an effect is named |
+//! | `top1` | share of cases in which the verdict names the true effect on its channel, and no other; undecided is a miss, as a failed diagnosis is |
+//! | `top1_equivalent` | the same where the true effect is in the set of effects that the answer cannot tell from the one it names |
+//! | `top3` | share in which effects are named and the true one is among the three likeliest |
+//! | `set_size` | median size of the sets named |
+//! | `probability_on_truth` | mean probability of the right answer (`none` and `parameter` together, `unknown` in C3, the pair in C4) |
+//! | `magnitude_error` | median of error over the distance of the typical magnitude from neutral, where the effect is named; `magnitude_error_relative` over that of the true one |
+//! | `magnitude_covered` | share of 95 % intervals that hold the true magnitude |
+//! | `closed` | mean share of the gap closed where the effect is named. The gap is counted down to the floor of repeats, which the true effect at its true magnitude reaches: the share is one over that of an oracle |
+//! | `C3.unknown`, `C3.located` | share answered `unknown`; of these the share that is located in a channel in which the effect shows |
+//! | `unknown.auroc`, `unknown.f1` | how well the probability of `unknown`, and that verdict, tell C3 from all others |
+//! | `c1_less_c2` | `top1_equivalent` of C1 less that of C2, over effects that have another form |
+//! | `calibration_error` | expected error of the likeliest answer's probability, in ten equal classes |
+//! | `C4.one_named`, `C4.both_named` | share of pairs of which one effect, or both, are named, up to equivalence |
+//! | `seconds` | median time of a diagnosis |
+//!
+//! Every score has its number of cases and a 95 % interval: see [`Score`].
+
+mod interval;
+mod judged;
+mod tables;
+mod text;
+
+pub use interval::Score;
+pub use tables::{Matrix, OfEffect, Power};
+
+use super::ChallengeError;
+use super::answer::Verdict;
+use super::answering::{has_failed, known, seconds};
+use super::folder::{self, Campaigns};
+use super::order::{Family, Set};
+use super::truth::{Level, Rig};
+use interval::mean;
+use judged::Judged;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Classes of probability for the calibration error.
+const CLASSES: usize = 10;
+
+/// Cases without effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Nothing {
+    /// Share answered `none` or `parameter`.
+    pub cleared: Score,
+    /// Share in which an effect is named.
+    pub false_attribution: Score,
+    /// Share answered `undecided`.
+    pub undecided: Score,
+    /// `cleared` by how the rig differs from its scenario.
+    pub by_rig: BTreeMap<Rig, Score>,
+    /// Mean probability of `none` and `parameter`.
+    pub probability_on_truth: Score,
+}
+
+/// Cases of one effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Single {
+    /// Share named.
+    pub top1: Score,
+    /// Share named up to equivalence.
+    pub top1_equivalent: Score,
+    /// Share among the three likeliest.
+    pub top3: Score,
+    /// Median size of a set named.
+    pub set_size: Score,
+    /// Share answered `undecided`.
+    pub undecided: Score,
+    /// `top1_equivalent` by magnitude.
+    pub by_level: BTreeMap<Level, Score>,
+    /// Mean probability of the effect.
+    pub probability_on_truth: Score,
+    /// Mean probability of the effect and what is equivalent to it.
+    pub probability_on_set: Score,
+    /// Median error over the scale of the effect [-].
+    pub magnitude_error: Score,
+    /// Median error over the true magnitude [-].
+    pub magnitude_error_relative: Score,
+    /// Share of intervals that hold the true magnitude.
+    pub magnitude_covered: Score,
+    /// Mean share of the gap closed.
+    pub closed: Score,
+}
+
+/// Cases of an effect that the diagnosis was not told of.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// Share answered `unknown`.
+    pub unknown: Score,
+    /// Share of these located where the effect shows.
+    pub located: Score,
+    /// Share in which an effect is named.
+    pub false_attribution: Score,
+    /// Mean probability of `unknown`.
+    pub probability_on_truth: Score,
+}
+
+/// Cases of two effects.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pairs {
+    /// Share with one effect named at least.
+    pub one_named: Score,
+    /// Share with both named.
+    pub both_named: Score,
+    /// Mean probability of the pair.
+    pub probability_on_truth: Score,
+}
+
+/// How well the unknown is told.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unknown {
+    /// Area under the curve of hits against false alarms.
+    pub auroc: Score,
+    /// Harmonic mean of precision and recall of the verdict.
+    pub f1: Score,
+}
+
+/// All scores of a trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scores {
+    /// What the cases are for; calibration cases tell nothing of quality. None without cases.
+    pub family: Option<Family>,
+    /// Cases published.
+    pub cases: usize,
+    /// Cases with an answer.
+    pub answered: usize,
+    /// Cases in which the diagnosis failed: misses.
+    pub failed: usize,
+    /// Cases that nobody was asked about yet; they are in no score.
+    pub unanswered: usize,
+    /// Nothing withheld.
+    #[serde(rename = "C0")]
+    pub nothing: Nothing,
+    /// Effects in the catalogue's form.
+    #[serde(rename = "C1")]
+    pub own_form: Single,
+    /// Effects in another form.
+    #[serde(rename = "C2")]
+    pub other_form: Single,
+    /// Effects left out.
+    #[serde(rename = "C3")]
+    pub left_out: LeftOut,
+    /// Two effects.
+    #[serde(rename = "C4")]
+    pub pairs: Pairs,
+    /// C3 against all others.
+    pub unknown: Unknown,
+    /// `top1_equivalent` of C1 less that of C2.
+    pub c1_less_c2: Score,
+    /// Mean probability of the right answer over all cases.
+    pub probability_on_truth: Score,
+    /// Expected calibration error.
+    pub calibration_error: Score,
+    /// Median time of a diagnosis [s].
+    pub seconds: Score,
+    /// Number of cases by truth and answer.
+    pub confusion: Matrix,
+    /// Mean probability of answers by truth.
+    pub told: Matrix,
+    /// Mean size of the cosine between projected signatures of effects, where answers tell it.
+    pub isolability: Matrix,
+    /// Hits against magnitude over detection limit.
+    pub power: Vec<Power>,
+    /// Every effect.
+    pub effects: Vec<OfEffect>,
+}
+
+/// Opens the truth of the trial in `folder` and counts.
+///
+/// # Errors
+/// `TruthAltered` where a truth is not the one sealed, `CampaignAltered` where a run file is not the
+/// one published, `File` and `Content` where something cannot be read.
+pub fn score(folder: &Path) -> Result<Scores, ChallengeError> {
+    let campaigns = Campaigns::open(folder)?;
+    let answers = folder::answers(folder);
+    let mut judged = Vec::new();
+    for posed in &campaigns.manifest.cases {
+        campaigns.check(posed)?;
+        let truth = folder::unsealed(folder, posed)?;
+        let answer = known(&answers, posed);
+        if answer.is_some() || has_failed(&answers, posed) {
+            judged.push(Judged {
+                truth,
+                answer,
+                seconds: seconds(&answers, posed),
+            });
+        }
+    }
+    Ok(Scores::of(&judged, campaigns.manifest.cases.len()))
+}
+
+impl Scores {
+    fn of(judged: &[Judged], cases: usize) -> Self {
+        let answered = judged.iter().filter(|case| case.answer.is_some()).count();
+        let of = |set: Set| -> Vec<&Judged> { judged.iter().filter(|it| it.is_of(set)).collect() };
+        Self {
+            family: judged.first().map(|case| case.truth.family),
+            cases,
+            answered,
+            failed: judged.len() - answered,
+            unanswered: cases - judged.len(),
+            nothing: Nothing::of(&of(Set::C0)),
+            own_form: Single::of(&of(Set::C1)),
+            other_form: Single::of(&of(Set::C2)),
+            left_out: LeftOut::of(&of(Set::C3)),
+            pairs: Pairs::of(&of(Set::C4)),
+            unknown: Unknown::of(judged),
+            c1_less_c2: c1_less_c2(judged),
+            probability_on_truth: probability_on_truth(judged.iter()),
+            calibration_error: calibration_error(judged),
+            seconds: Score::median(judged.iter().filter_map(|case| case.seconds)),
+            confusion: tables::confusion(judged),
+            told: tables::told(judged),
+            isolability: tables::isolability(judged),
+            power: tables::power(judged),
+            effects: tables::of_effects(judged),
+        }
+    }
+}
+
+fn share(cases: &[&Judged], is_hit: impl Fn(&Judged) -> bool) -> Score {
+    Score::share(cases.iter().map(|case| is_hit(case)))
+}
+
+fn probability_on_truth<'j>(cases: impl Iterator<Item = &'j Judged>) -> Score {
+    Score::mean(cases.map(Judged::probability_on_truth))
+}
+
+impl Nothing {
+    fn of(cases: &[&Judged]) -> Self {
+        let of_rig = |rig: Rig| {
+            let own = cases.iter().filter(|case| case.truth.rig == rig);
+            (rig, Score::share(own.map(|case| case.is_cleared())))
+        };
+        Self {
+            cleared: share(cases, Judged::is_cleared),
+            false_attribution: share(cases, Judged::is_blaming),
+            undecided: share(cases, |case| case.is(Verdict::Undecided)),
+            by_rig: [Rig::Plain, Rig::Tails, Rig::Variable].map(of_rig).into(),
+            probability_on_truth: probability_on_truth(cases.iter().copied()),
+        }
+    }
+}
+
+impl Single {
+    fn of(cases: &[&Judged]) -> Self {
+        let sets = cases.iter().map(|case| case.set().len());
+        let magnitudes: Vec<_> = cases.iter().filter_map(|case| case.magnitude()).collect();
+        let of_level = |level: Level| {
+            let is_it = |case: &&&Judged| case.hidden().is_some_and(|it| it.level == Some(level));
+            let own = cases.iter().filter(is_it);
+            (
+                level,
+                Score::share(own.map(|case| case.is_named_up_to_equivalence())),
+            )
+        };
+        let closed = cases
+            .iter()
+            .filter(|case| case.is_named_up_to_equivalence());
+        let closed = closed.filter_map(|case| case.answer.as_ref()?.closed?.value);
+        Self {
+            top1: share(cases, Judged::is_named),
+            top1_equivalent: share(cases, Judged::is_named_up_to_equivalence),
+            top3: share(cases, Judged::is_in_first_three),
+            set_size: Score::median(sets.filter(|size| *size > 0).map(|size| size as f64)),
+            undecided: share(cases, |case| case.is(Verdict::Undecided)),
+            by_level: Level::ALL.map(of_level).into(),
+            probability_on_truth: probability_on_truth(cases.iter().copied()),
+            probability_on_set: Score::mean(cases.iter().map(|it| it.probability_on_set())),
+            magnitude_error: Score::median(magnitudes.iter().map(|it| it.of_typical)),
+            magnitude_error_relative: Score::median(magnitudes.iter().map(|it| it.of_true)),
+            magnitude_covered: Score::share(magnitudes.iter().filter_map(|it| it.is_covered)),
+            closed: Score::mean(closed),
+        }
+    }
+}
+
+impl LeftOut {
+    fn of(cases: &[&Judged]) -> Self {
+        let told = cases.iter().filter(|case| case.is(Verdict::Unknown));
+        Self {
+            unknown: share(cases, |case| case.is(Verdict::Unknown)),
+            located: Score::share(told.map(|case| case.is_located())),
+            false_attribution: share(cases, Judged::is_blaming),
+            probability_on_truth: probability_on_truth(cases.iter().copied()),
+        }
+    }
+}
+
+impl Pairs {
+    fn of(cases: &[&Judged]) -> Self {
+        Self {
+            one_named: share(cases, |case| case.named_of_pair() >= 1),
+            both_named: share(cases, |case| case.named_of_pair() == 2),
+            probability_on_truth: probability_on_truth(cases.iter().copied()),
+        }
+    }
+}
+
+impl Unknown {
+    fn of(cases: &[Judged]) -> Self {
+        let told = cases.iter().filter_map(|case| {
+            let answer = case.answer.as_ref()?;
+            Some((case.is_of(Set::C3), answer.probability("unknown")))
+        });
+        let told: Vec<(bool, f64)> = told.collect();
+        let verdicts = cases.iter();
+        let verdicts = verdicts.map(|case| (case.is_of(Set::C3), case.is(Verdict::Unknown)));
+        let verdicts: Vec<(bool, bool)> = verdicts.collect();
+        Self {
+            auroc: Score::of(&told, auroc),
+            f1: Score::of(&verdicts, f1),
+        }
+    }
+}
+
+/// Probability [-] that one of the true is told more than one of the others; ties count half.
+fn auroc(told: &[&(bool, f64)]) -> Option<f64> {
+    let mut sorted = told.to_vec();
+    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut below = 0;
+    let mut wins = 0.0;
+    for ties in sorted.chunk_by(|a, b| a.1 == b.1) {
+        let hits = ties.iter().filter(|(is_true, _)| *is_true).count();
+        let others = ties.len() - hits;
+        wins += hits as f64 * (f64::from(below) + 0.5 * others as f64);
+        below += u32::try_from(others).ok()?;
+    }
+    let hits = told.iter().filter(|(is_true, _)| *is_true).count();
+    let pairs = hits as f64 * f64::from(below);
+    (pairs > 0.0).then(|| wins / pairs)
+}
+
+/// Harmonic mean of precision and recall; none where there is nothing to find.
+fn f1(verdicts: &[&(bool, bool)]) -> Option<f64> {
+    let count = |wanted: (bool, bool)| verdicts.iter().filter(|it| ***it == wanted).count() as f64;
+    let [hit, missed, false_alarm] = [(true, true), (true, false), (false, true)].map(count);
+    (hit + missed > 0.0).then(|| 2.0 * hit / (2.0 * hit + missed + false_alarm))
+}
+
+fn c1_less_c2(cases: &[Judged]) -> Score {
+    let others = cases.iter().filter(|case| case.is_of(Set::C2));
+    let others: Vec<&str> = others
+        .filter_map(|it| Some(it.hidden()?.effect()))
+        .collect();
+    let both: Vec<(Set, bool)> = cases
+        .iter()
+        .filter(|case| case.is_of(Set::C1) || case.is_of(Set::C2))
+        .filter(|case| {
+            case.hidden()
+                .is_some_and(|it| others.contains(&it.effect()))
+        })
+        .map(|case| (case.truth.set, case.is_named_up_to_equivalence()))
+        .collect();
+    Score::of(&both, |drawn| {
+        let hits = |set: Set| {
+            let own = drawn.iter().filter(|(of, _)| *of == set);
+            mean(own.map(|(_, hit)| f64::from(u8::from(*hit))))
+        };
+        Some(hits(Set::C1)? - hits(Set::C2)?)
+    })
+}
+
+fn calibration_error(cases: &[Judged]) -> Score {
+    let told = cases.iter().filter_map(|case| {
+        let labels = case.labels();
+        let (label, probability) = labels.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((*probability, *label == case.label()))
+    });
+    let told: Vec<(f64, bool)> = told.collect();
+    Score::of(&told, |drawn| {
+        let mut classes = [(0.0, 0.0); CLASSES];
+        for (probability, is_right) in drawn {
+            let class = ((probability * CLASSES as f64) as usize).min(CLASSES - 1);
+            classes[class].0 += probability;
+            classes[class].1 += f64::from(u8::from(*is_right));
+        }
+        let off: f64 = classes
+            .iter()
+            .map(|(told, right)| (told - right).abs())
+            .sum();
+        (!drawn.is_empty()).then(|| off / drawn.len() as f64)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::challenge::answer::Answer;
+    use crate::challenge::cases::draw;
+    use crate::challenge::design::Design;
+    use crate::challenge::order::{Order, Selection};
+    use crate::challenge::truth::Truth;
+    use crate::quantity::Seed;
+    use rand::RngExt;
+    use serde_json::{Value, json};
+
+    fn truths(count: usize) -> Vec<Truth> {
+        let grounds = ["sand", "hard"].map(str::to_owned).to_vec();
+        let read = |ground: &String| Design::of(ground, None).unwrap().unwrap();
+        let designs: Vec<Design> = grounds.iter().map(read).collect();
+        let order = Order {
+            selection: Selection::all(),
+            cases: Some(count),
+            grounds,
+            duration: None,
+            seed: Seed(3),
+        };
+        draw(&order, &designs).unwrap()
+    }
+
+    fn scores(truths: &[Truth], answer: impl Fn(&Truth) -> Value) -> Scores {
+        let judged: Vec<Judged> = truths
+            .iter()
+            .map(|truth| Judged {
+                answer: Some(serde_json::from_value::<Answer>(answer(truth)).unwrap()),
+                seconds: Some(10.0),
+                truth: truth.clone(),
+            })
+            .collect();
+        Scores::of(&judged, truths.len())
+    }
+
+    fn suspects(truth: &Truth) -> Vec<Value> {
+        let suspect = |hidden: &crate::challenge::truth::Hidden| {
+            let m = hidden.magnitude;
+            json!({"name": hidden.name, "magnitude": m, "ci95": [0.9 * m, null]})
+        };
+        truth.effects.iter().map(suspect).collect()
+    }
+
+    /// Who knows everything.
+    fn perfect(truth: &Truth) -> Value {
+        let names: Vec<&str> = truth.effects.iter().map(|it| it.name.as_str()).collect();
+        let (verdict, label) = match truth.set {
+            Set::C0 => ("parameter", "parameter".to_owned()),
+            Set::C1 | Set::C2 => ("effect", names[0].to_owned()),
+            Set::C3 => ("unknown", "unknown".to_owned()),
+            Set::C4 => ("effects", names.join("+")),
+        };
+        let application = truth.effects.first().map(|it| it.application().unwrap());
+        let channel = application.map_or("", |it| it.effect().signature.channels[0]);
+        let screen: Vec<Value> = names
+            .iter()
+            .map(|name| json!({"name": name, "detectable": 1.0e-9}))
+            .collect();
+        json!({
+            "verdict": verdict, "probabilities": {label: 1.0}, "effects": suspects(truth),
+            "closed": {"value": 1.0, "ci95": [0.9, 1.0]}, "screen": screen,
+            "located": [{"condition": "ST", "cell": format!("{channel}/time/mean"), "deviations": 9.0}],
+        })
+    }
+
+    #[test]
+    fn who_knows_everything_has_every_score() {
+        let scores = scores(&truths(150), perfect);
+        let is = |score: &Score, value: f64| {
+            let found = score.value.unwrap();
+            assert!(
+                score.n > 0 && (found - value).abs() < 1.0e-12,
+                "{found} for {value}"
+            );
+        };
+        is(&scores.nothing.cleared, 1.0);
+        is(&scores.nothing.false_attribution, 0.0);
+        for single in [&scores.own_form, &scores.other_form] {
+            is(&single.top1, 1.0);
+            is(&single.top1_equivalent, 1.0);
+            is(&single.top3, 1.0);
+            is(&single.set_size, 1.0);
+            is(&single.undecided, 0.0);
+            is(&single.magnitude_error, 0.0);
+            is(&single.magnitude_covered, 1.0);
+            is(&single.closed, 1.0);
+        }
+        is(&scores.left_out.unknown, 1.0);
+        is(&scores.left_out.located, 1.0);
+        is(&scores.pairs.both_named, 1.0);
+        is(&scores.unknown.auroc, 1.0);
+        is(&scores.unknown.f1, 1.0);
+        is(&scores.c1_less_c2, 0.0);
+        is(&scores.probability_on_truth, 1.0);
+        is(&scores.calibration_error, 0.0);
+        is(&scores.seconds, 10.0);
+        assert!(scores.effects.iter().all(|effect| !effect.is_weak));
+        let diagonal = |row: usize| scores.confusion.values[row][row];
+        let hits: f64 = (0..scores.confusion.rows.len() - 1).map(diagonal).sum();
+        let singles = scores.nothing.cleared.n + scores.own_form.top1.n + scores.other_form.top1.n;
+        assert_eq!(hits, singles as f64);
+    }
+
+    #[test]
+    fn who_never_sees_anything_is_right_where_there_is_nothing_and_nowhere_else() {
+        let truths = truths(150);
+        let scores = scores(
+            &truths,
+            |_| json!({"verdict": "none", "probabilities": {"none": 1.0}}),
+        );
+        let nothing = truths.iter().filter(|truth| truth.set == Set::C0).count() as f64;
+        let share = nothing / truths.len() as f64;
+        assert_eq!(scores.nothing.cleared.value, Some(1.0));
+        assert_eq!(scores.own_form.top1_equivalent.value, Some(0.0));
+        assert_eq!(scores.own_form.top3.value, Some(0.0));
+        assert_eq!(scores.own_form.set_size.n, 0);
+        assert_eq!(scores.pairs.one_named.value, Some(0.0));
+        assert_eq!(scores.left_out.unknown.value, Some(0.0));
+        // No probability of the unknown is larger than another.
+        assert_eq!(scores.unknown.auroc.value, Some(0.5));
+        assert_eq!(scores.unknown.f1.value, Some(0.0));
+        assert!((scores.probability_on_truth.value.unwrap() - share).abs() < 1.0e-12);
+        assert!((scores.calibration_error.value.unwrap() - (1.0 - share)).abs() < 1.0e-12);
+        assert!(scores.effects.iter().all(|effect| effect.is_weak));
+        assert!(
+            scores
+                .effects
+                .iter()
+                .all(|it| it.partner.as_deref() == Some("nothing"))
+        );
+    }
+
+    #[test]
+    fn who_guesses_is_right_as_often_as_chance_says() {
+        let truths = truths(400);
+        let names: Vec<String> = truths
+            .iter()
+            .flat_map(|truth| truth.effects.iter().map(|hidden| hidden.name.clone()))
+            .collect();
+        let scores = scores(&truths, |truth| {
+            let mut rng = truth.seed.rng("guess", 0);
+            // Among ten names, of which one is the truth where there is one.
+            let mut choice: Vec<&String> = names.iter().take(9).collect();
+            choice.extend(truth.effects.first().map(|hidden| &hidden.name));
+            let guess = choice[rng.random_range(0..choice.len())];
+            let unknown: f64 = rng.random();
+            json!({
+                "verdict": "effect", "effects": [{"name": guess, "magnitude": 1.0}],
+                "probabilities": {guess: 1.0 - unknown, "unknown": unknown},
+            })
+        });
+        let near = |score: &Score, chance: f64, sd: f64| {
+            let found = score.value.unwrap();
+            assert!((found - chance).abs() < 4.0 * sd, "{found} for {chance}");
+        };
+        let n = scores.own_form.top1.n as f64;
+        // A truth that is also among the nine adds to its chance a little.
+        near(&scores.own_form.top1, 0.11, (0.1_f64 * 0.9 / n).sqrt());
+        let hits = scores.left_out.unknown.n as f64;
+        near(&scores.unknown.auroc, 0.5, (1.0 / (12.0 * hits)).sqrt());
+        assert_eq!(scores.nothing.false_attribution.value, Some(1.0));
+    }
+
+    #[test]
+    fn undecided_and_failed_diagnoses_are_misses() {
+        let truths = truths(60);
+        let undecided = scores(&truths, |truth| {
+            json!({
+                "verdict": "undecided", "effects": suspects(truth),
+                "probabilities": {"undecided": 0.6},
+            })
+        });
+        assert_eq!(undecided.own_form.top3.value, Some(0.0));
+        assert_eq!(undecided.own_form.undecided.value, Some(1.0));
+        assert_eq!(undecided.nothing.cleared.value, Some(0.0));
+        let failed = truths.iter().map(|truth| Judged {
+            truth: truth.clone(),
+            answer: None,
+            seconds: None,
+        });
+        let failed = Scores::of(&failed.collect::<Vec<_>>(), truths.len() + 5);
+        assert_eq!((failed.failed, failed.unanswered), (60, 5));
+        assert_eq!(failed.own_form.top1.value, Some(0.0));
+        assert_eq!(failed.nothing.cleared.value, Some(0.0));
+        assert_eq!(failed.seconds.value, None);
+    }
+
+    #[test]
+    fn an_effect_in_the_set_of_another_counts_up_to_equivalence_only() {
+        let scores = scores(&truths(60), |truth| {
+            let names: Vec<&str> = truth.effects.iter().map(|it| it.name.as_str()).collect();
+            let name = names.first().copied().unwrap_or("slope");
+            json!({
+                "verdict": "effect", "probabilities": {"else": 0.7, name: 0.3},
+                "effects": [{"name": "else", "magnitude": 1.0, "equivalent_to": names}],
+                "next_run": {"run": "in reverse", "between": ["else", name]},
+            })
+        });
+        assert_eq!(scores.own_form.top1.value, Some(0.0));
+        assert_eq!(scores.own_form.top1_equivalent.value, Some(1.0));
+        assert_eq!(scores.own_form.set_size.value, Some(2.0));
+        assert_eq!(scores.own_form.probability_on_truth.value, Some(0.3));
+        // One set that holds both effects of a pair names one of them.
+        assert_eq!(scores.pairs.one_named.value, Some(1.0));
+        assert_eq!(scores.pairs.both_named.value, Some(0.0));
+        let effect = &scores.effects[0];
+        assert_eq!(effect.partner.as_deref(), Some("else"));
+        assert_eq!(effect.next_run.as_deref(), Some("in reverse"));
+    }
+
+    #[test]
+    fn power_is_told_against_the_least_that_can_be_detected() {
+        let twice = |truth: &Truth| {
+            let mut answer = perfect(truth);
+            let half = truth.effects.iter().map(|hidden| {
+                let seat = hidden.application().unwrap().seat();
+                let detectable = match seat.neutral.is_finite() {
+                    true => (hidden.magnitude - seat.neutral).abs() / 3.0,
+                    false => hidden.magnitude * 3.0,
+                };
+                json!({"name": hidden.name, "detectable": detectable})
+            });
+            answer["screen"] = half.collect();
+            answer
+        };
+        let scores = scores(&truths(100), twice);
+        for class in &scores.power {
+            let expected = if class.low == 2.0 {
+                scores.own_form.top1.n
+            } else {
+                0
+            };
+            assert_eq!(class.own.n, expected, "{}", class.low);
+        }
+    }
+
+    #[test]
+    fn an_area_under_the_curve_is_the_share_of_pairs_in_order() {
+        let told = [
+            (true, 0.9),
+            (true, 0.4),
+            (false, 0.4),
+            (false, 0.1),
+            (false, 0.6),
+        ];
+        // 0.9 beats three; 0.4 beats one, ties one, loses one.
+        let area = auroc(&told.iter().collect::<Vec<_>>()).unwrap();
+        assert!((area - 4.5 / 6.0).abs() < 1.0e-12, "{area}");
+        assert_eq!(auroc(&[&(true, 0.5)]), None);
+    }
+}

@@ -1,0 +1,310 @@
+//! `challenge`: blind trials of the diagnosis.
+
+mod asking;
+
+use super::interrupt::{self, Interrupted};
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::series::Jobs;
+use asking::Asking;
+use clap::{Args, Subcommand};
+use lugwheel::challenge::score::Scores;
+use lugwheel::challenge::{self, ChallengeError, GROUNDS, Order, Selection};
+use lugwheel::quantity::Seed;
+use lugwheel::report::{Entries, matrix_figure, power_figure};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
+use std::fmt;
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Put the diagnosis to blind trials
+///
+/// `make` simulates campaigns whose truth is sealed, `run` diagnoses them, `score` opens the truth
+/// and counts.
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Challenge {
+    #[command(subcommand)]
+    action: Action,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lugwheel challenge make --out output/trial --cases 24
+  lugwheel challenge run output/trial
+  lugwheel challenge score output/trial
+
+The folder holds campaigns/ (what may be published: manifest.json with a SHA-256 of every truth, a
+scenario a ground, a run file a case), truth/ (what may not, until the answers are in: the truths,
+and the seed), bank/ and answers/ of the diagnoses, and score/ (scores.json, figures).
+All three commands go on where they were stopped. `sha256sum truth/case_0001.json` opens a seal by
+hand.
+
+Sets: C0 nothing withheld, C1 one effect, C2 one effect in another form than the diagnosis knows,
+C3 one effect that the diagnosis is not told of, C4 two effects; all; and calibration, whose seeds
+are never those of a case that is scored.";
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Make(Make),
+    Run(Run),
+    Score(Score),
+}
+
+/// Simulate campaigns and seal their truth
+#[derive(Debug, Args)]
+struct Make {
+    /// Folder of the trial
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// C0, C1, C2, C3, C4, all or calibration
+    #[arg(long, value_name = "NAME", default_value = "all")]
+    set: Selection,
+    /// Cases at most, balanced over sets, effects and magnitudes; all if not given
+    #[arg(long, value_name = "N")]
+    cases: Option<NonZeroUsize>,
+    /// Ground of the campaigns: sand, hard, gravel (nine times the time); may be given several times
+    #[arg(long, value_name = "NAME", default_values_t = ["sand".to_owned(), "hard".to_owned()], value_parser = GROUNDS)]
+    ground: Vec<String>,
+    /// Duration of each of the twelve runs of a case [s]; 10 if not given
+    #[arg(long, value_name = "SECONDS")]
+    duration: Option<f64>,
+    /// Seed of all cases and salts: whoever knows it knows the truth. Drawn by the operating system
+    /// if not given, and kept in truth/
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    #[command(flatten)]
+    jobs: Jobs,
+}
+
+/// Diagnose every campaign that has no answer yet
+#[derive(Debug, Args)]
+struct Run {
+    /// Folder of the trial
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Campaigns at a time, which share the cores. One is best until the bank is filled
+    #[arg(long, value_name = "N", default_value = "1")]
+    jobs: NonZeroUsize,
+    /// Driving that each diagnosis may simulate [s], as for `diagnose`
+    #[arg(long, value_name = "SECONDS")]
+    budget: Option<f64>,
+    /// Folder of simulated statistics [default: DIR/bank]
+    #[arg(long, value_name = "DIR")]
+    bank: Option<PathBuf>,
+}
+
+/// Open the truth and score the answers
+#[derive(Debug, Args)]
+struct Score {
+    /// Folder of the trial
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+/// Some cases could not be made or diagnosed.
+#[derive(Debug, thiserror::Error)]
+#[error("challenge: {} cases failed ({}) - see {}", failed.len(), shortened(failed), place.display())]
+pub struct FailedCases {
+    failed: Vec<(String, String)>,
+    place: PathBuf,
+}
+
+/// The first failed case and its reason.
+fn shortened(failed: &[(String, String)]) -> String {
+    let first = failed
+        .first()
+        .map(|(case, reason)| format!("{case}: {reason}"));
+    let more = if failed.len() > 1 { "; …" } else { "" };
+    first.unwrap_or_default() + more
+}
+
+impl Challenge {
+    /// Makes, runs or scores a trial.
+    pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        match &self.action {
+            Action::Make(command) => command.run(output),
+            Action::Run(command) => command.run(output),
+            Action::Score(command) => command.run(output),
+        }
+    }
+}
+
+impl Make {
+    fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let order = Order {
+            selection: self.set.clone(),
+            cases: self.cases.map(NonZeroUsize::get),
+            grounds: self.ground.clone(),
+            duration: self.duration,
+            seed: self.seed()?,
+        };
+        output::make_folder(&self.out)?;
+        let progress = OnceLock::new();
+        let size = |simulated: f64| {
+            progress.get_or_init(|| Progress::new(output, "campaigns", simulated));
+        };
+        let hear = |simulated: f64| {
+            if let Some(progress) = progress.get() {
+                progress.advance(simulated);
+            }
+            go_on()
+        };
+        let made = pool(self.jobs.count())?
+            .install(|| challenge::make(&self.out, &order, &size, &hear))
+            .map_err(interrupted)?;
+        drop(progress);
+        output.print(&MadeSummary {
+            folder: self.out.display().to_string(),
+            cases: made.manifest.cases.len(),
+            failed: made.failed.len(),
+        })?;
+        failures(made.failed, &self.out.join("truth/failed.txt"))
+    }
+
+    /// The seed asked for, or that of the trial that goes on, or one that nobody knows.
+    fn seed(&self) -> anyhow::Result<Seed> {
+        if let Some(seed) = self.seed {
+            return Ok(Seed(seed));
+        }
+        let begun = challenge::begun(&self.out)?;
+        Ok(begun.unwrap_or_else(|| Seed(rand::random())))
+    }
+}
+
+impl Run {
+    fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let asking = Asking {
+            folder: &self.folder,
+            bank: self
+                .bank
+                .clone()
+                .unwrap_or_else(|| self.folder.join("bank")),
+            budget: self.budget,
+            cores: (Jobs::ALL.count() / self.jobs).max(1),
+        };
+        let progress = OnceLock::new();
+        let heard = AtomicUsize::new(0);
+        let hear = |now: challenge::Progress| {
+            // What was answered before takes no time, and must not tell of the time left.
+            let bar = progress.get_or_init(|| {
+                heard.store(now.done, Ordering::Relaxed);
+                Progress::of_runs(output, "cases", now.total - now.done)
+            });
+            let before = heard.fetch_max(now.done, Ordering::Relaxed);
+            bar.advance(now.done.saturating_sub(before) as f64);
+            go_on()
+        };
+        let answered = pool(self.jobs.get())?
+            .install(|| challenge::answer(&self.folder, &|question| asking.ask(question), &hear))
+            .map_err(interrupted)?;
+        drop(progress);
+        output.print(&RunSummary {
+            folder: self.folder.display().to_string(),
+            answered: answered.answered,
+            failed: answered.failed.len(),
+        })?;
+        failures(answered.failed, &self.folder.join("answers"))
+    }
+}
+
+impl Score {
+    fn run(&self, output: &Output) -> anyhow::Result<()> {
+        let scores = challenge::score(&self.folder)?;
+        let folder = self.folder.join("score");
+        output::make_folder(&folder)?;
+        draw(&scores, &folder)?;
+        let json = serde_json::to_string_pretty(&scores)?;
+        output::write_file(&folder.join("scores.json"), &(json + "\n"))?;
+        output.print(&scores)
+    }
+}
+
+fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
+    let write = |name: &str, svg: &str| output::write_file(&folder.join(name), svg);
+    let counts = matrix_figure(&scores.confusion, Entries::Counts, "Truths and answers");
+    write("confusion.svg", &counts)?;
+    let title = "Probability of each answer by truth";
+    write(
+        "told.svg",
+        &matrix_figure(&scores.told, Entries::Shares, title),
+    )?;
+    let title = "Isolability: cosine of projected signatures";
+    write(
+        "isolability.svg",
+        &matrix_figure(&scores.isolability, Entries::Shares, title),
+    )?;
+    let title = "Effects named, by their size";
+    write("power.svg", &power_figure(&scores.power, title))
+}
+
+fn pool(threads: usize) -> anyhow::Result<ThreadPool> {
+    Ok(ThreadPoolBuilder::new().num_threads(threads).build()?)
+}
+
+fn go_on() -> ControlFlow<()> {
+    match interrupt::is_requested() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
+}
+
+fn interrupted(error: ChallengeError) -> anyhow::Error {
+    match error {
+        stopped @ ChallengeError::Stopped { .. } => Interrupted(stopped.to_string()).into(),
+        other => other.into(),
+    }
+}
+
+fn failures(failed: Vec<(String, String)>, place: &Path) -> anyhow::Result<()> {
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let place = place.to_owned();
+    Err(FailedCases { failed, place }.into())
+}
+
+#[derive(Debug, Serialize)]
+struct MadeSummary {
+    folder: String,
+    cases: usize,
+    failed: usize,
+}
+
+impl fmt::Display for MadeSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            folder,
+            cases,
+            failed,
+        } = self;
+        writeln!(f, "{cases} cases, {failed} more failed")?;
+        writeln!(f, "to be published: {folder}/campaigns")?;
+        write!(f, "to be kept until the answers are in: {folder}/truth")
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct RunSummary {
+    folder: String,
+    answered: usize,
+    failed: usize,
+}
+
+impl fmt::Display for RunSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            folder,
+            answered,
+            failed,
+        } = self;
+        write!(
+            f,
+            "{answered} cases answered, {failed} failed, in {folder}/answers"
+        )
+    }
+}
