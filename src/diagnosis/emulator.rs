@@ -15,7 +15,7 @@ use super::calibration::Calibration;
 use super::product::product;
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::shape::{Knot, Shape};
-use crate::gap::{Cell, Condition, Reading, Readings, Whitening};
+use crate::gap::{Cell, Condition, Measure, Reading, Readings, Whitening};
 
 /// Offset [prior standard deviations] beyond which a parameter's change bends no more: it was
 /// simulated up to one.
@@ -133,7 +133,7 @@ impl Emulated {
             cells: transform.cells().to_vec(),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
             variance: tried(responses, &rows).map_err(of_replicates)?,
-            least: transform.least(&responses.sizes, calibration.least_spread),
+            least: transform.least(&responses.sizes, &calibration.least_spread),
             bend: bend.collect(),
             jacobian,
             jacobian_error,
@@ -236,12 +236,16 @@ impl Transform {
         (means, errors)
     }
 
-    /// Variance of each number where every cell is uncertain by `share` of its size.
-    fn least(&self, sizes: &[f64], share: f64) -> Vec<f64> {
+    /// Variance of each number where every cell is uncertain by the spread of its measure.
+    fn least(&self, sizes: &[f64], [own, level, number]: &[f64; 3]) -> Vec<f64> {
         let mut least = vec![0.0; self.cells.len()];
         for (place, size) in sizes.iter().enumerate() {
             let mut change = vec![0.0; self.cells.len()];
-            change[place] = share * size;
+            change[place] = match self.cells[place].statistic.measure() {
+                Measure::Own => own * size,
+                Measure::Level => *level,
+                Measure::Number => *number,
+            };
             let white = self.moved(&change);
             let (most, _) = white
                 .iter()
