@@ -9,12 +9,11 @@ use super::fit::Problem;
 use super::library::Answers;
 use super::observation::Observed;
 use super::responses::Measured;
-use super::shrinkage::{among, apart};
 use crate::gap::{Cell, Condition, Run, Statistic};
 use serde::Serialize;
 
 /// Streams simulated again.
-pub(super) const STREAMS: u64 = 6;
+pub(super) const STREAMS: u64 = 3;
 
 /// Largest difference [spreads of replicates per statistic] between the gap predicted and the one
 /// simulated that counts as kept.
@@ -92,10 +91,10 @@ fn gap(
         return None;
     }
     let mean = |run: &Vec<f64>| {
-        let sum: f64 = made.iter().map(|made| apart(run, made)).sum();
+        let sum: f64 = made.iter().map(|made| emulated.apart(run, made)).sum();
         sum / made.len() as f64
     };
-    let among = 0.5 * among(&emulated.replicates);
+    let among = 0.5 * emulated.among(&emulated.replicates);
     let runs = &observed.runs;
     Some(runs.iter().map(mean).sum::<f64>() / runs.len() as f64 - among)
 }

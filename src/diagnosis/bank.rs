@@ -5,8 +5,8 @@
 //! the hash of all that makes them: scenario, case, seed, stream, program. What is in the folder is
 //! not simulated again, so work that was stopped goes on, and a second diagnosis is fast.
 //!
-//! A stream is the same ground and noise in every arm: differences between arms are not hidden by
-//! their scatter. Arms that differ in their sensors only share one motion, which is recorded, measured
+//! A stream is the same ground and noise in every arm of a case, and another in every case:
+//! differences between arms are not hidden by their scatter, and cases are independent. Arms that differ in their sensors only share one motion, which is recorded, measured
 //! with each of them, and dropped.
 
 mod store;
@@ -38,7 +38,7 @@ pub struct Request {
     pub arm: Arm,
     /// Place of the case in the bank.
     pub case: usize,
-    /// Which ground and noise: the run of the series that the seed begins.
+    /// Which ground and noise; another case has others under the same number.
     pub stream: u64,
 }
 
@@ -233,9 +233,16 @@ impl Bank {
             None => Found::Missing(Task {
                 place,
                 key,
-                motion: motion(&scenario, &experiment, request.stream),
+                motion: motion(&scenario, &experiment, self.run(request)),
             }),
         })
+    }
+
+    /// The run of the seed's series that a request for one of the cases asks for. Cases do not share streams: what they have
+    /// in common would be taken for the simulator's word.
+    pub fn run(&self, request: &Request) -> u64 {
+        let case = Key::of(&self.cases[request.case].reading()).number();
+        (case << 32) | request.stream
     }
 
     /// The hash of all that makes an answer.
@@ -249,7 +256,7 @@ impl Bank {
         Key::of(&format!(
             "{version}\nseed {}\nstream {}\n{}{}",
             seed.0,
-            request.stream,
+            self.run(request),
             cases[request.case].reading(),
             scenario.to_toml(),
         ))
@@ -296,7 +303,7 @@ fn failed(reason: &dyn std::fmt::Display) -> Failure {
 }
 
 /// The hash of all that makes a motion: a scenario without its sensors.
-fn motion(scenario: &Scenario, experiment: &Experiment, stream: u64) -> Key {
+fn motion(scenario: &Scenario, experiment: &Experiment, run: u64) -> Key {
     let Experiment {
         terrain,
         wheel,
@@ -308,7 +315,7 @@ fn motion(scenario: &Scenario, experiment: &Experiment, stream: u64) -> Key {
         scenario.lead_in,
         scenario.physics_rate().hertz(),
     ];
-    Key::of(&format!("{terrain:?} {wheel:?} {rig:?} {times:?} {stream}"))
+    Key::of(&format!("{terrain:?} {wheel:?} {rig:?} {times:?} {run}"))
 }
 
 /// Tasks with one motion together, in the order of their first ones; among them equal ones.
@@ -472,12 +479,12 @@ impl Traces {
             return Ok(Self::Once);
         }
         let request = &work.requests[first.place];
-        let (bank, stream) = (work.bank, request.stream);
+        let (bank, run) = (work.bank, work.bank.run(request));
         let record = || {
             let built = built(&request.arm, &bank.cases[request.case]);
             let (scenario, _) = built.map_err(NoRun::Failed)?;
             work.motions.fetch_add(1, Ordering::Relaxed);
-            Ok(scenario.record(bank.seed, stream, &mut |_| work.report())?)
+            Ok(scenario.record(bank.seed, run, &mut |_| work.report())?)
         };
         match caught(record) {
             Ok(recording) => Ok(Self::Recorded(Box::new(Ok(recording)))),
@@ -492,7 +499,7 @@ impl Traces {
             Self::Once => {
                 work.motions.fetch_add(1, Ordering::Relaxed);
                 let go_on = &mut |_| work.report();
-                Ok(scenario.run(work.bank.seed, request.stream, go_on)?)
+                Ok(scenario.run(work.bank.seed, work.bank.run(request), go_on)?)
             }
             Self::Recorded(recording) => {
                 let recording = recording.as_ref().as_ref();

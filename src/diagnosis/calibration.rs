@@ -19,10 +19,6 @@ pub struct Calibration {
     pub freedom: f64,
     /// Error [-] of a predicted change, as a share of it.
     pub relative_error: f64,
-    /// Spread of a cell below which a difference says nothing, however still its replicates are: of
-    /// values in the channel's unit [their size], of levels [dB], of numbers [-]. Steps of another
-    /// length or a sensor's last digit make as much.
-    pub least_spread: [f64; 3],
     /// Cosine [-] of projected signatures from which on effects cannot be told apart.
     pub equivalent: f64,
     /// Probability [-] from which on a verdict is given.
@@ -49,7 +45,6 @@ impl Default for Calibration {
             priors: [0.25, 0.25, 0.4, 0.05, 0.05],
             freedom: 6.0,
             relative_error: 0.1,
-            least_spread: [0.01, 0.1, 0.01],
             equivalent: 0.95,
             confident: 0.5,
             presumed: 0.25,

@@ -11,11 +11,10 @@
 //! replicates left out, and the variance raised to what they show. The scatter of the changes from
 //! stream to stream is the emulator's own error; changes are drawn to zero by it.
 
-use super::calibration::Calibration;
 use super::product::product;
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::shape::{Knot, Shape};
-use crate::gap::{Cell, Condition, Measure, Reading, Readings, Whitening};
+use crate::gap::{Cell, Condition, Reading, Readings, Whitening};
 
 /// Offset [prior standard deviations] beyond which a parameter's change bends no more: it was
 /// simulated up to one.
@@ -59,10 +58,10 @@ impl Emulator {
     /// # Errors
     /// `NoCondition` for an empty library; `Shape`, `NotFinite` and `Replicates` for rows that do
     /// not fit together, are not finite or too few.
-    pub fn new(library: &Library, calibration: &Calibration) -> Result<Self, DiagnosisError> {
+    pub fn new(library: &Library) -> Result<Self, DiagnosisError> {
         let conditions = library.conditions.iter().map(|responses| {
             responses.check(library)?;
-            Emulated::new(responses, library, calibration)
+            Emulated::new(responses, library)
         });
         let conditions = conditions.collect::<Result<Vec<_>, _>>()?;
         if conditions.is_empty() {
@@ -82,11 +81,7 @@ impl Emulator {
 }
 
 impl Emulated {
-    fn new(
-        responses: &Responses,
-        library: &Library,
-        calibration: &Calibration,
-    ) -> Result<Self, DiagnosisError> {
+    fn new(responses: &Responses, library: &Library) -> Result<Self, DiagnosisError> {
         let of_replicates = |error| DiagnosisError::Replicates {
             condition: responses.condition.to_string(),
             error,
@@ -133,7 +128,7 @@ impl Emulated {
             cells: transform.cells().to_vec(),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
             variance: tried(responses, &rows).map_err(of_replicates)?,
-            least: transform.least(&responses.sizes, &calibration.least_spread),
+            least: transform.least(&responses.sizes),
             bend: bend.collect(),
             jacobian,
             jacobian_error,
@@ -236,16 +231,12 @@ impl Transform {
         (means, errors)
     }
 
-    /// Variance of each number where every cell is uncertain by the spread of its measure.
-    fn least(&self, sizes: &[f64], [own, level, number]: &[f64; 3]) -> Vec<f64> {
+    /// Variance of each number where every cell is uncertain by its resolution.
+    fn least(&self, sizes: &[f64]) -> Vec<f64> {
         let mut least = vec![0.0; self.cells.len()];
         for (place, size) in sizes.iter().enumerate() {
             let mut change = vec![0.0; self.cells.len()];
-            change[place] = match self.cells[place].statistic.measure() {
-                Measure::Own => own * size,
-                Measure::Level => *level,
-                Measure::Number => *number,
-            };
+            change[place] = self.cells[place].statistic.measure().resolution(*size);
             let white = self.moved(&change);
             let (most, _) = white
                 .iter()

@@ -236,7 +236,7 @@ impl<'a> Investigation<'a> {
         let map = self.map(&answers)?;
         let calibration = &self.settings.calibration;
         let library = &gathered.library;
-        let emulator = Emulator::new(library, calibration)?;
+        let emulator = Emulator::new(library)?;
         let observation = Observation::new(&emulator, library, &gathered.measured, calibration)?;
         let problem = Problem {
             emulator: &emulator,
@@ -354,11 +354,7 @@ impl<'a> Investigation<'a> {
             Some(format!("{} ({condition})", run.name))
         };
         let names = told.iter().filter_map(name).collect();
-        Ok(FurtherRuns::new(
-            names,
-            &further,
-            &self.settings.calibration,
-        )?)
+        Ok(FurtherRuns::new(names, &further)?)
     }
 
     fn arms(&self, verdict: &Verdict) -> Arms {

@@ -4,7 +4,6 @@
 //! `dᵀ P d (1 − cos²)`. Every run that could be made adds its own part to the products: the run
 //! that leaves most decides best.
 
-use super::calibration::Calibration;
 use super::emulator::{Emulated, Emulator};
 use super::responses::{DiagnosisError, Library};
 use super::screen::{Projected, Screen};
@@ -35,15 +34,11 @@ impl FurtherRuns {
     ///
     /// # Errors
     /// Those of [`Emulator::new`]; no error where there are none.
-    pub fn new(
-        names: Vec<String>,
-        library: &Library,
-        calibration: &Calibration,
-    ) -> Result<Self, DiagnosisError> {
+    pub fn new(names: Vec<String>, library: &Library) -> Result<Self, DiagnosisError> {
         if names.is_empty() {
             return Ok(Self::default());
         }
-        let emulated = Emulator::new(library, calibration)?.conditions;
+        let emulated = Emulator::new(library)?.conditions;
         Ok(Self {
             runs: names.into_iter().zip(emulated).collect(),
         })

@@ -62,7 +62,8 @@ impl Candidate {
     pub fn magnitude(&self, strength: f64) -> f64 {
         match self.seat.neutral.is_finite() {
             true => self.seat.neutral + strength,
-            false => 1.0 / strength,
+            // Less than no effect is none.
+            false => 1.0 / strength.max(0.0),
         }
     }
 

@@ -2,10 +2,11 @@
 //!
 //! Replicates, shifted by what the other conditions predict, are held against every measured run
 //! by the energy score (Gneiting and Raftery 2007, J. Am. Stat. Assoc. 102:359-378) of whitened
-//! statistics.
+//! statistics, each over its deviation: what the replicates do not spread in counts by its resolution.
 
+use super::emulator::Emulated;
 use super::fit::{Fit, Problem};
-use super::product::product;
+use super::observation::Observed;
 use crate::gap::{Closed, Scores, closed};
 use crate::quantity::Seed;
 use serde::Serialize;
@@ -89,7 +90,7 @@ fn gaps(problem: Problem, fit: Option<&Fit>) -> Vec<Vec<f64>> {
         .conditions()
         .enumerate()
         .map(|(number, (emulated, observed))| {
-            let among = 0.5 * among(&emulated.replicates);
+            let among = 0.5 * emulated.among(&emulated.replicates);
             let shift = fit.map(|fit| &fit.held_out[number].shift);
             let off = |run: &Vec<f64>| {
                 let run: Vec<f64> = match shift {
@@ -103,7 +104,7 @@ fn gaps(problem: Problem, fit: Option<&Fit>) -> Vec<Vec<f64>> {
                 let sum: f64 = emulated
                     .replicates
                     .iter()
-                    .map(|made| apart(&run, made))
+                    .map(|made| emulated.apart(&run, made))
                     .sum();
                 sum / emulated.replicates.len() as f64 - among
             };
@@ -114,29 +115,34 @@ fn gaps(problem: Problem, fit: Option<&Fit>) -> Vec<Vec<f64>> {
 
 /// Half the mean distance among repeats, or among replicates where a run was measured once.
 fn floors(problem: Problem) -> Vec<(f64, bool)> {
-    let floor =
-        |(emulated, observed): (&super::emulator::Emulated, &super::observation::Observed)| {
-            // A run that had no part in the whitening lies farther out than its replicates.
-            let stretch = libm::sqrt(emulated.variance[0]);
-            match observed.runs.len() {
-                1 => (stretch * 0.5 * among(&emulated.replicates), false),
-                _ => (0.5 * among(&observed.runs), true),
-            }
-        };
+    let floor = |(emulated, observed): (&Emulated, &Observed)| {
+        // A run that had no part in the whitening lies farther out than its replicates.
+        let stretch = libm::sqrt(emulated.variance[0]);
+        match observed.runs.len() {
+            1 => (stretch * 0.5 * emulated.among(&emulated.replicates), false),
+            _ => (0.5 * emulated.among(&observed.runs), true),
+        }
+    };
     problem.conditions().map(floor).collect()
 }
 
-/// Mean distance of two of these.
-pub(super) fn among(rows: &[Vec<f64>]) -> f64 {
-    let pairs = rows.iter().enumerate();
-    let sum: f64 = pairs
-        .flat_map(|(i, a)| rows[..i].iter().map(move |b| apart(a, b)))
-        .sum();
-    sum / (0.5 * rows.len() as f64 * (rows.len() - 1) as f64).max(1.0)
-}
+impl Emulated {
+    /// Mean distance of two of these.
+    pub(super) fn among(&self, rows: &[Vec<f64>]) -> f64 {
+        let pairs = rows.iter().enumerate();
+        let sum: f64 = pairs
+            .flat_map(|(i, a)| rows[..i].iter().map(move |b| self.apart(a, b)))
+            .sum();
+        sum / (0.5 * rows.len() as f64 * (rows.len() - 1) as f64).max(1.0)
+    }
 
-/// Distance per root of a number.
-pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let square = product(a, a) - 2.0 * product(a, b) + product(b, b);
-    libm::sqrt(square.max(0.0) / (a.len() as f64).max(1.0))
+    /// Distance per root of a number, each over the deviation of a run that had no part in the
+    /// whitening.
+    pub(super) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
+        let numbers = a.iter().zip(b).zip(&self.least);
+        let square: f64 = numbers
+            .map(|((a, b), least)| (a - b) * (a - b) / (self.variance[0] + least))
+            .sum();
+        libm::sqrt(square / (a.len() as f64).max(1.0))
+    }
 }

@@ -247,7 +247,7 @@ impl Bench {
 
     fn of(world: World, library: Library, repeats: usize, seed: u64) -> Self {
         let calibration = Calibration::default();
-        let emulator = Emulator::new(&library, &calibration).unwrap();
+        let emulator = Emulator::new(&library).unwrap();
         let quiet = world.measured(&Truth::default(), repeats, seed + 1000);
         let observation = Observation::new(&emulator, &library, &quiet, &calibration).unwrap();
         let problem = Problem {
@@ -620,7 +620,7 @@ fn the_next_run_is_the_one_in_which_two_alike_effects_differ() {
         }
     }
     let names = vec!["once more".to_owned(), "in reverse".to_owned()];
-    let further = FurtherRuns::new(names, &further, &bench.calibration).unwrap();
+    let further = FurtherRuns::new(names, &further).unwrap();
     let observation = bench.observe(&bench.world.measured(&Truth::effect(0, 1.2), 2, 60));
     let problem = bench.problem(&observation);
     let verdict = Verdict::of(problem, &bench.forest, Seed(1)).with_next_run(problem, &further);
@@ -643,20 +643,15 @@ fn the_same_numbers_give_the_same_verdict_bit_for_bit() {
 fn rows_of_another_length_and_numbers_that_are_none_are_refused_with_their_condition() {
     let world = World::new(SMALL, 1);
     let mut library = world.library(1);
-    let calibration = Calibration::default();
     library.conditions[3].base[2].pop();
-    let error = Emulator::new(&library, &calibration)
-        .unwrap_err()
-        .to_string();
+    let error = Emulator::new(&library).unwrap_err().to_string();
     assert_eq!(
         error,
         "condition 3: a replicate has 35 numbers instead of 36"
     );
     let mut library = world.library(1);
     library.conditions[1].effects[4][0].changes[1][7] = f64::NAN;
-    let error = Emulator::new(&library, &calibration)
-        .unwrap_err()
-        .to_string();
+    let error = Emulator::new(&library).unwrap_err().to_string();
     assert_eq!(error, "condition 1: an effect's change is not finite");
 }
 

@@ -206,6 +206,18 @@ pub enum Measure {
     Number,
 }
 
+impl Measure {
+    /// Difference below which nothing is said, however still replicates are, for a value of this
+    /// size: 1 % of it (other steps in time change means by as much), 0.1 dB, 0.01.
+    pub fn resolution(self, size: f64) -> f64 {
+        match self {
+            Self::Own => 0.01 * size,
+            Self::Level => 0.1,
+            Self::Number => 0.01,
+        }
+    }
+}
+
 impl Statistic {
     /// What it looks at.
     pub fn domain(self) -> Domain {

@@ -107,7 +107,10 @@ impl Pool {
         for place in 0..table.cells.len() {
             let values: Vec<f64> = runs.iter().map(|run| run[place]).collect();
             let [mean, variance] = moments(&values);
-            let deviation = libm::sqrt(variance).max(LEAST_SPREAD * table.scale(place));
+            let measure = table.cells[place].statistic.measure();
+            let resolution = measure.resolution(table.sizes[place]);
+            let deviation = libm::sqrt(variance).max(resolution);
+            let deviation = deviation.max(LEAST_SPREAD * table.scale(place));
             for (row, run) in rows.iter_mut().zip(&runs) {
                 row.push((run[place] - mean) / deviation);
             }

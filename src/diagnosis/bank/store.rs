@@ -45,6 +45,14 @@ impl Key {
     }
 }
 
+impl Key {
+    /// Its first 31 bits.
+    pub fn number(&self) -> u64 {
+        let first = [self.0[0], self.0[1], self.0[2], self.0[3]];
+        u64::from(u32::from_le_bytes(first) >> 1)
+    }
+}
+
 /// In hexadecimal digits.
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
