@@ -416,6 +416,31 @@ fn every_command_explains_itself() {
 }
 
 #[test]
+fn a_study_ends_with_its_report_that_has_its_question_its_runs_and_its_command() {
+    let folder = folder();
+    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/studies/quick.toml");
+    let command = format!("study {} --out quick", study.display());
+    let said = done(run(folder.path(), &command));
+    assert_eq!(said.lines().last(), Some("report: quick/report.html"));
+    let report = fs::read_to_string(folder.path().join("quick/report.html")).unwrap();
+    let report = report.replace("&#x2f;", "/");
+    for part in [
+        "<h1>Six short runs</h1>",
+        "Does all of it work?",
+        "Drawbar pull goes from ",
+        "6 = 2 × 3 × 1 (scenarios × entries of each sweep × repeats), 0 failed",
+        &format!("lugwheel {command}"),
+    ] {
+        assert!(report.contains(part), "{part}");
+    }
+    assert_eq!(
+        report.matches("<figure>").count(),
+        2,
+        "a run of each scenario"
+    );
+}
+
+#[test]
 #[ignore = "simulates for a minute on two cores: cargo test --test cli -- --ignored"]
 fn the_demo_ends_with_its_report_whose_commands_write_the_same_bytes() {
     let folder = folder();

@@ -226,11 +226,16 @@ impl StudyCommand {
     ) -> anyhow::Result<String> {
         let path = out.join("report.html");
         let (file, folder) = (quoted(&self.study), quoted(out));
+        let stills = stills(study);
+        if interrupt::is_requested() {
+            let left = "the results are whole, and --resume writes their report";
+            return Err(Interrupted(left.to_owned()).into());
+        }
         let told = ToldStudy {
             study,
             name,
             outcome,
-            stills: &stills(study),
+            stills: &stills,
             facts: &provenance::facts(),
             commands: &[
                 format!("lugwheel study {file} --out {folder}"),

@@ -36,6 +36,7 @@ mod table;
 
 pub use table::{Cell, Column, Table, four_digits};
 
+use super::figure::escape;
 use minijinja::{AutoEscape, Environment, Value, context};
 
 /// A page.
@@ -246,18 +247,22 @@ fn block_values(block: &Block) -> Value {
 }
 
 fn table_values(table: &Table) -> Value {
-    let columns = table.columns.iter().enumerate().map(|(i, column)| {
-        let mut cells = table.rows.iter().filter_map(|row| row.get(i));
+    let is_number: Vec<bool> = (0..table.columns.len())
+        .map(|column| holds_numbers(table, column))
+        .collect();
+    let columns = table.columns.iter().zip(&is_number);
+    let columns = columns.map(|(column, is_number)| {
         context! {
-            name => column.name.as_str(),
+            name => breakable(&column.name),
             unit => column.unit.as_str(),
-            is_number => cells.any(|cell| cell.key().is_some()),
+            is_number,
         }
     });
-    let rows = table
-        .rows
-        .iter()
-        .map(|row| row.iter().map(cell_values).collect::<Vec<_>>());
+    let rows = table.rows.iter().map(|row| {
+        let cells = row.iter().zip(&is_number);
+        let cells = cells.map(|(cell, is_number)| cell_values(cell, *is_number));
+        cells.collect::<Vec<_>>()
+    });
     context! {
         caption => table.caption.as_str(),
         columns => columns.collect::<Vec<_>>(),
@@ -265,19 +270,37 @@ fn table_values(table: &Table) -> Value {
     }
 }
 
-fn cell_values(cell: &Cell) -> Value {
+/// Whether a column holds numbers, and no text among them.
+fn holds_numbers(table: &Table, column: usize) -> bool {
+    let cells = || table.rows.iter().filter_map(|row| row.get(column));
+    let is_text = |cell: &Cell| matches!(cell, Cell::Text(_) | Cell::Code(_));
+    cells().any(|cell| cell.key().is_some()) && !cells().any(is_text)
+}
+
+/// A name that may be broken within, as long keys have to be.
+fn breakable(name: &str) -> Value {
+    let parts = escape(name).replace('.', ".<wbr>").replace('_', "_<wbr>");
+    Value::from_safe_string(parts)
+}
+
+/// Letters of a text that stays on one line.
+const SHORT: usize = 28;
+
+fn cell_values(cell: &Cell, is_number: bool) -> Value {
+    let text = cell.written();
     let class = match cell {
-        Cell::Text(_) => "text",
         Cell::Code(_) => "code",
-        _ => "number",
+        _ if is_number => "number",
+        _ if text.chars().count() <= SHORT => "short",
+        _ => "text",
     };
-    // A script reads `Infinity`, and `1e-7` as written here.
+    // A script reads `Infinity`, and numbers as they are written here.
     let key = cell.key().map(|key| match key {
         f64::INFINITY => "Infinity".to_owned(),
         f64::NEG_INFINITY => "-Infinity".to_owned(),
         key => key.to_string(),
     });
-    context! { text => cell.written(), class, key }
+    context! { text, class, key }
 }
 
 fn paragraphs(text: &str) -> Vec<String> {

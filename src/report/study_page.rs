@@ -163,9 +163,10 @@ fn duration(seconds: f64) -> String {
     format!("{value:.1} {unit}, all runs together on one core")
 }
 
-/// The value of a key: sorted by its size where it is a number.
+/// The value of a key: sorted by its size where it is a number, and not longer than it need be.
 fn value_cell(value: &str) -> Cell {
     match value.parse::<f64>() {
+        Ok(number) if value.len() > 7 => Cell::Number(number),
         Ok(number) => Cell::Written(value.replace('-', "−"), number),
         Err(_) => Cell::text(value),
     }

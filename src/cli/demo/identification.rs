@@ -116,8 +116,8 @@ impl Identified {
             .prose(
                 "Fifteen runs at five slips under three loads, first of a smooth wheel on the stresses that equations (62) to \
                  (66) assume: what was put in should come out. Then of the lugged wheel on Wong and Reece's stresses: a rim \
-                 stands for it in the equations, so that its parameters are those of wheel and sand together, and need not \
-                 be the sand's.",
+                 stands for it in the equations, so that its parameters are those of wheel and sand together, need not be \
+                 the sand's, and give the forces back less well.",
             )
             .table(study_page::identified_parameters(&self.score));
         let curves = self.score.groups.iter().filter_map(curves);

@@ -82,6 +82,8 @@ fn look(findings: &[Finding]) -> Section {
         .iter()
         .map(|finding| (finding.name, &finding.first.1))
         .collect();
+    let scenario = &findings[0].scenario;
+    let (driven, duration) = (scenario.driven(), scenario.duration);
     Section::new("What does a ground look like from the wheel?")
         .answer(told(
             findings,
@@ -94,7 +96,7 @@ fn look(findings: &[Finding]) -> Section {
              lower, and the jolts are softer.",
         )
         .figure(Figure::new(
-            side_by_side(&runs, [0.0, findings[0].scenario.duration]),
+            side_by_side(&runs, [driven - duration, driven]),
             "The first run on each ground. The scale is the same along a row. Sinkage is the rim's depth \
              below the undisturbed surface, and below 0 where the wheel stands on its lugs.",
         ))

@@ -83,8 +83,7 @@ fn methods(score: &RecognitionScore) -> Section {
 
 /// The confusion matrix of a method, drawn.
 pub fn answers_and_truth(method: &str, confusion: &Confusion) -> String {
-    let title = format!("{method}: classes answered, and what the ground stands for");
-    confusion_figure(confusion, &title)
+    confusion_figure(confusion, &format!("{method}: classes answered"))
 }
 
 fn of_label(score: &RecognitionScore) -> impl Iterator<Item = &MethodScore> {
@@ -202,12 +201,15 @@ fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
         let first = [Cell::text(&of.scenario), Cell::Count(of.n as u64)];
         first.into_iter().chain(features).collect()
     };
-    let names = NAMES.iter().flat_map(|name| [*name, "in its region"]);
+    let names = NAMES.iter().flat_map(|name| {
+        let symbol = name.split(' ').next().unwrap_or(name);
+        [(*name).to_owned(), format!("{symbol} in its region")]
+    });
     Table {
         caption: "Median of each feature (10 % to 90 % of the windows), and windows within the paper's limits \
                   for what the ground stands for"
             .to_owned(),
-        columns: Column::named(["scenario", "windows"].into_iter().chain(names)),
+        columns: Column::named(["scenario", "windows"].map(str::to_owned).into_iter().chain(names)),
         rows: scenarios.iter().map(row).collect(),
     }
 }

@@ -119,7 +119,7 @@ impl GroupScore {
             repeats: group.repeats.clone(),
             source: group.source().map(|estimate| Source {
                 estimate: estimate.clone(),
-                setting: rows.setting.clone(),
+                setting: rows.setting,
                 loads: rows.loads(estimate.class, |_| true),
             }),
         }
