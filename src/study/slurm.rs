@@ -85,6 +85,8 @@ pub trait Queue {
 pub struct Job {
     /// Number of the job or of its array.
     pub number: u32,
+    /// Whether it is a task of an array.
+    pub is_task: bool,
     /// What it is at.
     pub state: JobState,
 }
@@ -297,7 +299,7 @@ impl Following<'_> {
         .into())
     }
 
-    /// Follows the jobs in the queue, and tells how those ended that were seen there.
+    /// Follows the jobs in the queue, and tells how the tasks ended that were seen there.
     fn until_no_job_is_left(&mut self) -> Result<Vec<JobState>, SlurmError> {
         loop {
             let jobs = match self.queue.jobs(&self.name) {
@@ -314,7 +316,7 @@ impl Following<'_> {
             let Some(standing) = self.standing(&jobs) else {
                 let ours = jobs
                     .into_iter()
-                    .filter(|job| self.seen.contains(&job.number));
+                    .filter(|job| job.is_task && self.seen.contains(&job.number));
                 return Ok(ours.map(|job| job.state).collect());
             };
             self.tell(News::Standing(standing))?;

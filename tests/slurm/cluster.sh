@@ -114,7 +114,7 @@ crash() {
 
 # Ends what runs on the node at once: the processes of jobs, and those that keep them.
 crash_jobs() {
-    for process in $(scontrol listpids 2>/dev/null | awk '$1 > 1 { print $1 }'); do
+    for process in $(scontrol listpids 2>/dev/null | awk '$1 + 0 > 1 { print $1 }'); do
         keeper=$(awk '$1 == "PPid:" { print $2 }' "/proc/$process/status" 2>/dev/null || true)
         case $(cat "/proc/$keeper/comm" 2>/dev/null || true) in
         slurmstepd) kill -KILL "$keeper" 2>/dev/null || true ;;
@@ -135,7 +135,7 @@ controller) controller ;;
 node) node ;;
 crash-controller) crash "$dir/slurmctld.pid" ;;
 crash-task)
-    kill -KILL "$(scontrol listpids | awk '$1 > 1 { print $1; exit }')"
+    kill -KILL "$(scontrol listpids | awk '$1 + 0 > 1 { print $1; exit }')"
     ;;
 hasten)
     for task in $(squeue --noheader --array --states=PENDING --format=%i); do

@@ -21,7 +21,7 @@ impl Queue for Programs {
             "--noheader",
             "--array",
             "--states=all",
-            "--format=%F|%T|%r",
+            "--format=%F|%K|%T|%r",
             &name,
         ];
         let said = call("squeue", &options.map(str::to_owned), "")?;
@@ -85,10 +85,15 @@ fn job_number(said: &str) -> Option<u32> {
 
 /// A job in a line of `squeue`.
 fn job(line: &str) -> Option<Job> {
-    let mut cells = line.trim().splitn(3, '|');
+    let mut cells = line.trim().splitn(4, '|');
     let number = cells.next()?.parse().ok()?;
+    let is_task = cells.next()?.parse::<u32>().is_ok();
     let state = state(cells.next()?, cells.next().unwrap_or_default());
-    Some(Job { number, state })
+    Some(Job {
+        number,
+        is_task,
+        state,
+    })
 }
 
 /// What a job is at, by Slurm's long name of its state.
@@ -127,20 +132,21 @@ mod tests {
     fn every_task_is_waiting_running_cancelled_or_ended() {
         let state = |line: &str| job(line).unwrap().state;
         assert_eq!(
-            job("12|PENDING|Dependency"),
+            job("12|N/A|PENDING|Dependency"),
             Some(Job {
                 number: 12,
+                is_task: false,
                 state: JobState::Waiting("Dependency".to_owned())
             })
         );
         assert_eq!(
-            state("12|REQUEUED|BeginTime"),
+            state("12|7|REQUEUED|BeginTime"),
             JobState::Waiting("BeginTime".to_owned())
         );
-        assert_eq!(state("12|COMPLETING|None"), JobState::Running);
-        assert_eq!(state("12|CANCELLED|None"), JobState::Cancelled);
+        assert_eq!(state("12|7|COMPLETING|None"), JobState::Running);
+        assert_eq!(state("12|7|CANCELLED|None"), JobState::Cancelled);
         assert_eq!(
-            state("12|OUT_OF_MEMORY|OutOfMemory"),
+            state("12|7|OUT_OF_MEMORY|OutOfMemory"),
             JobState::Ended("OUT_OF_MEMORY".to_owned())
         );
         assert_eq!(job(""), None);
