@@ -17,7 +17,19 @@
 //! [[sweep]]                    # crossed with the sweep above; its own keys change together
 //! keys = ["rig.single_wheel.slip", "rig.single_wheel.load"]
 //! rows = [[0.1, 100.0], [0.3, 60.0]]
+//!
+//! [[sweep]]                    # drawn together from the study's seed, and crossed like the others
+//! count = 20
+//! sampling = "latin_hypercube" # every twentieth of each distribution once; or "random"
+//! [sweep.distributions]
+//! wheel.mass = { normal = { mean = 4.0, sd = 0.2 } }
+//! rig.single_wheel.moving_mass = { uniform = { from = 10.0, to = 15.0 } }
 //! ```
+//!
+//! Distributions are `uniform` and `log_uniform` (`from`, `to`), `normal` (`mean`, `sd`), `log_normal`
+//! (`median`, `factor`: 68 % lie within that factor), `triangular` (`from`, `mode`, `to`) and `one_of`
+//! (a list). Which values are drawn depends on seed, key and number of the draw only, so every shard
+//! of a study knows them.
 //!
 //! A *condition* is a scenario with one entry of every sweep. Runs are numbered from 0, scenario by
 //! scenario, the last sweep changing fastest, the repeats of a condition together. All randomness
@@ -430,7 +442,8 @@ impl StudyTable {
         };
         let scenarios =
             load_scenarios(&self.scenarios, folder).map_err(|(key, message)| at(&key, message))?;
-        let sweeps = sweep::read_all(self.sweep).map_err(|(key, message)| at(&key, message))?;
+        let sweeps = sweep::read_all(self.sweep, Seed(self.seed))
+            .map_err(|(key, message)| at(&key, message))?;
         let mut settings = Vec::new();
         flatten("", &self.set, &mut settings);
         check_once(&settings, &sweeps).map_err(|(key, message)| at(&key, message))?;
