@@ -19,7 +19,7 @@
 //! [`recognition`] of how the wheel met the ground, [`identification`] of the terrain's parameters
 //! from loads, slip and sinkage, [`gap`] of where measured and simulated runs differ. What is
 //! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
-//! [`study`]
+//! [`learning`] makes data sets of runs for those who train on them, [`study`]
 //! many of them in one table with a score of the classes recognised and of the limits that the paper
 //! sets to vibration, [`report`] draws what came of it.
 //!
@@ -80,6 +80,8 @@ pub mod gap;
 pub mod effects;
 
 pub mod scenario;
+
+pub mod learning;
 
 pub mod study;
 

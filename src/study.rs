@@ -81,20 +81,32 @@
 //! LEIS = [8.11, 7.64, 7.75]
 //! ```
 //!
+//! With a table `[dataset]` the runs become one data set for learners, see [`learning`](crate::learning).
+//! However many there are, memory holds one of each thread:
+//!
+//! ```toml
+//! [dataset]
+//! keep = "traces"      # the channels too, some 30 kB a second of run; or "features" of windows only
+//! ```
+//!
 //! Results go to one folder ([`Study::execute`]):
 //!
 //! ```text
 //! runs.csv       one row a run: condition, label, class, steady values; see `study::runs`
+//! runs.h5        the same table as HDF5, a dataset a column; see `dataset::hdf5::write_table`
 //! windows.csv    one row a window: truth, features, answers; see `study::windows`
 //! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
 //! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
 //! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
 //! steady.csv     one row a steady interval: loads, slip, sinkage; see `study::identification`
 //! identification.txt, identification.csv    parameters, force errors, what they predict
+//! dataset.h5, dataset.windows.csv, dataset.splits.csv, dataset.datasheet.md, dataset.croissant.json
+//!                the runs or the features of their windows for learners; see `learning`
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/ and reference.toml as they were
-//! origin.txt     program version, seed, fingerprint of all that decides the results
+//! origin.txt     program version, commit it was built from where the build was told
+//!                (`LUGWHEEL_COMMIT`), seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on
 //! ```
@@ -103,6 +115,7 @@ mod band;
 mod execution;
 mod folder;
 pub mod identification;
+mod kept;
 mod recognition;
 mod references;
 pub mod runs;
@@ -115,6 +128,7 @@ pub mod windows;
 
 pub use execution::{Options, Outcome, Progress};
 
+use crate::dataset::hdf5::RunFileError;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
 use crate::recognition::baseline::BaselineError;
@@ -122,6 +136,7 @@ use crate::scenario::experiment::ExperimentError;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
 use identification::{IdentificationTable, Plan};
+use kept::{DatasetTable, Keep};
 use recognition::{Recognition, RecognitionTable};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
@@ -161,6 +176,9 @@ pub struct Study {
     recognition: Option<Recognition>,
     thresholds: Option<Thresholds>,
     identification: Option<Plan>,
+    dataset: Option<Keep>,
+    /// Name of the study's file, without folders.
+    file: String,
     text: String,
 }
 
@@ -201,6 +219,7 @@ struct StudyTable {
     recognition: Option<RecognitionTable>,
     thresholds: Option<ThresholdsTable>,
     identification: Option<IdentificationTable>,
+    dataset: Option<DatasetTable>,
 }
 
 impl Study {
@@ -217,8 +236,11 @@ impl Study {
             source,
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        read(&text, folder)
-            .map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit).into())
+        let mut study = read(&text, folder)
+            .map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit))?;
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        study.file = file.into_owned();
+        Ok(study)
     }
 
     /// Every run, in order of its number.
@@ -460,6 +482,8 @@ impl StudyTable {
             recognition: None,
             thresholds: None,
             identification: None,
+            dataset: self.dataset.map(|table| table.keep),
+            file: String::new(),
             text: text.to_owned(),
         };
         study
@@ -605,6 +629,9 @@ pub enum StudyError {
         /// Why.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The runs cannot be kept.
+    #[error("the data set cannot be kept")]
+    Dataset(#[from] RunFileError),
     /// The windows of the runs train no classifier.
     #[error("the baseline of [recognition] cannot be trained on the windows of the runs")]
     Baseline(#[from] BaselineError),

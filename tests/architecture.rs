@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "quantity",
     "document",
     "wheel",
@@ -21,6 +21,7 @@ const ORDER: [&str; 18] = [
     "gap",
     "effects",
     "scenario",
+    "learning",
     "study",
     "report",
 ];

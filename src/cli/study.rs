@@ -49,7 +49,9 @@ study with [recognition] also windows.csv (one row a window) and recognition.txt
 figures of features and answers, one
 with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit,
 one with [identification] steady.csv (loads), identification.txt and .csv (parameters, force errors)
-and a figure of the parameters.
+and a figure of the parameters,
+one with [dataset] dataset.h5 with its windows, splits, datasheet and Croissant metadata.
+runs.h5 is runs.csv, typed, a dataset a column with its unit.
 Exit code 4: finished, with failed runs.";
 
 /// The study was finished, but some of its runs failed.
@@ -77,6 +79,8 @@ struct Summary {
     thresholds: Option<ThresholdScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     identification: Option<IdentificationScore>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dataset: Option<usize>,
 }
 
 impl StudyCommand {
@@ -141,6 +145,7 @@ impl StudyCommand {
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
             identification: outcome.identification,
+            dataset: outcome.dataset,
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
@@ -239,6 +244,9 @@ impl fmt::Display for Summary {
                 f,
                 "\n{missing} shards are still to do by other shares; the last one writes the table"
             )?,
+        }
+        if let Some(runs) = self.dataset {
+            writeln!(f, "data set: {runs} runs, {}/dataset.h5", self.folder)?;
         }
         if let Some(score) = &self.recognition {
             writeln!(f, "windows: {}/windows.csv\n\n{score}", self.folder)?;

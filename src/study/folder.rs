@@ -5,6 +5,9 @@ use super::{Study, StudyError, VERSION_OF_PROGRAM};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// The commit that the program was built from, where the build was told.
+const COMMIT: Option<&str> = option_env!("LUGWHEEL_COMMIT");
+
 /// A folder that holds results of one study, and nothing else.
 pub(super) struct Folder {
     path: PathBuf,
@@ -63,7 +66,18 @@ impl Folder {
     fn origin(&self, study: &Study) -> String {
         let Self { fingerprint, .. } = self;
         let seed = study.seed.0;
-        format!("{VERSION_OF_PROGRAM}\nseed {seed}\nfingerprint {fingerprint}\n")
+        let commit = COMMIT.unwrap_or("unknown");
+        format!("{VERSION_OF_PROGRAM}\ncommit {commit}\nseed {seed}\nfingerprint {fingerprint}\n")
+    }
+
+    /// A hash of all that decides the results.
+    pub(super) fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// The place of a file in the folder.
+    pub(super) fn path_of(&self, name: &str) -> PathBuf {
+        self.path.join(name)
     }
 
     /// The rows of a shard for the table of this name, where they are there and whole.
@@ -107,7 +121,7 @@ fn name(shard: &Shard, table: &str) -> String {
     format!("shards/{:05}.{table}.csv", shard.number)
 }
 
-fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyError {
+pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyError {
     let path = path.to_owned();
     StudyError::File {
         action,

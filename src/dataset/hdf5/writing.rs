@@ -45,36 +45,8 @@ impl RunFileWriter {
     /// `Unfit` for a provenance with a NUL character.
     pub fn create(path: impl AsRef<Path>, provenance: &Provenance) -> super::Outcome<Self> {
         let target = path.as_ref().to_owned();
-        let Provenance {
-            scenario,
-            seed,
-            created_by,
-        } = provenance;
-        for text in scenario.iter().chain([created_by]) {
-            check_text(text).map_err(|reason| unfit(&target, "/", reason))?;
-        }
-        if target.is_dir() {
-            return Err(RunFileError::write(&target, "it is a folder"));
-        }
-        let part = part_of(&target).map_err(|error| io_error(&target, &error))?;
-        let write = || {
-            let file = File::with_options()
-                .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
-                .with_fcpl(|fcpl| fcpl.obj_track_times(false))
-                .create(part.path())?;
-            set_text(&file, "format", FORMAT)?;
-            set(&file, "format_version", FORMAT_VERSION)?;
-            set_text(&file, "created_by", created_by)?;
-            if let Some(scenario) = scenario {
-                set_text(&file, "scenario", scenario)?;
-            }
-            if let Some(seed) = seed {
-                set(&file, "seed", seed.0)?;
-            }
-            group(&file, "runs")?;
-            Ok(file)
-        };
-        let file = write().map_err(|error| RunFileError::write(&target, reason(&error)))?;
+        let (part, file) = begin(&target, FORMAT, provenance)?;
+        group(&file, "runs").map_err(|error| RunFileError::write(&target, reason(&error)))?;
         Ok(Self {
             target,
             file: Some(file),
@@ -114,14 +86,57 @@ impl RunFileWriter {
         let Some(file) = self.file.take() else {
             return Err(RunFileError::write(&self.target, "an earlier run failed"));
         };
-        let closed = file.flush().and_then(|()| file.close());
-        closed.map_err(|error| RunFileError::write(&self.target, reason(&error)))?;
-        let synced = self.part.as_file().sync_all();
-        synced.map_err(|error| io_error(&self.target, &error))?;
-        let named = self.part.persist(&self.target);
-        named.map_err(|error| io_error(&self.target, &error.error))?;
-        Ok(())
+        complete(file, self.part, &self.target)
     }
+}
+
+/// Begins a file of `format` that will be named `target`: the part to write, and what HDF5 has open.
+pub(super) fn begin(
+    target: &Path,
+    format: &str,
+    provenance: &Provenance,
+) -> super::Outcome<(NamedTempFile, File)> {
+    let Provenance {
+        scenario,
+        seed,
+        created_by,
+    } = provenance;
+    for text in scenario.iter().chain([created_by]) {
+        check_text(text).map_err(|reason| unfit(target, "/", reason))?;
+    }
+    if target.is_dir() {
+        return Err(RunFileError::write(target, "it is a folder"));
+    }
+    let part = part_of(target).map_err(|error| io_error(target, &error))?;
+    let write = || {
+        let file = File::with_options()
+            .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
+            .with_fcpl(|fcpl| fcpl.obj_track_times(false))
+            .create(part.path())?;
+        set_text(&file, "format", format)?;
+        set(&file, "format_version", FORMAT_VERSION)?;
+        set_text(&file, "created_by", created_by)?;
+        if let Some(scenario) = scenario {
+            set_text(&file, "scenario", scenario)?;
+        }
+        if let Some(seed) = seed {
+            set(&file, "seed", seed.0)?;
+        }
+        Ok(file)
+    };
+    let file = write().map_err(|error| RunFileError::write(target, reason(&error)))?;
+    Ok((part, file))
+}
+
+/// Closes a file and gives it its name.
+pub(super) fn complete(file: File, part: NamedTempFile, target: &Path) -> super::Outcome<()> {
+    let closed = file.flush().and_then(|()| file.close());
+    closed.map_err(|error| RunFileError::write(target, reason(&error)))?;
+    let synced = part.as_file().sync_all();
+    synced.map_err(|error| io_error(target, &error))?;
+    let named = part.persist(target);
+    named.map_err(|error| io_error(target, &error.error))?;
+    Ok(())
 }
 
 /// An empty file beside `target`, removed when dropped, with the permissions of any new file.
@@ -382,7 +397,7 @@ fn write_table<T: H5Type>(parent: &Group, name: &str, rows: &[T]) -> Result<Data
 }
 
 /// A dataset for this many rows, compressed where the library can.
-fn table(parent: &Group, rows: usize) -> DatasetBuilder {
+pub(super) fn table(parent: &Group, rows: usize) -> DatasetBuilder {
     let builder = parent.new_dataset_builder().obj_track_times(false);
     if rows == 0 || !deflate_available() {
         return builder;
@@ -390,7 +405,7 @@ fn table(parent: &Group, rows: usize) -> DatasetBuilder {
     builder.chunk(rows.min(CHUNK)).shuffle().deflate(DEFLATE)
 }
 
-fn group(parent: &Group, name: &str) -> Result<Group> {
+pub(super) fn group(parent: &Group, name: &str) -> Result<Group> {
     let builder = parent.create_group_builder().obj_track_times(false);
     builder.create(name)
 }
@@ -400,7 +415,7 @@ fn set<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
     attribute.write_scalar(&value)
 }
 
-fn set_text(location: &Location, name: &str, text: &str) -> Result<()> {
+pub(super) fn set_text(location: &Location, name: &str, text: &str) -> Result<()> {
     let text = VarLenUnicode::from_str(text).map_err(|error| error.to_string())?;
     set(location, name, text)
 }
