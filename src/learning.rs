@@ -154,7 +154,7 @@ impl DataSet {
 
     /// One row a run: its condition and stream, its ground and class, its part in every split.
     pub fn splits(&self) -> Records {
-        let mut fields = run_fields([].into_iter());
+        let mut fields = run_fields(Vec::new());
         fields.truncate(3);
         fields.push(Field::text(
             "stratum",
@@ -210,8 +210,8 @@ impl DataSet {
     }
 }
 
-/// The columns that say which run a window is of; `keys` are those swept.
-pub fn run_fields<'k>(keys: impl Iterator<Item = &'k str>) -> Vec<Field> {
+/// The columns that say which run a window is of; `swept` are those of the swept keys.
+pub fn run_fields(swept: Vec<Field>) -> Vec<Field> {
     let mut fields = vec![
         Field::text("run", "id in the file of runs"),
         Field::whole("condition", "number of the scenario with its swept values"),
@@ -221,7 +221,7 @@ pub fn run_fields<'k>(keys: impl Iterator<Item = &'k str>) -> Vec<Field> {
         ),
         Field::text("scenario", "name of the scenario's file"),
     ];
-    fields.extend(keys.map(|key| Field::text(key, "swept key of the scenario")));
+    fields.extend(swept);
     fields
 }
 

@@ -1,5 +1,5 @@
-//! Every ready study, cut short: one value of every sweep, runs of half a second. Each has to end
-//! with its tables.
+//! Every ready study, cut short: one value of every sweep, runs of a second at 0.2 m/s, in which some
+//! lugs pass. Each has to end with its tables.
 
 use lugwheel::study::{Options, Study};
 use std::num::NonZeroUsize;
@@ -8,13 +8,20 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toml::{Table, Value};
 
-/// Keys that a short study sets for itself.
+/// Keys that a short study sets for itself, and those of its rig.
 const ITS_OWN: [(&str, f64); 4] = [
-    ("duration", 0.4),
-    ("window", 0.2),
+    ("duration", 1.0),
+    ("window", 0.5),
     ("lead_in", 0.1),
     ("physics_rate", 4000.0),
 ];
+const ITS_DRIVE: [(&str, f64); 2] = [("forward_speed", 0.2), ("start_up", 0.05)];
+const RIGS: [&str; 2] = ["rig.single_wheel", "rig.rover_leg"];
+
+fn is_its_own(key: &str) -> bool {
+    let drive = |(own, _): &(&str, f64)| RIGS.iter().any(|rig| key == format!("{rig}.{own}"));
+    ITS_OWN.iter().any(|(own, _)| *own == key) || ITS_DRIVE.iter().any(drive)
+}
 
 fn studies() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/studies")
@@ -31,7 +38,7 @@ fn cut(sweep: &Value, joined: &[String]) -> Option<Table> {
     let mut sweep = sweep.as_table().unwrap().clone();
     if let Some(keys) = sweep.get("keys").cloned() {
         let keys = keys.as_array().unwrap();
-        let is_kept = |key: &Value| ITS_OWN.iter().all(|(own, _)| key.as_str() != Some(own));
+        let is_kept = |key: &Value| !is_its_own(key.as_str().unwrap());
         let kept: Vec<usize> = (0..keys.len()).filter(|&i| is_kept(&keys[i])).collect();
         let pick = |row: &[Value]| Value::Array(kept.iter().map(|&i| row[i].clone()).collect());
         let rows = sweep["rows"].as_array().unwrap();
@@ -45,12 +52,14 @@ fn cut(sweep: &Value, joined: &[String]) -> Option<Table> {
         sweep.insert("rows".to_owned(), first);
         return (!kept.is_empty()).then_some(sweep);
     }
-    if sweep.contains_key("distributions") {
+    if let Some(drawn) = sweep.get_mut("distributions") {
+        let rig = &mut drawn["rig"]["single_wheel"];
+        rig.as_table_mut().unwrap().remove("forward_speed");
         sweep.insert("count".to_owned(), Value::Integer(1));
         return Some(sweep);
     }
     let key = sweep["key"].as_str().unwrap().to_owned();
-    if ITS_OWN.iter().any(|(own, _)| *own == key) {
+    if is_its_own(&key) {
         return None;
     }
     let most = if joined.contains(&key) { 2 } else { 1 };
@@ -90,16 +99,25 @@ fn shortened(file: &Path, folder: &Path) -> Study {
         .iter_mut()
         .for_each(absolute);
     study.insert("repeats".to_owned(), Value::Integer(1));
+    let first = study["scenarios"][0].as_str().unwrap().to_owned();
+    let on_rover = first.contains("rover") || first.contains("traverse");
+    let rig = RIGS[usize::from(on_rover)];
+    let drive = ITS_DRIVE.map(|(key, value)| (format!("{rig}.{key}"), value));
+    let own = ITS_OWN.map(|(key, value)| (key.to_owned(), value));
     let set = study
         .entry("set")
         .or_insert_with(|| Value::Table(Table::new()));
-    for (key, value) in ITS_OWN {
-        let value = if key == "physics_rate" {
+    let set = set.as_table_mut().unwrap();
+    // A key may stand there as a table of its parts.
+    set.remove("rig");
+    for (key, value) in own.into_iter().chain(drive) {
+        let whole = key == "physics_rate";
+        let value = if whole {
             Value::Integer(value as i64)
         } else {
             Value::Float(value)
         };
-        set.as_table_mut().unwrap().insert(key.to_owned(), value);
+        set.insert(key, value);
     }
     if let Some(sweeps) = study.get_mut("sweep") {
         let cut = sweeps

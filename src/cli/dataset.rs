@@ -181,7 +181,7 @@ impl Seen {
             ..Settings::default()
         };
         let reference = scenario.computed_reference(settings)?;
-        let mut fields = run_fields([].into_iter());
+        let mut fields = run_fields(Vec::new());
         fields.extend(windows::fields());
         let rows = Vec::new();
         Ok(Self {

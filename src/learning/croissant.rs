@@ -9,11 +9,13 @@ use super::{DataSet, FileFact, Kept, in_hexadecimal};
 use crate::dataset::records::{Field, Kind, Records};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
+use std::path::Path;
 
 impl DataSet {
     /// The metadata as JSON; `texts` are the other files beside that of the runs.
     pub(super) fn croissant(&self, file: &FileFact, texts: &[(&'static str, String)]) -> String {
-        let stem = file.name.trim_end_matches(".h5");
+        let stem = Path::new(&file.name).file_stem().unwrap_or_default();
+        let stem = &*stem.to_string_lossy();
         let what = match self.facts.kept {
             Kept::Traces => {
                 "Simulated runs of a lugged wheel on hard, gravel and sandy ground: \
@@ -93,7 +95,7 @@ fn parts() -> Value {
         "key": {"@id": "parts/name"},
         "field": [
             {"@type": "cr:Field", "@id": "parts/name", "name": "name", "dataType": "sc:Text"},
-            {"@type": "cr:Field", "@id": "parts/url", "name": "url", "dataType": "cr:Split"},
+            {"@type": "cr:Field", "@id": "parts/url", "name": "url", "dataType": ["sc:URL", "cr:Split"]},
         ],
         "data": data.collect::<Vec<Value>>(),
     })
@@ -147,6 +149,7 @@ fn context() -> Value {
         "data": {"@id": "cr:data", "@type": "@json"},
         "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
         "dct": "http://purl.org/dc/terms/",
+        "equivalentProperty": "cr:equivalentProperty",
         "examples": {"@id": "cr:examples", "@type": "@json"},
         "extract": "cr:extract",
         "field": "cr:field",
@@ -167,6 +170,7 @@ fn context() -> Value {
         "regex": "cr:regex",
         "repeated": "cr:repeated",
         "replace": "cr:replace",
+        "samplingRate": "cr:samplingRate",
         "sc": "https://schema.org/",
         "separator": "cr:separator",
         "source": "cr:source",

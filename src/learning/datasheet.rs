@@ -2,7 +2,7 @@
 //! Communications of the ACM 64(12).
 
 use super::splits::{GROUPINGS, Grouping, PARTS};
-use super::{DataSet, FileFact, Kept};
+use super::{DataSet, FileFact, Kept, run_fields};
 use crate::recognition::confusion::CLASSES;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -42,12 +42,9 @@ impl DataSet {
         let streams: BTreeSet<u64> = self.members.iter().map(|m| m.stream).collect();
         let scenarios: BTreeSet<&str> = self.windows.column("scenario").collect();
         let scenarios = scenarios.into_iter().collect::<Vec<_>>().join(", ");
-        let swept = self
-            .windows
-            .fields
-            .iter()
-            .filter(|field| field.meaning.starts_with("swept"));
-        let swept: Vec<&str> = swept.map(|field| field.name.as_str()).collect();
+        let names = self.windows.fields.iter().map(|field| field.name.as_str());
+        let from_swept = names.skip(run_fields(Vec::new()).len());
+        let swept: Vec<&str> = from_swept.take_while(|name| *name != "start_s").collect();
         let swept = if swept.is_empty() {
             "nothing".to_owned()
         } else {

@@ -103,7 +103,7 @@ pub struct Member {
     pub condition: u64,
     /// Its stream of random numbers.
     pub stream: u64,
-    /// Its ground and class; `mixed` where its windows have several.
+    /// Its ground and class; `mixed` for that of which its windows have several.
     pub stratum: String,
 }
 
@@ -113,22 +113,28 @@ pub fn members(windows: &Records) -> Vec<Member> {
     let (runs, conditions) = (windows.column("run"), windows.column("condition"));
     let names = windows.column("terrain").zip(windows.column("class"));
     let mut members: Vec<Member> = Vec::new();
+    let mut grounds_and_classes: Vec<[&str; 2]> = Vec::new();
     let rows = runs
         .zip(conditions)
         .zip(windows.column("stream"))
         .zip(names);
     for (((id, condition), stream), (terrain, class)) in rows {
-        let stratum = format!("{terrain} {class}");
-        match members.last_mut().filter(|last| last.id == id) {
-            Some(last) if last.stratum == stratum => {}
-            Some(last) => last.stratum = "mixed".to_owned(),
-            None => members.push(Member {
+        if members.last().is_none_or(|last| last.id != id) {
+            grounds_and_classes.push([terrain, class]);
+            members.push(Member {
                 id: id.to_owned(),
                 condition: number(condition),
                 stream: number(stream),
-                stratum,
-            }),
+                stratum: String::new(),
+            });
         }
+        let known = grounds_and_classes.last_mut().into_iter().flatten();
+        for (known, here) in known.zip([terrain, class]) {
+            *known = if *known == here { here } else { "mixed" };
+        }
+    }
+    for (member, stratum) in members.iter_mut().zip(grounds_and_classes) {
+        member.stratum = stratum.join(" ");
     }
     members
 }
@@ -171,39 +177,72 @@ fn groups(members: &[Member], key: &dyn Fn(usize) -> u64) -> Vec<Vec<usize>> {
     groups.into_values().collect()
 }
 
-/// Deals groups in random order, each to the part that lacks its strata most.
+/// Deals groups in random order, each to the part that lacks its strata most; where several do, to
+/// that which lacks runs most.
 fn deal(members: &[Member], groups: &[Vec<usize>], seed: Seed, stage: &str) -> Option<Vec<Part>> {
     if groups.len() < PARTS.len() {
         return None;
     }
-    let mut all: BTreeMap<&str, f64> = BTreeMap::new();
-    for member in members {
-        *all.entry(&member.stratum).or_default() += 1.0;
-    }
-    let mut lacks = PARTS.map(|(_, share)| {
-        let runs = all.iter().map(|(&stratum, &runs)| (stratum, share * runs));
-        runs.collect::<BTreeMap<&str, f64>>()
-    });
     let mut order: Vec<&Vec<usize>> = groups.iter().collect();
     order.shuffle(&mut seed.rng(&format!("learning.{stage}"), 0));
+    let mut hands = PARTS.map(|(_, share)| Hand::of(members, share));
     let mut parts = vec![Part::Train; members.len()];
     for group in order {
-        let strata = || group.iter().map(|&run| members[run].stratum.as_str());
-        let lack = |part: usize| -> f64 {
-            let share = PARTS[part].1;
-            strata()
-                .map(|stratum| lacks[part][stratum] / (share * all[stratum]))
-                .sum()
+        let strata: Vec<&str> = group
+            .iter()
+            .map(|&run| members[run].stratum.as_str())
+            .collect();
+        let lacks = hands.each_ref().map(|hand| hand.lack(&strata));
+        let more = |a: [f64; 2], b: [f64; 2]| {
+            let alike = (a[0] - b[0]).abs() < ALIKE;
+            if alike { a[1] > b[1] } else { a[0] > b[0] }
         };
-        let first_of_most =
-            |most: usize, part: usize| if lack(part) > lack(most) { part } else { most };
-        let part = (1..PARTS.len()).fold(0, first_of_most);
+        let most = (1..PARTS.len()).fold(0, |most, part| {
+            if more(lacks[part], lacks[most]) {
+                part
+            } else {
+                most
+            }
+        });
+        hands[most].take(&strata);
         for &run in group {
-            parts[run] = PARTS[part].0;
-            *lacks[part].entry(&members[run].stratum).or_default() -= 1.0;
+            parts[run] = PARTS[most].0;
         }
     }
     Some(parts)
+}
+
+/// Lacks that differ by less are the same up to rounding.
+const ALIKE: f64 = 1.0e-9;
+
+/// What a part was dealt, and what it is to have: runs of each stratum.
+struct Hand<'m> {
+    wanted: BTreeMap<&'m str, f64>,
+    held: BTreeMap<&'m str, f64>,
+}
+
+impl<'m> Hand<'m> {
+    fn of(members: &'m [Member], share: f64) -> Self {
+        let mut wanted: BTreeMap<&str, f64> = BTreeMap::new();
+        for member in members {
+            *wanted.entry(&member.stratum).or_default() += share;
+        }
+        let held = wanted.keys().map(|&stratum| (stratum, 0.0)).collect();
+        Self { wanted, held }
+    }
+
+    /// How much is lacking of what these runs are of, and of all runs, over what is wanted [-].
+    fn lack(&self, strata: &[&'m str]) -> [f64; 2] {
+        let of = |stratum: &&str| 1.0 - self.held[stratum] / self.wanted[stratum];
+        let [held, wanted]: [f64; 2] = [&self.held, &self.wanted].map(|runs| runs.values().sum());
+        [strata.iter().map(of).sum(), 1.0 - held / wanted]
+    }
+
+    fn take(&mut self, strata: &[&'m str]) {
+        for stratum in strata {
+            *self.held.entry(stratum).or_default() += 1.0;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -275,6 +314,14 @@ mod tests {
         let kept = both.iter().flatten().count() as f64 / both.len() as f64;
         // 0.7² + 0.15² + 0.15²
         assert!((kept - 0.535).abs() < 0.05, "{kept}");
+    }
+
+    #[test]
+    fn runs_that_are_alone_of_their_kind_are_dealt_to_all_parts() {
+        let members = study(20, 1, 20, false);
+        let parts = split(&members, Grouping::Run, Seed(1)).unwrap();
+        let count = |part| parts.iter().filter(|&&of| of == Some(part)).count();
+        assert_eq!(PARTS.map(|(part, _)| count(part)), [14, 3, 3]);
     }
 
     #[test]

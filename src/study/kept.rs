@@ -7,6 +7,7 @@
 use super::folder::{Folder, file_error};
 use super::recognition;
 use super::references::References;
+use super::runs::swept_fields;
 use super::shard::Shard;
 use super::table::{NoRows, Rows, Stop, Table, condition_cells};
 use super::{Run, Study, StudyError};
@@ -58,7 +59,7 @@ impl<'s> Windows<'s> {
 }
 
 fn fields(study: &Study) -> Vec<Field> {
-    let mut fields = run_fields(study.keys());
+    let mut fields = run_fields(swept_fields(study));
     fields.extend(windows::fields());
     fields
 }
@@ -171,26 +172,24 @@ impl Study {
             return Ok(None);
         };
         let windows = Records::of_csv(fields(self), text);
-        let path = folder.path_of("dataset.h5");
-        let channels = match keep {
-            Keep::Traces => self.merge(folder, shards, stop)?,
-            Keep::Features => {
-                write_table(&path, &windows, &provenance(self))?;
-                Vec::new()
-            }
+        let (kept, channels) = match keep {
+            Keep::Traces => (Kept::Traces, self.merge(folder, shards, stop)?),
+            Keep::Features => (Kept::Features, Vec::new()),
         };
+        let provenance = provenance(self);
         let facts = Facts {
             command: format!("lugwheel study {}", self.file),
-            created_by: Provenance::measured().created_by,
+            created_by: provenance.created_by.clone(),
             seed: self.seed,
-            kept: match keep {
-                Keep::Traces => Kept::Traces,
-                Keep::Features => Kept::Features,
-            },
+            kept,
             channels,
             failed,
         };
         let set = DataSet::new(facts, windows);
+        let path = folder.path_of("dataset.h5");
+        if keep == Keep::Features {
+            write_table(&path, set.windows(), &provenance)?;
+        }
         for (ending, text) in set.texts(&fact(&path)?) {
             folder.write(&format!("dataset.{ending}"), text.as_bytes())?;
         }

@@ -98,7 +98,18 @@ pub(super) fn fields(study: &Study) -> Vec<Field> {
         Field::whole("stream", "random numbers it draws from"),
         Field::text("scenario", "name of the scenario's file"),
     ];
-    let swept = study.keys().map(|key| {
+    fields.extend(swept_fields(study));
+    fields.extend(value_fields());
+    fields.push(Field::text(
+        "failure",
+        "why there are no values; empty where there are",
+    ));
+    fields
+}
+
+/// The columns of a study's swept keys: numbers where all values are.
+pub(super) fn swept_fields(study: &Study) -> Vec<Field> {
+    let field = |key: &str| {
         let mut values = study.values_of(key).into_iter().flatten();
         let meaning = "swept key of the scenario";
         if values.all(|value| value.parse::<f64>().is_ok()) {
@@ -106,14 +117,8 @@ pub(super) fn fields(study: &Study) -> Vec<Field> {
         } else {
             Field::text(key, meaning)
         }
-    });
-    fields.extend(swept);
-    fields.extend(value_fields());
-    fields.push(Field::text(
-        "failure",
-        "why there are no values; empty where there are",
-    ));
-    fields
+    };
+    study.keys().map(field).collect()
 }
 
 fn value_fields() -> Vec<Field> {

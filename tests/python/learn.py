@@ -104,7 +104,7 @@ def check_croissant(stem):
     dataset = mlcroissant.Dataset(f"{stem}.croissant.json")
     check(not dataset.metadata.ctx.issues.errors, dataset.metadata.ctx.issues.report())
     windows = list(dataset.records("windows"))
-    check(len(windows) == 40 and windows[0]["windows/class"] == b"ALCT", f"{windows[:1]}")
+    check(len(windows) == 40 and windows[0]["windows/terrain"] == b"HT", f"{windows[:1]}")
     check(len(list(dataset.records("runs"))) == 20, "records of runs")
 
 
