@@ -3,11 +3,13 @@
 //! A data set is a file of runs. Each run is a [`Trace`](crate::trace::Trace) under an id, and the
 //! file says where they come from ([`Provenance`]). A measured run may hold any subset of the
 //! channels, each as a time series or as a steady mean; only a simulated one has ground truth.
-//! [`csv`] imports what a rig wrote, [`inspection`] doubts what does not fit together.
+//! [`csv`] imports what a rig wrote, [`inspection`] doubts what does not fit together, [`records`] are
+//! tables about runs.
 
 pub mod csv;
 pub mod hdf5;
 pub mod inspection;
+pub mod records;
 
 use crate::quantity::Seed;
 

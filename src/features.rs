@@ -86,16 +86,19 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            window: Window::Seconds(crate::trace::truth::PAPER_WINDOW),
-            bandwidth: 100.0,
-            mean: MeanValue::Rectified,
-            frequency: Frequency::LugLine,
-        }
+        Self::DEFAULT
     }
 }
 
 impl Settings {
+    /// What the studies behind `output/reference/feature_choices.txt` chose.
+    pub const DEFAULT: Self = Self {
+        window: Window::Seconds(crate::trace::truth::PAPER_WINDOW),
+        bandwidth: 100.0,
+        mean: MeanValue::Rectified,
+        frequency: Frequency::LugLine,
+    };
+
     /// Whether windows can be cut and filtered so.
     ///
     /// # Errors

@@ -20,10 +20,11 @@
 //! from loads, slip and sinkage, [`gap`] of where measured and simulated runs differ. What is
 //! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
 //! [`diagnosis`] repeats measured conditions with parameters and effects otherwise than the scenario
-//! has them and tells which of them, or what unknown, explains what was measured, [`study`] runs many
-//! scenarios into one table with a score of the classes recognised and of the limits that the paper
-//! sets to vibration, [`challenge`] puts the diagnosis to blind trials and scores its answers,
-//! [`report`] draws what came of it and makes pages of it.
+//! has them and tells which of them, or what unknown, explains what was measured, [`learning`] makes
+//! data sets of runs for those who train on them, [`study`] runs many scenarios into one table with a
+//! score of the classes recognised and of the limits that the paper sets to vibration, [`challenge`]
+//! puts the diagnosis to blind trials and scores its answers, [`report`] draws what came of it and
+//! makes pages of it.
 //!
 //! The whole experiment, with nothing in it that reads a file or a clock:
 //!
@@ -85,6 +86,8 @@ pub mod effects;
 pub mod scenario;
 
 pub mod diagnosis;
+
+pub mod learning;
 
 pub mod study;
 

@@ -13,6 +13,7 @@
 
 pub mod experiment;
 pub mod recording;
+mod reference;
 
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::effects::{Application, ApplicationTable, full_name};

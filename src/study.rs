@@ -19,7 +19,19 @@
 //! [[sweep]]                    # crossed with the sweep above; its own keys change together
 //! keys = ["rig.single_wheel.slip", "rig.single_wheel.load"]
 //! rows = [[0.1, 100.0], [0.3, 60.0]]
+//!
+//! [[sweep]]                    # drawn together from the study's seed, and crossed like the others
+//! count = 20
+//! sampling = "latin_hypercube" # every twentieth of each distribution once; or "random"
+//! [sweep.distributions]
+//! wheel.mass = { normal = { mean = 4.0, sd = 0.2 } }
+//! rig.single_wheel.moving_mass = { uniform = { from = 10.0, to = 15.0 } }
 //! ```
+//!
+//! Distributions are `uniform` and `log_uniform` (`from`, `to`), `normal` (`mean`, `sd`), `log_normal`
+//! (`median`, `factor`: 68 % lie within that factor), `triangular` (`from`, `mode`, `to`) and `one_of`
+//! (a list). Which values are drawn depends on seed, key and number of the draw only, so every shard
+//! of a study knows them.
 //!
 //! A *condition* is a scenario with one entry of every sweep. Runs are numbered from 0, scenario by
 //! scenario, the last sweep changing fastest, the repeats of a condition together. All randomness
@@ -71,20 +83,32 @@
 //! LEIS = [8.11, 7.64, 7.75]
 //! ```
 //!
+//! With a table `[dataset]` the runs become one data set for learners, see [`learning`](crate::learning).
+//! However many there are, memory holds one of each thread:
+//!
+//! ```toml
+//! [dataset]
+//! keep = "traces"      # the channels too, some 30 kB a second of run; or "features" of windows only
+//! ```
+//!
 //! Results go to one folder ([`Study::execute`]):
 //!
 //! ```text
 //! runs.csv       one row a run: condition, label, class, steady values; see `study::runs`
+//! runs.h5        the same table as HDF5, a dataset a column; see `dataset::hdf5::write_table`
 //! windows.csv    one row a window: truth, features, answers; see `study::windows`
 //! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
 //! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
 //! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
 //! steady.csv     one row a steady interval: loads, slip, sinkage; see `study::identification`
 //! identification.txt, identification.csv    parameters, force errors, what they predict
+//! dataset.h5, dataset.windows.csv, dataset.splits.csv, dataset.datasheet.md, dataset.croissant.json
+//!                the runs or the features of their windows for learners; see `learning`
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/ and reference.toml as they were
-//! origin.txt     program version, seed, fingerprint of all that decides the results
+//! origin.txt     program version, commit it was built from where the build was told
+//!                (`LUGWHEEL_COMMIT`), seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on
 //! slurm/         what the jobs of a cluster said, see `study::slurm`
@@ -95,6 +119,7 @@ pub mod conditions;
 mod execution;
 mod folder;
 pub mod identification;
+mod kept;
 mod recognition;
 mod references;
 pub mod runs;
@@ -108,6 +133,7 @@ pub mod windows;
 
 pub use execution::{Failure, Options, Outcome, Progress};
 
+use crate::dataset::hdf5::RunFileError;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
 use crate::recognition::baseline::BaselineError;
@@ -115,6 +141,7 @@ use crate::scenario::experiment::ExperimentError;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
 use identification::{IdentificationTable, Plan};
+use kept::{DatasetTable, Keep};
 use recognition::{Recognition, RecognitionTable};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
@@ -160,6 +187,9 @@ pub struct Study {
     recognition: Option<Recognition>,
     thresholds: Option<Thresholds>,
     identification: Option<Plan>,
+    dataset: Option<Keep>,
+    /// Name of the study's file, without folders.
+    file: String,
     text: String,
 }
 
@@ -204,6 +234,7 @@ struct StudyTable {
     recognition: Option<RecognitionTable>,
     thresholds: Option<ThresholdsTable>,
     identification: Option<IdentificationTable>,
+    dataset: Option<DatasetTable>,
 }
 
 impl Study {
@@ -220,8 +251,11 @@ impl Study {
             source,
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        read(&text, folder)
-            .map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit).into())
+        let mut study = read(&text, folder)
+            .map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit))?;
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        study.file = file.into_owned();
+        Ok(study)
     }
 
     /// Every run, in order of its number.
@@ -485,7 +519,8 @@ impl StudyTable {
         };
         let scenarios =
             load_scenarios(&self.scenarios, folder).map_err(|(key, message)| at(&key, message))?;
-        let sweeps = sweep::read_all(self.sweep).map_err(|(key, message)| at(&key, message))?;
+        let sweeps = sweep::read_all(self.sweep, Seed(self.seed))
+            .map_err(|(key, message)| at(&key, message))?;
         let mut settings = Vec::new();
         flatten("", &self.set, &mut settings);
         check_once(&settings, &sweeps).map_err(|(key, message)| at(&key, message))?;
@@ -504,6 +539,8 @@ impl StudyTable {
             recognition: None,
             thresholds: None,
             identification: None,
+            dataset: self.dataset.map(|table| table.keep),
+            file: String::new(),
             text: text.to_owned(),
         };
         study
@@ -670,6 +707,9 @@ pub enum StudyError {
         /// Why.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The runs cannot be kept.
+    #[error("the data set cannot be kept")]
+    Dataset(#[from] RunFileError),
     /// The windows of the runs train no classifier.
     #[error("the baseline of [recognition] cannot be trained on the windows of the runs")]
     Baseline(#[from] BaselineError),

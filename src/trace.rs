@@ -222,6 +222,21 @@ impl Truth {
         let agree = self.class_windows.iter().all(|w| w.class == first);
         agree.then_some(first)
     }
+
+    /// The class window in which `[start, end]` [s] lies for the most part.
+    pub fn window_of(&self, [start, end]: [f64; 2]) -> Option<&ClassWindow> {
+        let overlap = |other: &ClassWindow| end.min(other.end) - start.max(other.start);
+        let windows = self.class_windows.iter();
+        let most = windows.max_by(|a, b| overlap(a).total_cmp(&overlap(b)));
+        most.filter(|truth| overlap(truth) >= 0.5 * (end - start))
+    }
+}
+
+impl LugTally {
+    /// The shares [-] of the lugs that passed which touched and which entered; NaN where none passed.
+    pub fn shares(self) -> [f64; 2] {
+        [self.touched, self.entered].map(|some| f64::from(some) / f64::from(self.passed))
+    }
 }
 
 /// Wheel angles [rad] without the jumps of an encoder that starts again after a turn. What is no

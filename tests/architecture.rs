@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "quantity",
     "document",
     "wheel",
@@ -23,6 +23,7 @@ const ORDER: [&str; 21] = [
     "effects",
     "scenario",
     "diagnosis",
+    "learning",
     "study",
     "challenge",
     "report",

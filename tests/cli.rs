@@ -59,6 +59,15 @@ fn left(folder: &Path) -> Vec<String> {
     names
 }
 
+/// What `dataset --out runs.h5` leaves.
+const DATA_SET: [&str; 5] = [
+    "runs.croissant.json",
+    "runs.datasheet.md",
+    "runs.h5",
+    "runs.splits.csv",
+    "runs.windows.csv",
+];
+
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
@@ -80,6 +89,37 @@ fn a_data_set_has_the_same_bytes_with_one_thread_and_two_and_its_runs_are_the_sa
     let trace = alone.read("run_000003").unwrap();
     assert!(trace == file.read("run_000003").unwrap());
     assert!(trace.channels != file.read("run_000002").unwrap().channels);
+}
+
+#[test]
+fn features_are_the_windows_of_the_traces_and_raw_is_kept_when_asked() {
+    let folder = folder();
+    let at = folder.path();
+    done(short(at, "dataset", "--runs 4 --out traces.h5"));
+    done(short(
+        at,
+        "dataset",
+        "--runs 4 --features --out features.h5",
+    ));
+    done(short(at, "dataset", "--runs 4 --raw --out raw.h5"));
+    let read = |name: &str| fs::read(at.join(name)).unwrap();
+    assert!(read("traces.windows.csv") == read("features.windows.csv"));
+    assert!(read("traces.windows.csv") == read("raw.windows.csv"));
+    assert!(read("features.h5").len() < read("traces.h5").len());
+    let raw = RunFile::open(at.join("raw.h5")).unwrap();
+    let force = raw.read("run_000003").unwrap();
+    assert!(force.channel("normal_force_raw").is_some());
+    // The datasheet's command makes the same again.
+    let sheet = fs::read_to_string(at.join("features.datasheet.md")).unwrap();
+    let command = sheet.split("```").nth(1).unwrap().trim_start_matches("sh");
+    let words: String = command.replace('"', "").replace("lugwheel ", "");
+    done(run(at, &format!("{} --out again.h5", words.trim())));
+    assert!(read("again.h5") == read("features.h5"));
+    refuses(
+        "dataset quick --raw --features",
+        2,
+        &["--raw", "--features"],
+    );
 }
 
 #[test]
@@ -128,10 +168,9 @@ fn results_go_to_a_folder_of_the_scenarios_name_unless_told_otherwise() {
         "{said}"
     );
     done(short(at, "dataset", "--runs 1"));
-    assert_eq!(
-        left(&at.join("output/single_wheel_ht")),
-        ["run.h5", "runs.h5"]
-    );
+    let mut files = vec!["run.h5"];
+    files.extend(DATA_SET);
+    assert_eq!(left(&at.join("output/single_wheel_ht")), files);
     let drawn = done(run(at, "plot output/single_wheel_ht/run.h5"));
     assert_eq!(drawn, "output/single_wheel_ht/run_run_000000.svg\n");
     let svg = fs::read_to_string(at.join(drawn.trim())).unwrap();
@@ -252,7 +291,7 @@ fn a_failed_run_is_named_with_its_reason_and_leaves_the_file_of_before() {
     assert!(before == fs::read(at.join("runs.h5")).unwrap());
     done(short(at, "dataset", "--runs 1 --out runs.h5"));
     assert_eq!(RunFile::open(at.join("runs.h5")).unwrap().runs().len(), 1);
-    assert_eq!(left(at), ["runs.h5"]);
+    assert_eq!(left(at), DATA_SET);
 }
 
 /// A campaign of two runs in `folder`; the second has `cell` for its last force.

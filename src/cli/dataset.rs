@@ -6,11 +6,21 @@ use super::scenario_args::ScenarioArgs;
 use super::series::{Jobs, Outcome, Series, spreads};
 use super::steady::{QUANTITIES, Spread};
 use clap::Args;
+use lugwheel::dataset::Provenance;
+use lugwheel::dataset::hdf5::write_table;
+use lugwheel::dataset::records::Records;
+use lugwheel::features::{Settings, Window};
+use lugwheel::learning::windows::Windower;
+use lugwheel::learning::{
+    ChannelFact, DataSet, Facts, FileFact, Kept, run_fields, run_id, windows,
+};
+use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::Trace;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Simulate a labelled data set
 #[derive(Debug, Args)]
@@ -24,6 +34,12 @@ pub struct Dataset {
     /// Run file to write [default: output/<scenario>/runs.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
+    /// Keep the samples at the sensor rate [128 kHz] too, some 2 MB a second
+    #[arg(long, conflicts_with = "features")]
+    raw: bool,
+    /// Keep class and features of every window instead of the samples, some 0.5 kB a window
+    #[arg(long)]
+    features: bool,
     #[command(flatten)]
     jobs: Jobs,
 }
@@ -32,14 +48,19 @@ const EXAMPLES: &str = "\
 Examples:
   lugwheel dataset single_wheel_ht --runs 50
   lugwheel dataset single_wheel_st --runs 20 --set rig.single_wheel.slip=0.3 --out slip_03.h5
+  lugwheel dataset single_wheel_gt --runs 1000 --features
 
-The file holds all runs, or it is not written: a run that fails is named with its reason.";
+Beside runs.h5 stand runs.windows.csv (class and features of every window), runs.splits.csv (parts to
+train and test on that share no ground), runs.datasheet.md and runs.croissant.json.
+The file holds all runs, or it is not written: a run that fails is named with its reason.
+A data set over several grounds or conditions is a study with a table [dataset].";
 
 /// What the runs came to.
 #[derive(Debug, Serialize)]
 struct Summary {
     scenario: String,
     file: String,
+    beside: Vec<String>,
     seed: u64,
     runs: usize,
     terrain: Option<TerrainLabel>,
@@ -55,7 +76,10 @@ struct Summary {
 impl Dataset {
     /// Simulates the runs and says what they came to.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let scenario = self.scenario.load()?;
+        let mut scenario = self.scenario.load()?;
+        if self.raw {
+            scenario = scenario.with("sensors.raw=true")?;
+        }
         let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "runs.h5")?;
         let series = Series {
             scenario: &scenario,
@@ -64,13 +88,21 @@ impl Dataset {
             jobs: self.jobs,
         };
         let progress = Progress::new(output, &self.scenario.stem(), series.simulated());
-        let outcomes = series.write(&out, &progress)?;
+        let mut seen = Seen::new(&scenario, self.scenario.stem())?;
+        let see = &mut |run: u64, trace: &Trace| seen.add(run, trace);
+        let outcomes = if self.features {
+            series.see(&progress, see)?
+        } else {
+            series.write_and_see(&out, &progress, see)?
+        };
+        let beside = self.describe(seen, &out)?;
         let computing_s = progress.elapsed();
         drop(progress);
         let steady = spreads(&outcomes).map(|(quantity, spread)| (quantity.key, spread));
         output.print(&Summary {
             scenario: self.scenario.asked(),
             file: out.display().to_string(),
+            beside,
             seed: self.scenario.seed().0,
             runs: outcomes.len(),
             terrain: outcomes[0].terrain,
@@ -82,6 +114,98 @@ impl Dataset {
             real_time_factor: series.simulated() / computing_s,
             steady: steady.collect(),
         })
+    }
+}
+
+impl Dataset {
+    /// Writes the texts beside the runs, and what is kept where only features are; names the texts.
+    fn describe(&self, seen: Seen, out: &Path) -> anyhow::Result<Vec<String>> {
+        let kept = if self.features {
+            Kept::Features
+        } else {
+            Kept::Traces
+        };
+        let provenance = Provenance {
+            seed: Some(self.scenario.seed()),
+            ..Provenance::measured()
+        };
+        let facts = Facts {
+            command: self.command(),
+            created_by: provenance.created_by.clone(),
+            seed: self.scenario.seed(),
+            kept,
+            channels: seen.channels,
+            failed: 0,
+        };
+        let set = DataSet::new(facts, seen.windows);
+        if kept == Kept::Features {
+            write_table(out, set.windows(), &provenance)?;
+        }
+        let mut written = Vec::new();
+        for (ending, text) in set.texts(&FileFact::of(out)?) {
+            let path = out.with_extension(ending);
+            output::write_file(&path, &text)?;
+            written.push(path.display().to_string());
+        }
+        Ok(written)
+    }
+
+    /// The command that makes the same again; folders, which do not matter, left out.
+    fn command(&self) -> String {
+        let size = match (self.raw, self.features) {
+            (true, _) => " --raw",
+            (_, true) => " --features",
+            _ => "",
+        };
+        let edits = self.scenario.edits();
+        let (scenario, seed) = (self.scenario.stem(), self.scenario.seed().0);
+        format!(
+            "lugwheel dataset {scenario} --runs {} --seed {seed}{edits}{size}",
+            self.runs
+        )
+    }
+}
+
+/// What a data set has to remember of its runs.
+struct Seen {
+    windower: Windower,
+    scenario: String,
+    windows: Records,
+    channels: Vec<ChannelFact>,
+}
+
+impl Seen {
+    fn new(scenario: &Scenario, name: String) -> anyhow::Result<Self> {
+        let settings = Settings {
+            window: Window::Seconds(scenario.window()),
+            ..Settings::default()
+        };
+        let reference = scenario.computed_reference(settings)?;
+        let mut fields = run_fields(Vec::new());
+        fields.extend(windows::fields());
+        let rows = Vec::new();
+        Ok(Self {
+            windower: Windower::new(settings, reference)?,
+            scenario: name,
+            windows: Records { fields, rows },
+            channels: Vec::new(),
+        })
+    }
+
+    fn add(&mut self, run: u64, trace: &Trace) {
+        let condition = "0".to_owned();
+        let first = [
+            run_id(run),
+            condition,
+            run.to_string(),
+            self.scenario.clone(),
+        ];
+        let windows = self.windower.rows(trace).into_iter();
+        let rows = windows.map(|cells| [first.to_vec(), cells].concat());
+        self.windows.rows.extend(rows);
+        if self.channels.is_empty() {
+            self.channels = ChannelFact::of(trace);
+        }
     }
 }
 
@@ -127,6 +251,7 @@ impl fmt::Display for Summary {
                 writeln!(f, "{name:<28}{unit:>6}{mean:>12}{min:>12}{max:>12}")?;
             }
         }
-        writeln!(f, "\nwritten to {}", self.file)
+        writeln!(f, "\nwritten to {}", self.file)?;
+        writeln!(f, "beside it: {}", self.beside.join(", "))
     }
 }

@@ -49,6 +49,16 @@ impl ScenarioArgs {
         Ok(scenario.with_all(&edits)?)
     }
 
+    /// The options that edit the scenario, as they would be given again.
+    pub fn edits(&self) -> String {
+        let set = self.set.iter().map(|set| format!(" --set {set:?}"));
+        let effects = self
+            .effect
+            .iter()
+            .map(|effect| format!(" --effect {effect:?}"));
+        set.chain(effects).collect()
+    }
+
     /// The seed.
     pub fn seed(&self) -> Seed {
         Seed(self.seed)

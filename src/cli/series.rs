@@ -7,6 +7,7 @@ use anyhow::Context;
 use clap::Args;
 use lugwheel::dataset::Provenance;
 use lugwheel::dataset::hdf5::RunFileWriter;
+use lugwheel::learning::run_id;
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::scenario::experiment::ExperimentError;
@@ -86,11 +87,6 @@ pub fn spreads(outcomes: &[Outcome]) -> impl Iterator<Item = (&'static Quantity,
     })
 }
 
-/// The id of a run in a file.
-pub fn run_id(run: u64) -> String {
-    format!("run_{run:06}")
-}
-
 type Simulated = Result<Trace, ExperimentError>;
 
 impl Series<'_> {
@@ -105,15 +101,48 @@ impl Series<'_> {
     /// `RunFileError` where the file cannot be written, before any run if it is known by then; the
     /// first run that fails; `Interrupted`.
     pub fn write(&self, out: &Path, progress: &Progress) -> anyhow::Result<Vec<Outcome>> {
+        self.write_and_see(out, progress, &mut |_, _| {})
+    }
+
+    /// The same; `see` is shown every run in its turn.
+    ///
+    /// # Errors
+    /// Those of [`Series::write`].
+    pub fn write_and_see(
+        &self,
+        out: &Path,
+        progress: &Progress,
+        see: &mut dyn FnMut(u64, &Trace),
+    ) -> anyhow::Result<Vec<Outcome>> {
         let provenance = Provenance::simulated(self.scenario.text(), self.seed);
         let mut file = RunFileWriter::create(out, &provenance)?;
         let mut outcomes = Vec::new();
         self.simulate(progress, |run, trace| {
             outcomes.push(Outcome::of(&trace));
+            see(run, &trace);
             Ok(file.add(&run_id(run), &trace)?)
         })?;
         interrupt::check()?;
         file.finish()?;
+        Ok(outcomes)
+    }
+
+    /// Simulates the runs and shows each in its turn to `see`; none is kept.
+    ///
+    /// # Errors
+    /// The first run that fails; `Interrupted`.
+    pub fn see(
+        &self,
+        progress: &Progress,
+        see: &mut dyn FnMut(u64, &Trace),
+    ) -> anyhow::Result<Vec<Outcome>> {
+        let mut outcomes = Vec::new();
+        self.simulate(progress, |run, trace| {
+            outcomes.push(Outcome::of(&trace));
+            see(run, &trace);
+            Ok(())
+        })?;
+        interrupt::check()?;
         Ok(outcomes)
     }
 

@@ -3,9 +3,10 @@
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::scenario_args::ScenarioArgs;
-use super::series::{Jobs, Series, run_id};
+use super::series::{Jobs, Series};
 use super::steady::QUANTITIES;
 use clap::Args;
+use lugwheel::learning::run_id;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -74,7 +74,9 @@ run), failed.txt (why runs failed) and the study's text; a study with [recogniti
 figures of features and answers, one
 with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit,
 one with [identification] steady.csv (loads), identification.txt and .csv (parameters, force errors)
-and a figure of the parameters.
+and a figure of the parameters,
+one with [dataset] dataset.h5 with its windows, splits, datasheet and Croissant metadata.
+runs.h5 is runs.csv, typed, a dataset a column with its unit.
 Exit code 4: finished, with failed runs.";
 
 /// The study was finished, but some of its runs failed.
@@ -104,6 +106,8 @@ struct Summary {
     thresholds: Option<ThresholdScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     identification: Option<IdentificationScore>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dataset: Option<usize>,
 }
 
 impl StudyCommand {
@@ -152,6 +156,7 @@ impl StudyCommand {
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
             identification: outcome.identification,
+            dataset: outcome.dataset,
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());
@@ -342,6 +347,9 @@ impl fmt::Display for Summary {
                 f,
                 "\n{missing} shards are still to do by other shares; the last one writes the table"
             )?,
+        }
+        if let Some(runs) = self.dataset {
+            writeln!(f, "data set: {runs} runs, {}/dataset.h5", self.folder)?;
         }
         if let Some(score) = &self.recognition {
             writeln!(f, "windows: {}/windows.csv\n\n{score}", self.folder)?;

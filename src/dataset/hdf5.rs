@@ -25,9 +25,11 @@
 //! where it was written.
 
 mod reading;
+mod table;
 mod writing;
 
 pub use reading::RunFile;
+pub use table::write_table;
 pub use writing::RunFileWriter;
 pub(super) use writing::check_name;
 

@@ -4,14 +4,18 @@ use super::conditions::Condition;
 use super::folder::{Before, Folder};
 use super::identification::score::IdentificationScore;
 use super::identification::{self, SteadyRows};
-use super::runs::Runs;
+use super::kept::{self, Traces};
+use super::runs::{self, Runs};
 use super::score::RecognitionScore;
 use super::shard::{self, Shard};
 use super::table::{NoRows, Rows, Table, line};
 use super::thresholds::{self, ThresholdScore};
 use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
+use crate::dataset::hdf5::write_table;
+use crate::dataset::records::Records;
 use crate::quantity::RangeError;
+use crate::trace::Trace;
 use rayon::prelude::*;
 use std::any::Any;
 use std::num::NonZeroUsize;
@@ -68,6 +72,8 @@ pub struct Outcome {
     pub thresholds: Option<ThresholdScore>,
     /// Terrain parameters and what they predict, where the study asks and no shard is missing.
     pub identification: Option<IdentificationScore>,
+    /// Runs in the data set, where the study keeps one and no shard is missing.
+    pub dataset: Option<usize>,
 }
 
 /// A run that failed.
@@ -101,7 +107,15 @@ impl Study {
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
         let folder = self.finish_share(options, progress)?;
-        self.put_together(&folder)
+        let total = self.run_count();
+        let stop = || {
+            progress(Progress {
+                done: total,
+                total,
+                failed: 0,
+            })
+        };
+        self.put_together(&folder, &stop)
     }
 
     /// Runs the study, or a share of it, and leaves its tables to [`Study::collect`].
@@ -127,7 +141,7 @@ impl Study {
         let tables = self.tables();
         let (kept, missing): (Vec<&Shard>, Vec<&Shard>) = share
             .iter()
-            .partition(|shard| is_whole(&folder, &tables, shard));
+            .partition(|shard| self.is_whole(&folder, &tables, shard));
         if !kept.is_empty() && !options.resume {
             let folder = options.out.clone();
             return Err(StudyError::NotEmpty { folder });
@@ -137,8 +151,8 @@ impl Study {
             folder: &folder,
             tables: &tables,
             progress,
-            total: runs(&share),
-            done: AtomicU64::new(runs(&kept)),
+            total: count(&share),
+            done: AtomicU64::new(count(&kept)),
             failed: AtomicU64::new(0),
             stopped: AtomicBool::new(false),
         };
@@ -146,7 +160,7 @@ impl Study {
             let each = missing.par_iter().with_max_len(1);
             each.try_for_each(|shard| work.finish(shard))
         });
-        let is_whole = |shard: &&&Shard| is_whole(&folder, &tables, shard);
+        let is_whole = |shard: &&&Shard| self.is_whole(&folder, &tables, shard);
         match finished {
             Err(Halt::Failed(error)) => Err(error),
             Err(Halt::Stopped) => Err(StudyError::Stopped {
@@ -165,7 +179,7 @@ impl Study {
     /// classifier.
     pub fn collect(&self, out: &Path) -> Result<Outcome, StudyError> {
         let folder = Folder::open(self, out, Before::ThisStudy)?;
-        let outcome = self.put_together(&folder)?;
+        let outcome = self.put_together(&folder, &|| ControlFlow::Continue(()))?;
         match outcome.missing_shards {
             0 => Ok(outcome),
             missing => Err(StudyError::Incomplete {
@@ -179,7 +193,7 @@ impl Study {
     pub(super) fn missing(&self, folder: &Folder) -> Vec<Shard> {
         let tables = self.tables();
         let mut shards = shard::all(self);
-        shards.retain(|shard| !is_whole(folder, &tables, shard));
+        shards.retain(|shard| !self.is_whole(folder, &tables, shard));
         shards
     }
 
@@ -189,7 +203,13 @@ impl Study {
         let present = folder.present(last);
         let shards = shard::all(self);
         let there = shards.iter().filter(|s| present.contains(&s.number));
-        runs(&there.collect::<Vec<_>>())
+        count(&there.collect::<Vec<_>>())
+    }
+
+    fn is_whole(&self, folder: &Folder, tables: &[Box<dyn Table + '_>], shard: &Shard) -> bool {
+        let mut tables = tables.iter();
+        tables.all(|table| rows(folder, &**table, shard).is_some())
+            && kept::is_whole(self, folder, shard)
     }
 
     fn tables(&self) -> Vec<Box<dyn Table + '_>> {
@@ -203,27 +223,41 @@ impl Study {
         if let Some(rows) = SteadyRows::of(self) {
             tables.push(Box::new(rows));
         }
+        if let Some(windows) = kept::Windows::of(self) {
+            tables.push(Box::new(windows));
+        }
         tables
     }
 
     /// Puts the shards together, where all are whole.
-    fn put_together(&self, folder: &Folder) -> Result<Outcome, StudyError> {
+    fn put_together(
+        &self,
+        folder: &Folder,
+        stop: &dyn Fn() -> ControlFlow<()>,
+    ) -> Result<Outcome, StudyError> {
         let tables = self.tables();
+        let shards = shard::all(self);
         let mut collected = Collected::new(self, &tables);
         let mut missing_shards = 0;
-        for shard in shard::all(self) {
-            let rows = tables.iter().map(|table| rows(folder, &**table, &shard));
+        for shard in &shards {
+            let rows = tables.iter().map(|table| rows(folder, &**table, shard));
             match rows.collect::<Option<Vec<String>>>() {
-                Some(rows) => collected.add(&shard, &rows, folder.times(&shard)),
-                None => missing_shards += 1,
+                Some(rows) if kept::is_there(self, folder, shard) => {
+                    collected.add(shard, &rows, folder.times(shard));
+                }
+                _ => missing_shards += 1,
             }
         }
         let (mut recognition, mut held, mut identification) = (None, None, None);
         let mut conditions = Vec::new();
+        let mut dataset = None;
         if missing_shards == 0 {
             folder.remove_abandoned_parts();
             collected.write(folder)?;
             conditions = self.conditions(&collected.texts[0].1);
+            let windows = collected.text_of(kept::NAME).unwrap_or_default();
+            let failed = collected.failures.len() as u64;
+            dataset = self.keep(folder, &shards, windows, failed, stop)?;
             recognition = self.score(collected.text_of(windows::NAME))?;
             held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
             identification = self.identify(collected.text_of(identification::NAME));
@@ -253,6 +287,7 @@ impl Study {
             recognition,
             thresholds: held,
             identification,
+            dataset,
         })
     }
 }
@@ -284,14 +319,9 @@ impl Options {
     }
 }
 
-fn runs(shards: &[&Shard]) -> u64 {
+fn count(shards: &[&Shard]) -> u64 {
     let lengths = shards.iter().map(|shard| shard.runs.end - shard.runs.start);
     lengths.sum()
-}
-
-fn is_whole(folder: &Folder, tables: &[Box<dyn Table + '_>], shard: &Shard) -> bool {
-    let mut tables = tables.iter();
-    tables.all(|table| rows(folder, &**table, shard).is_some())
 }
 
 /// The rows of a whole shard for a table, below the columns that the table has now.
@@ -324,6 +354,8 @@ impl Work<'_> {
         let headers = self.tables.iter().map(|table| line(&table.header()));
         let mut texts: Vec<String> = headers.collect();
         let mut times = String::new();
+        let traces = Traces::begin(self.study, self.folder, shard);
+        let mut traces = traces.map_err(Halt::Failed)?;
         for run in self.study.runs_in(shard.runs.clone()) {
             if self.report().is_break() {
                 return Err(Halt::Stopped);
@@ -333,12 +365,24 @@ impl Work<'_> {
             let seconds = start.elapsed().as_secs_f64();
             times.push_str(&format!("{},{seconds:.3}\n", run.number));
             let failed = u64::from(outcome.is_err());
-            let rows = outcome.unwrap_or_else(|reason| self.rows_of_failed(&run, &reason));
+            let rows = match outcome {
+                Ok((trace, rows)) => {
+                    if let Some(traces) = &mut traces {
+                        let added = traces.add(self.study, &run, trace);
+                        added.map_err(Halt::Failed)?;
+                    }
+                    rows
+                }
+                Err(reason) => self.rows_of_failed(&run, &reason),
+            };
             for (text, rows) in texts.iter_mut().zip(&rows) {
                 text.extend(rows.iter().map(|cells| line(cells)));
             }
             self.done.fetch_add(1, Ordering::Relaxed);
             self.failed.fetch_add(failed, Ordering::Relaxed);
+        }
+        if let Some(traces) = traces {
+            traces.finish(self.folder, shard).map_err(Halt::Failed)?;
         }
         self.write(shard, &texts, &times).map_err(Halt::Failed)?;
         // This shard is whole: a wish to stop concerns the next.
@@ -354,23 +398,23 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// The rows of a run for every table, or why it has none; a run that panics fails like any
+    /// A run and its rows for every table, or why there are none; a run that panics fails like any
     /// other.
-    fn outcome(&self, run: &Run) -> Result<Result<Vec<Rows>, String>, Halt> {
+    fn outcome(&self, run: &Run) -> Result<Result<(Trace, Vec<Rows>), String>, Halt> {
         match catch_unwind(AssertUnwindSafe(|| self.rows(run))) {
-            Ok(Ok(rows)) => Ok(Ok(rows)),
+            Ok(Ok(traced)) => Ok(Ok(traced)),
             Ok(Err(NoRows::Stopped)) => Err(Halt::Stopped),
             Ok(Err(NoRows::Failed(reason))) => Ok(Err(reason)),
             Err(panic) => Ok(Err(format!("it panicked: {}", said(&*panic)))),
         }
     }
 
-    fn rows(&self, run: &Run) -> Result<Vec<Rows>, NoRows> {
+    fn rows(&self, run: &Run) -> Result<(Trace, Vec<Rows>), NoRows> {
         let trace = self.study.run(run, &mut |_| self.report())?;
         let tables = self.tables.iter();
-        tables
-            .map(|table| table.rows(run, &trace, &mut |_| self.report()))
-            .collect()
+        let rows = tables.map(|table| table.rows(run, &trace, &mut |_| self.report()));
+        let rows = rows.collect::<Result<Vec<Rows>, NoRows>>()?;
+        Ok((trace, rows))
     }
 
     fn rows_of_failed(&self, run: &Run, reason: &str) -> Vec<Rows> {
@@ -448,9 +492,15 @@ impl<'s> Collected<'s> {
     }
 
     fn write(&self, folder: &Folder) -> Result<(), StudyError> {
-        for (name, text) in &self.texts {
+        // The windows of a data set are written with its other texts.
+        let tables = self.texts.iter().filter(|(name, _)| *name != kept::NAME);
+        for (name, text) in tables {
             folder.write(&format!("{name}.csv"), text.as_bytes())?;
         }
+        let text = self.text_of("runs").unwrap_or_default();
+        let records = Records::of_csv(runs::fields(self.study), text);
+        let provenance = kept::provenance(self.study);
+        write_table(folder.path_of("runs.h5"), &records, &provenance)?;
         folder.write("timing.csv", self.times.as_bytes())?;
         if !self.failures.is_empty() {
             let lines = self.failures.iter().map(|failure| {

@@ -7,6 +7,9 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// The commit that the program was built from, where the build was told.
+const COMMIT: Option<&str> = option_env!("LUGWHEEL_COMMIT");
+
 /// A folder that holds results of one study, and nothing else.
 pub(super) struct Folder {
     path: PathBuf,
@@ -65,7 +68,18 @@ impl Folder {
     fn origin(&self, study: &Study) -> String {
         let Self { fingerprint, .. } = self;
         let seed = study.seed.0;
-        format!("{VERSION_OF_PROGRAM}\nseed {seed}\nfingerprint {fingerprint}\n")
+        let commit = COMMIT.unwrap_or("unknown");
+        format!("{VERSION_OF_PROGRAM}\ncommit {commit}\nseed {seed}\nfingerprint {fingerprint}\n")
+    }
+
+    /// A hash of all that decides the results.
+    pub(super) fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// The place of a file in the folder.
+    pub(super) fn path_of(&self, name: &str) -> PathBuf {
+        self.path.join(name)
     }
 
     /// The rows of a shard for the table of this name, where they are there and whole.
@@ -113,11 +127,6 @@ impl Folder {
         }
     }
 
-    /// The fingerprint of the study.
-    pub(super) fn fingerprint(&self) -> &str {
-        &self.fingerprint
-    }
-
     /// Makes a folder in this one.
     pub(super) fn make(&self, name: &str) -> Result<PathBuf, StudyError> {
         let path = self.path.join(name);
@@ -142,7 +151,7 @@ fn name(shard: &Shard, table: &str) -> String {
     format!("{SHARDS}/{:05}.{table}.csv", shard.number)
 }
 
-fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyError {
+pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -> StudyError {
     let path = path.to_owned();
     StudyError::File {
         action,

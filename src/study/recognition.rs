@@ -155,6 +155,16 @@ impl PublishedTable {
     }
 }
 
+/// Features by their default settings over the computed reference, and no answers.
+pub(super) static BY_DEFAULT: Recognition = Recognition {
+    methods: Vec::new(),
+    settings: Settings::DEFAULT,
+    scenario_window: true,
+    reference: None,
+    published: None,
+    baseline: None,
+};
+
 impl Recognition {
     /// How windows and features of a scenario's runs are taken.
     pub(super) fn settings(&self, scenario: &Scenario) -> Settings {

@@ -6,7 +6,6 @@ use super::{Run, Study};
 use crate::features::reference::Reference;
 use crate::scenario::Scenario;
 use crate::scenario::experiment::ExperimentError;
-use crate::sensors::Sensors;
 use std::sync::{Mutex, PoisonError};
 
 /// The references of a study.
@@ -73,22 +72,9 @@ impl<'s> References<'s> {
         Ok(reference.map_err(|error| error.to_string()))
     }
 
-    /// Computed, and passed through the scenario's sensors where these change anything.
     fn computed(&self, scenario: &Scenario) -> Found {
-        let Scenario { wheel, sensors, .. } = scenario;
-        let ideal = Sensors {
-            rate: sensors.rate,
-            output_rate: sensors.output_rate,
-            ..Sensors::default()
-        };
-        let drive = scenario.rig.drive();
-        let wheel_speed = drive.full_wheel_speed(wheel.radius);
-        let wheel_speed = wheel_speed.map_err(|error| error.to_string())?;
-        if *sensors == ideal || wheel_speed == 0.0 {
-            return Ok(Reference::computed());
-        }
         let settings = self.recognition.settings(scenario);
-        let sensed = Reference::through_sensors(wheel, sensors, &[wheel_speed], settings);
-        sensed.map_err(|error| error.to_string())
+        let computed = scenario.computed_reference(settings);
+        computed.map_err(|error| error.to_string())
     }
 }

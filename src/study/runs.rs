@@ -20,8 +20,9 @@ pub use super::band::Band;
 
 use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
 use super::{Run, Study};
+use crate::dataset::records::Field;
 use crate::recognition::confusion::CLASSES;
-use crate::trace::{Channel, Trace};
+use crate::trace::{Channel, Trace, unit_of};
 
 /// Bands in which the vertical acceleration is measured. Below them lies the wheel's path over its
 /// lugs, above them the end of a record at 2 kHz.
@@ -60,12 +61,8 @@ impl Table for Runs<'_> {
     }
 
     fn header(&self) -> Vec<String> {
-        let first = ["run", "condition", "repeat", "stream", "scenario"];
-        let mut names: Vec<String> = first.map(str::to_owned).into();
-        names.extend(self.study.keys().map(str::to_owned));
-        names.extend(value_names());
-        names.push("failure".to_owned());
-        names
+        let fields = fields(self.study).into_iter();
+        fields.map(|field| field.name).collect()
     }
 
     fn rows(&self, run: &Run, trace: &Trace, _: &mut Stop) -> Result<Rows, NoRows> {
@@ -77,7 +74,7 @@ impl Table for Runs<'_> {
 
     fn rows_of_failed(&self, run: &Run, reason: &str) -> Rows {
         let mut cells = self.first_cells(run);
-        cells.extend(value_names().iter().map(|_| String::new()));
+        cells.extend(value_fields().iter().map(|_| String::new()));
         cells.push(reason.to_owned());
         vec![cells]
     }
@@ -92,20 +89,78 @@ impl Runs<'_> {
     }
 }
 
-fn value_names() -> Vec<String> {
-    let mut names = vec!["label".to_owned(), "class".to_owned()];
-    names.extend(CLASSES.map(|class| format!("windows_{}", class.as_str().to_lowercase())));
-    names.push("duration_s".to_owned());
-    for (channel, unit) in STEADY {
-        names.push(format!("{channel}_mean{unit}"));
-        names.push(format!("{channel}_sd{unit}"));
+/// The columns of a study's runs.
+pub(super) fn fields(study: &Study) -> Vec<Field> {
+    let mut fields = vec![
+        Field::whole("run", "number from 0"),
+        Field::whole("condition", "number of the scenario with its swept values"),
+        Field::whole("repeat", "which repeat of its condition"),
+        Field::whole("stream", "random numbers it draws from"),
+        Field::text("scenario", "name of the scenario's file"),
+    ];
+    fields.extend(swept_fields(study));
+    fields.extend(value_fields());
+    fields.push(Field::text(
+        "failure",
+        "why there are no values; empty where there are",
+    ));
+    fields
+}
+
+/// The columns of a study's swept keys: numbers where all values are.
+pub(super) fn swept_fields(study: &Study) -> Vec<Field> {
+    let field = |key: &str| {
+        let mut values = study.values_of(key).into_iter().flatten();
+        let meaning = "swept key of the scenario";
+        if values.all(|value| value.parse::<f64>().is_ok()) {
+            Field::number(key, "", meaning)
+        } else {
+            Field::text(key, meaning)
+        }
+    };
+    study.keys().map(field).collect()
+}
+
+fn value_fields() -> Vec<Field> {
+    let mut fields = vec![
+        Field::text("label", "the ground"),
+        Field::text(
+            "class",
+            "true class, where all windows have one and the same",
+        ),
+    ];
+    fields.extend(CLASSES.map(|class| {
+        let name = format!("windows_{}", class.as_str().to_lowercase());
+        Field::number(name, "1", "windows of this true class")
+    }));
+    fields.push(Field::number("duration_s", "s", "length of the record"));
+    for (channel, ending) in STEADY {
+        let unit = unit_of(channel).unwrap_or_default();
+        let [mean, sd] = ["mean", "sd"].map(|what| format!("{channel}_{what}{ending}"));
+        fields.push(Field::number(mean, unit, "mean over the middle half"));
+        fields.push(Field::number(
+            sd,
+            unit,
+            "standard deviation over the middle half",
+        ));
     }
     for Band { low, high } in BANDS {
-        names.push(format!("acceleration_rms_{low}_{high}_hz_m_s2"));
-        names.push(format!("acceleration_crest_{low}_{high}_hz"));
+        let rms = format!("acceleration_rms_{low}_{high}_hz_m_s2");
+        let crest = format!("acceleration_crest_{low}_{high}_hz");
+        fields.push(Field::number(
+            rms,
+            "m/s^2",
+            "vertical acceleration in a band, steady",
+        ));
+        fields.push(Field::number(
+            crest,
+            "1",
+            "its largest magnitude over its rms",
+        ));
     }
-    names.push("acceleration_lug_pass_m_s2".to_owned());
-    names
+    let order = "amplitude of the vertical acceleration at the order of the lug pass";
+    fields.push(Field::number("acceleration_lug_pass_m_s2", "m/s^2", order));
+    fields
 }
 
 fn values(trace: &Trace) -> Vec<String> {

@@ -1,10 +1,15 @@
 //! Keys of a scenario and the values they take in turn.
 
+mod distribution;
+mod drawn;
+
 use super::Wrong;
-use crate::quantity::RangeError;
+use crate::quantity::{RangeError, Seed};
+use drawn::{Draws, Sampling};
 use serde::Deserialize;
 
-/// A `[[sweep]]` before its checks: one `key` with `values` or a `grid`, or `keys` with `rows`.
+/// A `[[sweep]]` before its checks: one `key` with `values` or a `grid`, `keys` with `rows`, or
+/// `count` draws from `distributions`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SweepTable {
@@ -13,7 +18,13 @@ pub(super) struct SweepTable {
     grid: Option<Grid>,
     keys: Option<Vec<String>>,
     rows: Option<Vec<Vec<toml::Value>>>,
+    count: Option<u32>,
+    sampling: Option<Sampling>,
+    distributions: Option<toml::Table>,
 }
+
+/// Values row by row, as TOML.
+type Rows = Vec<Vec<String>>;
 
 /// Equally spaced numbers, both ends included.
 #[derive(Deserialize)]
@@ -39,7 +50,7 @@ enum Spacing {
 #[derive(Debug, Clone)]
 pub(super) struct Sweep {
     pub(super) keys: Vec<String>,
-    pub(super) rows: Vec<Vec<String>>,
+    pub(super) rows: Rows,
     form: Form,
 }
 
@@ -68,6 +79,7 @@ enum Form {
     Values,
     Grid,
     Rows,
+    Drawn,
 }
 
 impl Sweep {
@@ -88,6 +100,7 @@ impl Sweep {
             Form::Values => format!("values.{entry}"),
             Form::Grid => "grid".to_owned(),
             Form::Rows => format!("rows.{entry}"),
+            Form::Drawn => "distributions".to_owned(),
         }
     }
 
@@ -96,58 +109,64 @@ impl Sweep {
         match self.form {
             Form::Values | Form::Grid => "key",
             Form::Rows => "keys",
+            Form::Drawn => "distributions",
         }
     }
 }
 
-/// The sweeps of a study.
-pub(super) fn read_all(tables: Vec<SweepTable>) -> Result<Vec<Sweep>, Wrong> {
+/// The sweeps of a study; what is drawn comes from its `seed`.
+pub(super) fn read_all(tables: Vec<SweepTable>, seed: Seed) -> Result<Vec<Sweep>, Wrong> {
     let numbered = tables.into_iter().enumerate();
     numbered
         .map(|(index, table)| {
             table
-                .into_sweep()
+                .into_sweep(seed)
                 .map_err(|(key, message)| (format!("sweep.{index}.{key}"), message))
         })
         .collect()
 }
 
 impl SweepTable {
-    fn into_sweep(self) -> Result<Sweep, Wrong> {
+    fn into_sweep(self, seed: Seed) -> Result<Sweep, Wrong> {
         let one = |value: toml::Value| vec![value.to_string()];
-        let (keys, rows, form) = match self {
-            Self {
-                key: Some(key),
-                values: Some(values),
-                grid: None,
-                keys: None,
-                rows: None,
-            } => (
+        let Self {
+            key,
+            values,
+            grid,
+            keys,
+            rows,
+            count,
+            sampling,
+            distributions,
+        } = self;
+        let listed = (key, values, grid, keys, rows);
+        let drawn = (count, sampling, distributions);
+        let (keys, rows, form) = match (listed, drawn) {
+            ((Some(key), Some(values), None, None, None), (None, None, None)) => (
                 vec![key],
                 values.into_iter().map(one).collect(),
                 Form::Values,
             ),
-            Self {
-                key: Some(key),
-                values: None,
-                grid: Some(grid),
-                keys: None,
-                rows: None,
-            } => (vec![key], grid.rows()?, Form::Grid),
-            Self {
-                key: None,
-                values: None,
-                grid: None,
-                keys: Some(keys),
-                rows: Some(rows),
-            } => {
+            ((Some(key), None, Some(grid), None, None), (None, None, None)) => {
+                (vec![key], grid.rows()?, Form::Grid)
+            }
+            ((None, None, None, Some(keys), Some(rows)), (None, None, None)) => {
                 check_rows(&keys, &rows)?;
                 let text = |row: Vec<toml::Value>| row.iter().map(toml::Value::to_string).collect();
                 (keys, rows.into_iter().map(text).collect(), Form::Rows)
             }
+            ((None, None, None, None, None), (Some(count), Some(sampling), Some(of))) => {
+                let draws = Draws {
+                    count,
+                    sampling,
+                    distributions: of,
+                };
+                let (keys, rows) = draws.rows(seed)?;
+                (keys, rows, Form::Drawn)
+            }
             _ => {
-                let message =
-                    "a sweep has `key` and `values`, `key` and `grid`, or `keys` and `rows`";
+                let message = "a sweep has `key` and `values`, `key` and `grid`, `keys` and `rows`, \
+                               or `count`, `sampling` and `distributions`";
                 return Err((String::new(), message.to_owned()));
             }
         };
@@ -156,7 +175,7 @@ impl SweepTable {
             let message = "a sweep needs a value; leave it out where nothing is swept";
             let key = match sweep.form {
                 Form::Rows => "rows",
-                Form::Values | Form::Grid => "values",
+                Form::Values | Form::Grid | Form::Drawn => "values",
             };
             return Err((key.to_owned(), message.to_owned()));
         }
@@ -180,7 +199,7 @@ fn check_rows(keys: &[String], rows: &[Vec<toml::Value>]) -> Result<(), Wrong> {
 }
 
 impl Grid {
-    fn rows(&self) -> Result<Vec<Vec<String>>, Wrong> {
+    fn rows(&self) -> Result<Rows, Wrong> {
         self.check()
             .map_err(|(key, error)| (format!("grid.{key}"), error.to_string()))?;
         let row = |index| vec![toml::Value::Float(self.number(index)).to_string()];
@@ -201,15 +220,20 @@ impl Grid {
         Ok(())
     }
 
-    /// Number `index` of the grid, in 12 digits: more would only show how it was computed.
+    /// Number `index` of the grid.
     fn number(&self, index: u32) -> f64 {
         let share = f64::from(index) / f64::from(self.count - 1);
         let number = match self.spacing {
             Spacing::Linear => self.from * (1.0 - share) + self.to * share,
             Spacing::Logarithmic => self.from * libm::pow(self.to / self.from, share),
         };
-        format!("{number:.11e}").parse().unwrap_or(number)
+        in_twelve_digits(number)
     }
+}
+
+/// A number in 12 digits: more would only show how it was computed.
+fn in_twelve_digits(number: f64) -> f64 {
+    format!("{number:.11e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]
@@ -218,7 +242,7 @@ mod tests {
 
     fn sweep(text: &str) -> Sweep {
         let table: SweepTable = toml::from_str(text).unwrap();
-        table.into_sweep().unwrap()
+        table.into_sweep(Seed(1)).unwrap()
     }
 
     #[test]

@@ -32,7 +32,6 @@ mod text;
 pub use statement::{Part, Point, Statement, ThresholdScore};
 
 use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
-use super::windows::truth_of;
 use super::{Run, Study};
 use crate::document::{Document, Misfit};
 use crate::features::record::Record;
@@ -197,7 +196,8 @@ impl Table for Windows<'_> {
 /// The true class of a window, and the share of its lugs that touched.
 fn truth_cells(trace: &Trace, record: &Record, window: &Range<usize>) -> [String; 2] {
     let times = [window.start, window.end].map(|sample| record.time(sample));
-    let truth = truth_of(trace, times);
+    let known = trace.truth.as_ref();
+    let truth = known.and_then(|truth| truth.window_of(times));
     let share = |lugs: LugTally| f64::from(lugs.touched) / f64::from(lugs.passed);
     [
         truth.map_or_else(String::new, |truth| truth.class.to_string()),

@@ -29,7 +29,7 @@ use crate::features::{Extractor, Settings};
 use crate::quantity::RangeError;
 use crate::recognition::{Answer, Recognized, Recognizer};
 use crate::terrain::class::Wtic;
-use crate::trace::{ClassWindow, LugTally, Trace};
+use crate::trace::{LugTally, Trace};
 
 /// Name of the table.
 pub(super) const NAME: &str = "windows";
@@ -198,28 +198,20 @@ impl Window {
     }
 }
 
-/// The true class window in which `[start, end]` [s] lies for the most part.
-pub(super) fn truth_of(trace: &Trace, [start, end]: [f64; 2]) -> Option<&ClassWindow> {
-    let overlap = |other: &ClassWindow| end.min(other.end) - start.max(other.start);
-    let known = trace.truth.iter().flat_map(|truth| &truth.class_windows);
-    let most = known.max_by(|a, b| overlap(a).total_cmp(&overlap(b)));
-    most.filter(|truth| overlap(truth) >= 0.5 * (end - start))
-}
-
 /// Label, its class, the truth of a window, and the shares of the lugs behind it.
 fn truth_cells(trace: &Trace, window: &Window) -> Vec<String> {
-    let truth = truth_of(trace, [window.start, window.end]);
+    let known = trace.truth.as_ref();
+    let truth = known.and_then(|truth| truth.window_of([window.start, window.end]));
     let label = truth.map(|truth| truth.terrain);
     let label = label.or(trace.attributes.terrain);
-    let lugs = truth.and_then(|truth| truth.lugs);
     // No lug passed: no share, which is an empty cell.
-    let share = |some: u32, lugs: LugTally| f64::from(some) / f64::from(lugs.passed);
+    let shares = truth.and_then(|truth| truth.lugs).map(LugTally::shares);
     let text = |text: Option<&str>| text.unwrap_or_default().to_owned();
     vec![
         text(label.map(|label| label.as_str())),
         text(label.map(|label| label.class().as_str())),
         text(truth.map(|truth| truth.class.as_str())),
-        cell(lugs.map(|lugs| share(lugs.touched, lugs))),
-        cell(lugs.map(|lugs| share(lugs.entered, lugs))),
+        cell(shares.map(|[touched, _]| touched)),
+        cell(shares.map(|[_, entered]| entered)),
     ]
 }

@@ -45,33 +45,8 @@ impl RunFileWriter {
     /// `Unfit` for a provenance with a NUL character.
     pub fn create(path: impl AsRef<Path>, provenance: &Provenance) -> super::Outcome<Self> {
         let target = path.as_ref().to_owned();
-        let Provenance {
-            scenario,
-            seed,
-            created_by,
-        } = provenance;
-        for text in scenario.iter().chain([created_by]) {
-            check_text(text).map_err(|reason| unfit(&target, "/", reason))?;
-        }
-        let whole = WholeFile::begin(&target).map_err(|error| io_error(&target, &error))?;
-        let write = || {
-            let file = File::with_options()
-                .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
-                .with_fcpl(|fcpl| fcpl.obj_track_times(false))
-                .create(whole.part())?;
-            set_text(&file, "format", FORMAT)?;
-            set(&file, "format_version", FORMAT_VERSION)?;
-            set_text(&file, "created_by", created_by)?;
-            if let Some(scenario) = scenario {
-                set_text(&file, "scenario", scenario)?;
-            }
-            if let Some(seed) = seed {
-                set(&file, "seed", seed.0)?;
-            }
-            group(&file, "runs")?;
-            Ok(file)
-        };
-        let file = write().map_err(|error| RunFileError::write(&target, reason(&error)))?;
+        let (whole, file) = begin(&target, FORMAT, provenance)?;
+        group(&file, "runs").map_err(|error| RunFileError::write(&target, reason(&error)))?;
         Ok(Self {
             target,
             file: Some(file),
@@ -111,11 +86,50 @@ impl RunFileWriter {
         let Some(file) = self.file.take() else {
             return Err(RunFileError::write(&self.target, "an earlier run failed"));
         };
-        let closed = file.flush().and_then(|()| file.close());
-        closed.map_err(|error| RunFileError::write(&self.target, reason(&error)))?;
-        let named = self.whole.finish();
-        named.map_err(|error| io_error(&self.target, &error))
+        complete(file, self.whole, &self.target)
     }
+}
+
+/// Begins a file of `format` that will be named `target`: the file to be, and what HDF5 has open.
+pub(super) fn begin(
+    target: &Path,
+    format: &str,
+    provenance: &Provenance,
+) -> super::Outcome<(WholeFile, File)> {
+    let Provenance {
+        scenario,
+        seed,
+        created_by,
+    } = provenance;
+    for text in scenario.iter().chain([created_by]) {
+        check_text(text).map_err(|reason| unfit(target, "/", reason))?;
+    }
+    let whole = WholeFile::begin(target).map_err(|error| io_error(target, &error))?;
+    let write = || {
+        let file = File::with_options()
+            .with_fapl(|fapl| fapl.libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
+            .with_fcpl(|fcpl| fcpl.obj_track_times(false))
+            .create(whole.part())?;
+        set_text(&file, "format", format)?;
+        set(&file, "format_version", FORMAT_VERSION)?;
+        set_text(&file, "created_by", created_by)?;
+        if let Some(scenario) = scenario {
+            set_text(&file, "scenario", scenario)?;
+        }
+        if let Some(seed) = seed {
+            set(&file, "seed", seed.0)?;
+        }
+        Ok(file)
+    };
+    let file = write().map_err(|error| RunFileError::write(target, reason(&error)))?;
+    Ok((whole, file))
+}
+
+/// Closes a file and gives it its name.
+pub(super) fn complete(file: File, whole: WholeFile, target: &Path) -> super::Outcome<()> {
+    let closed = file.flush().and_then(|()| file.close());
+    closed.map_err(|error| RunFileError::write(target, reason(&error)))?;
+    whole.finish().map_err(|error| io_error(target, &error))
 }
 
 fn io_error(target: &Path, error: &io::Error) -> RunFileError {
@@ -358,7 +372,7 @@ fn write_table<T: H5Type>(parent: &Group, name: &str, rows: &[T]) -> Result<Data
 }
 
 /// A dataset for this many rows, compressed where the library can.
-fn table(parent: &Group, rows: usize) -> DatasetBuilder {
+pub(super) fn table(parent: &Group, rows: usize) -> DatasetBuilder {
     let builder = parent.new_dataset_builder().obj_track_times(false);
     if rows == 0 || !deflate_available() {
         return builder;
@@ -366,7 +380,7 @@ fn table(parent: &Group, rows: usize) -> DatasetBuilder {
     builder.chunk(rows.min(CHUNK)).shuffle().deflate(DEFLATE)
 }
 
-fn group(parent: &Group, name: &str) -> Result<Group> {
+pub(super) fn group(parent: &Group, name: &str) -> Result<Group> {
     let builder = parent.create_group_builder().obj_track_times(false);
     builder.create(name)
 }
@@ -376,7 +390,7 @@ fn set<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
     attribute.write_scalar(&value)
 }
 
-fn set_text(location: &Location, name: &str, text: &str) -> Result<()> {
+pub(super) fn set_text(location: &Location, name: &str, text: &str) -> Result<()> {
     let text = VarLenUnicode::from_str(text).map_err(|error| error.to_string())?;
     set(location, name, text)
 }

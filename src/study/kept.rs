@@ -1,0 +1,252 @@
+//! The `[dataset]` of a study file: its runs, or their features, as one data set for learners.
+//!
+//! The channels of a shard's runs go to a file of their own, `shards/<number>.traces.h5`, run by run,
+//! and its checksum to another. When all shards are there, runs go one by one from those files into
+//! `dataset.h5`. So memory holds one run of each thread, and an interruption costs a shard.
+
+use super::folder::{Folder, file_error};
+use super::recognition;
+use super::references::References;
+use super::runs::swept_fields;
+use super::shard::Shard;
+use super::table::{NoRows, Rows, Stop, Table, condition_cells};
+use super::{Run, Study, StudyError};
+use crate::dataset::Provenance;
+use crate::dataset::hdf5::{RunFile, RunFileWriter, write_table};
+use crate::dataset::records::{Field, Records};
+use crate::learning::windows::Windower;
+use crate::learning::{ChannelFact, DataSet, Facts, FileFact, Kept, run_fields, run_id, windows};
+use crate::trace::Trace;
+use serde::Deserialize;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Name of the table of windows in the shards.
+pub(super) const NAME: &str = "dataset";
+
+/// A `[dataset]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DatasetTable {
+    pub(super) keep: Keep,
+}
+
+/// What is kept of the runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Keep {
+    /// Every channel at its output rate, and what features keeps.
+    Traces,
+    /// Features and class of every window.
+    Features,
+}
+
+/// The table of the windows of a data set.
+pub(super) struct Windows<'s> {
+    study: &'s Study,
+    references: References<'s>,
+}
+
+impl<'s> Windows<'s> {
+    /// The table of a study that asks for it.
+    pub(super) fn of(study: &'s Study) -> Option<Self> {
+        study.dataset?;
+        Some(Self {
+            study,
+            references: References::new(study, &recognition::BY_DEFAULT),
+        })
+    }
+}
+
+fn fields(study: &Study) -> Vec<Field> {
+    let mut fields = run_fields(swept_fields(study));
+    fields.extend(windows::fields());
+    fields
+}
+
+impl Table for Windows<'_> {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn header(&self) -> Vec<String> {
+        let fields = fields(self.study).into_iter();
+        fields.map(|field| field.name).collect()
+    }
+
+    fn rows(&self, run: &Run, trace: &Trace, stop: &mut Stop) -> Result<Rows, NoRows> {
+        let reference = self.references.of(run, stop)?;
+        let settings = recognition::BY_DEFAULT.settings(&self.study.scenario(run));
+        let windower = Windower::new(settings, reference);
+        let mut windower = windower.map_err(|error| NoRows::Failed(error.to_string()))?;
+        let mut first = vec![
+            run_id(run.number),
+            run.condition.to_string(),
+            run.stream.to_string(),
+        ];
+        first.extend(condition_cells(self.study, run));
+        let windows = windower.rows(trace).into_iter();
+        Ok(windows
+            .map(|cells| [first.clone(), cells].concat())
+            .collect())
+    }
+
+    fn rows_of_failed(&self, _: &Run, _: &str) -> Rows {
+        Rows::new()
+    }
+}
+
+/// The file of a shard's runs while they are made.
+pub(super) struct Traces {
+    writer: RunFileWriter,
+}
+
+impl Traces {
+    /// Begins the file, where the study keeps traces.
+    pub(super) fn begin(
+        study: &Study,
+        folder: &Folder,
+        shard: &Shard,
+    ) -> Result<Option<Self>, StudyError> {
+        if study.dataset != Some(Keep::Traces) {
+            return Ok(None);
+        }
+        let path = folder.path_of(&traces_name(shard));
+        let writer = RunFileWriter::create(path, &provenance(study))?;
+        Ok(Some(Self { writer }))
+    }
+
+    /// Adds a run, its condition in its notes.
+    pub(super) fn add(
+        &mut self,
+        study: &Study,
+        run: &Run,
+        mut trace: Trace,
+    ) -> Result<(), StudyError> {
+        let values = study.keys().zip(study.values(run));
+        let values = values.map(|(key, value)| format!(", {key} = {value}"));
+        let values: String = values.collect();
+        trace.attributes.notes = format!("scenario {}{values}", study.scenario_name(run));
+        Ok(self.writer.add(&run_id(run.number), &trace)?)
+    }
+
+    /// Completes the file and writes its checksum.
+    pub(super) fn finish(self, folder: &Folder, shard: &Shard) -> Result<(), StudyError> {
+        self.writer.finish()?;
+        let fact = fact(&folder.path_of(&traces_name(shard)))?;
+        let seal = seal(folder, &fact);
+        folder.write(&seal_name(shard), seal.as_bytes())
+    }
+}
+
+/// Whether the runs of a shard are there, where the study keeps them, and as they were written.
+pub(super) fn is_whole(study: &Study, folder: &Folder, shard: &Shard) -> bool {
+    let sealed = || {
+        let fact = FileFact::of(&folder.path_of(&traces_name(shard))).ok()?;
+        let found = std::fs::read_to_string(folder.path_of(&seal_name(shard))).ok()?;
+        Some(found == seal(folder, &fact))
+    };
+    study.dataset != Some(Keep::Traces) || sealed().unwrap_or(false)
+}
+
+/// Whether the runs of a shard are there, where the study keeps them.
+pub(super) fn is_there(study: &Study, folder: &Folder, shard: &Shard) -> bool {
+    study.dataset != Some(Keep::Traces) || folder.path_of(&seal_name(shard)).exists()
+}
+
+impl Study {
+    /// Makes the data set of the windows in the table `text` and of the shards' runs; tells how many
+    /// runs it has. `stop` is asked before every run.
+    ///
+    /// # Errors
+    /// `Dataset` and `File` where a file cannot be read or written; `Stopped`.
+    pub(super) fn keep(
+        &self,
+        folder: &Folder,
+        shards: &[Shard],
+        text: &str,
+        failed: u64,
+        stop: &dyn Fn() -> ControlFlow<()>,
+    ) -> Result<Option<usize>, StudyError> {
+        let Some(keep) = self.dataset else {
+            return Ok(None);
+        };
+        let windows = Records::of_csv(fields(self), text);
+        let (kept, channels) = match keep {
+            Keep::Traces => (Kept::Traces, self.merge(folder, shards, stop)?),
+            Keep::Features => (Kept::Features, Vec::new()),
+        };
+        let provenance = provenance(self);
+        let facts = Facts {
+            command: format!("lugwheel study {}", self.file),
+            created_by: provenance.created_by.clone(),
+            seed: self.seed,
+            kept,
+            channels,
+            failed,
+        };
+        let set = DataSet::new(facts, windows);
+        let path = folder.path_of("dataset.h5");
+        if keep == Keep::Features {
+            write_table(&path, set.windows(), &provenance)?;
+        }
+        for (ending, text) in set.texts(&fact(&path)?) {
+            folder.write(&format!("dataset.{ending}"), text.as_bytes())?;
+        }
+        Ok(Some(set.runs()))
+    }
+
+    /// Puts the runs of all shards into one file; tells the channels of the first.
+    fn merge(
+        &self,
+        folder: &Folder,
+        shards: &[Shard],
+        stop: &dyn Fn() -> ControlFlow<()>,
+    ) -> Result<Vec<ChannelFact>, StudyError> {
+        let path = folder.path_of("dataset.h5");
+        let mut writer = RunFileWriter::create(path, &provenance(self))?;
+        let mut channels = None;
+        for shard in shards {
+            let file = RunFile::open(folder.path_of(&traces_name(shard)))?;
+            for id in file.runs() {
+                if stop().is_break() {
+                    let shards = shards.len();
+                    return Err(StudyError::Stopped {
+                        whole: shards,
+                        shards,
+                    });
+                }
+                let trace = file.read(id)?;
+                writer.add(id, &trace)?;
+                channels.get_or_insert_with(|| ChannelFact::of(&trace));
+            }
+        }
+        writer.finish()?;
+        Ok(channels.unwrap_or_default())
+    }
+}
+
+fn traces_name(shard: &Shard) -> String {
+    format!("shards/{:05}.traces.h5", shard.number)
+}
+
+fn seal_name(shard: &Shard) -> String {
+    format!("shards/{:05}.traces.sha256", shard.number)
+}
+
+/// What stands beside the runs of a shard: whose they are, and their checksum.
+fn seal(folder: &Folder, fact: &FileFact) -> String {
+    format!("study {}\nsha256 {}\n", folder.fingerprint(), fact.sha256)
+}
+
+fn fact(path: &Path) -> Result<FileFact, StudyError> {
+    FileFact::of(path).map_err(|source| file_error("read", path, source))
+}
+
+/// The runs are of several scenarios, which their notes name.
+pub(super) fn provenance(study: &Study) -> Provenance {
+    Provenance {
+        seed: Some(study.seed),
+        ..Provenance::measured()
+    }
+}
