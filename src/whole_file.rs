@@ -84,7 +84,7 @@ pub fn is_part(name: &OsStr) -> bool {
 }
 
 /// Removes the parts in `folder` that nobody writes any more, as far as can be told: those that
-/// [`write`] began and whose writer was killed. What cannot be removed stays.
+/// [`write`](write()) began and whose writer was killed. What cannot be removed stays.
 pub fn remove_abandoned_parts(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for entry in entries.filter(|entry| is_part(&entry.file_name())) {

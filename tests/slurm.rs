@@ -460,7 +460,7 @@ impl Drop for Cluster {
 }
 
 /// Longest wait for anything a cluster does.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// The end of a program: exit code, result, words.
 fn end(mut child: Child) -> (Option<i32>, String, String) {

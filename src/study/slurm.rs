@@ -228,7 +228,7 @@ impl Study {
             last: None,
             heard,
         };
-        following.to_the_end()
+        following.run_to_the_end()
     }
 }
 
@@ -268,29 +268,25 @@ struct Following<'s> {
 }
 
 impl Following<'_> {
-    fn to_the_end(&mut self) -> Result<(), StudyError> {
+    fn run_to_the_end(&mut self) -> Result<(), StudyError> {
         for tried in 0..=TRIES {
             let ended = self.until_no_job_is_left()?;
-            let missing = self.study.missing(self.folder);
-            if missing.is_empty() {
+            let shards = self.study.missing(self.folder);
+            let missing = shards.len();
+            if missing == 0 {
                 return Ok(());
             }
-            let cancelled = ended.iter().any(|state| *state == JobState::Cancelled);
-            let missing_count = missing.len();
-            if cancelled {
-                let missing = missing_count;
+            if ended.contains(&JobState::Cancelled) {
                 return Err(SlurmError::Cancelled { missing }.into());
             }
             if tried == TRIES {
                 break;
             }
             if tried > 0 {
-                self.tell(News::Again {
-                    missing: missing_count,
-                    ended: counted(&ended),
-                })?;
+                let ended = counted(&ended);
+                self.tell(News::Again { missing, ended })?;
             }
-            self.submit(&missing)?;
+            self.submit(&shards)?;
         }
         Err(SlurmError::Unfinished {
             missing: self.study.missing(self.folder).len(),
