@@ -8,6 +8,9 @@ const SIZE: [f64; 2] = [820.0, 420.0];
 /// Magnitudes over the detection limit [-] at the ends of the axis.
 const ENDS: [f64; 2] = [0.25, 32.0];
 
+/// Name of a curve, and its score in a class.
+type Series = (&'static str, fn(&Power) -> Score);
+
 /// Share of cases whose effect is named, up to equivalence, against its magnitude over the least
 /// that could be detected, in the catalogue's form and in another, with 95 % intervals. One SVG
 /// 820 px wide.
@@ -35,7 +38,7 @@ pub fn power_figure(classes: &[Power], title: &str) -> String {
     let header = "share named [-]";
     panel.draw_category_frame(&mut canvas, header);
     draw_ticks(&mut canvas, &panel);
-    let series: [(&str, fn(&Power) -> Score); 2] = [
+    let series: [Series; 2] = [
         ("catalogue's form", |it| it.own),
         ("another form", |it| it.other),
     ];
