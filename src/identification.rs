@@ -579,6 +579,34 @@ mod tests {
     }
 
     #[test]
+    fn one_load_tells_a_usual_exponent_that_explains_the_rows_as_well() {
+        let measured = |loads: &[f64]| {
+            let mut rows = rows(&table_6::sand(), &SLIPS, loads);
+            for (index, row) in rows.iter_mut().enumerate() {
+                row.sinkage += [2e-4, -2e-4][index % 2];
+                row.uncertainty = Some(Uncertainty {
+                    slip: 0.0,
+                    sinkage: 5e-4,
+                    drawbar_pull: 1.0,
+                    load: 1.0,
+                    driving_torque: 0.1,
+                });
+            }
+            identify(&rows, Wtic::Leis, &setting()).unwrap()
+        };
+        let assumed = |estimate: &Estimate| {
+            let mut warnings = estimate.warnings.iter();
+            warnings.any(|warning| matches!(warning, Warning::ExponentAssumed { .. }))
+        };
+        let one = measured(&[109.0]);
+        let n_0 = one.of(Parameter::SinkageExponent);
+        assert!(assumed(&one) && n_0.standing == Standing::NotIdentifiable);
+        assert!((0.5..1.5).contains(&n_0.value), "{}", n_0.value);
+        assert!(one.chi_square - one.minimum.chi_square < 1.0);
+        assert!(!assumed(&measured(&[60.0, 109.0, 200.0])));
+    }
+
+    #[test]
     fn fits_from_at_least_95_of_100_random_starts_agree() {
         let rows = sand(&SLIPS, &[60.0, 109.0, 200.0]);
         let identification = Identification::new(&rows, Wtic::Leis, &setting()).unwrap();

@@ -56,13 +56,17 @@ impl Residuals for Preferring<'_> {
 }
 
 /// The point with the most usual `n_0` that explains the rows as `best` does, with their sum of
-/// squares; `None` where the prior costs more than a 95 % region allows.
+/// squares. `None` where it would explain them worse by more than one standard deviation, and where
+/// the model misses them: there the ridge is not that of their noise.
 pub(super) fn point(
     joint: &Joint,
     best: &Minimum,
     moved: &[Parameter],
     precision: Precision,
 ) -> Option<Minimum> {
+    if precision.misfit.is_some() {
+        return None;
+    }
     let sigma = if precision.sigma.is_finite() {
         precision.sigma
     } else {
@@ -79,5 +83,5 @@ pub(super) fn point(
         chi_square,
         ..found
     };
-    (chi_square - best.chi_square <= precision.limit()).then_some(found)
+    (chi_square - best.chi_square <= sigma * sigma).then_some(found)
 }
