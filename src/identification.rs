@@ -18,7 +18,9 @@
 //! An [`Estimate`] says what the data fix and what they leave open: a parameter that they do not
 //! fix has no interval and is [not identifiable](Standing::NotIdentifiable), and a
 //! [`Combination`] names what is known of it together with others. On hard ground, for example,
-//! `k_s` and `n_0` are not, `k_s z^n0` is.
+//! `k_s` and `n_0` are not, `k_s z^n0` is. In soil under one load `k_s`, `n_0` and `n_1` are not:
+//! of all values that explain the rows as well, those with an `n_0` nearest to that of soils are
+//! told, and a [warning](Warning::ExponentAssumed) says so.
 
 mod combination;
 mod directions;
@@ -36,11 +38,13 @@ mod plates;
 mod pooling;
 mod precision;
 mod prediction;
+mod prediction_error;
 mod profile;
 mod row;
 mod search;
 mod stages;
 mod steady;
+mod usual;
 mod warning;
 mod weight;
 
@@ -54,6 +58,7 @@ pub use parameter::{Parameter, TerrainParameters};
 pub use plates::{PlateError, PlateFit};
 pub use pooling::pool;
 pub use prediction::{Predicted, Prediction, Predictor};
+pub use prediction_error::PredictionErrors;
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use stages::{Stage, Staged};
 pub use steady::{CALIBRATION, SteadyError, steady_loads};
@@ -217,7 +222,9 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = self.search().best(&joint, staged.as_ref());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        Ok(self.told(&self.around(joint, best), staged))
+        let mut estimate = self.told(&self.around(joint, best), staged);
+        self.settle(&mut estimate);
+        Ok(estimate)
     }
 
     /// An estimate sought from another one's parameters only: of rows most of which made that one.
@@ -230,7 +237,9 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = minimise_from(&joint, [start], &self.model.moved());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        Ok(self.told(&self.around(joint, best), None))
+        let mut estimate = self.told(&self.around(joint, best), None);
+        self.settle(&mut estimate);
+        Ok(estimate)
     }
 
     /// What a minimum says.
@@ -253,6 +262,7 @@ impl Identification {
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
             warnings: warning::all(&self.model, &self.rows, best, (directions, *precision)),
+            minimum: *best,
         };
         self.demote(&mut estimate, around);
         self.combine(&mut estimate, around);
@@ -264,21 +274,53 @@ impl Identification {
     /// meets a lower minimum, the estimate moves there first.
     pub fn profile(&self, estimate: &mut Estimate) {
         const MOVES: u32 = 3;
-        for _ in 0..MOVES {
-            let Some(lower) = self.profile_once(estimate) else {
-                return;
-            };
+        let mut moves = 0;
+        while let Some(lower) = self.profile_once(estimate)
+            && moves < MOVES
+        {
             let joint = Joint::new(self.model, &self.rows);
             let moved = minimise_from(&joint, [lower.at], &self.model.moved());
             let moved = moved.unwrap_or(lower);
             *estimate = self.told(&self.around(joint, moved), estimate.staged);
+            moves += 1;
         }
-        self.profile_once(estimate);
+        self.settle(estimate);
+    }
+
+    /// Where the rows leave `n_0` open, tells the point with the most usual one of all that
+    /// explain them as well.
+    fn settle(&self, estimate: &mut Estimate) {
+        let exponent = estimate.of(Parameter::SinkageExponent);
+        if exponent.standing != Standing::NotIdentifiable || !self.model.splits_pressure() {
+            return;
+        }
+        let Around {
+            joint,
+            best,
+            precision,
+            ..
+        } = self.around(Joint::new(self.model, &self.rows), estimate.minimum);
+        let Some(usual) = usual::point(&joint, &best, &self.model.moved(), precision) else {
+            return;
+        };
+        let around = self.around(joint, usual);
+        estimate.terrain = TerrainParameters::at(&usual.at);
+        for identified in &mut estimate.parameters {
+            identified.value = estimate.terrain.get(identified.parameter);
+        }
+        estimate.force_errors = ForceErrors::new(&self.model, &usual.at, &self.rows);
+        estimate.chi_square = usual.chi_square;
+        estimate.termination = usual.termination;
+        let seen = (&around.directions, around.precision);
+        estimate.warnings = warning::all(&self.model, &self.rows, &usual, seen);
+        let value = estimate.terrain.sinkage_exponent;
+        estimate.warnings.push(Warning::ExponentAssumed { value });
+        self.combine(estimate, &around);
     }
 
     /// The same without moving; the lower minimum where it met one.
     fn profile_once(&self, estimate: &mut Estimate) -> Option<Minimum> {
-        let around = self.around_estimate(estimate);
+        let around = self.around(Joint::new(self.model, &self.rows), estimate.minimum);
         let profile = Profile {
             joint: &around.joint,
             best: around.best,
@@ -534,6 +576,34 @@ mod tests {
 
     fn sand(slips: &[f64], loads: &[f64]) -> Vec<SteadyLoad> {
         rows(&table_6::sand(), slips, loads)
+    }
+
+    #[test]
+    fn one_load_tells_a_usual_exponent_that_explains_the_rows_as_well() {
+        let measured = |loads: &[f64]| {
+            let mut rows = rows(&table_6::sand(), &SLIPS, loads);
+            for (index, row) in rows.iter_mut().enumerate() {
+                row.sinkage += [2e-4, -2e-4][index % 2];
+                row.uncertainty = Some(Uncertainty {
+                    slip: 0.0,
+                    sinkage: 5e-4,
+                    drawbar_pull: 1.0,
+                    load: 1.0,
+                    driving_torque: 0.1,
+                });
+            }
+            identify(&rows, Wtic::Leis, &setting()).unwrap()
+        };
+        let assumed = |estimate: &Estimate| {
+            let mut warnings = estimate.warnings.iter();
+            warnings.any(|warning| matches!(warning, Warning::ExponentAssumed { .. }))
+        };
+        let one = measured(&[109.0]);
+        let n_0 = one.of(Parameter::SinkageExponent);
+        assert!(assumed(&one) && n_0.standing == Standing::NotIdentifiable);
+        assert!((0.5..1.5).contains(&n_0.value), "{}", n_0.value);
+        assert!(one.chi_square - one.minimum.chi_square < 1.0);
+        assert!(!assumed(&measured(&[60.0, 109.0, 200.0])));
     }
 
     #[test]

@@ -215,8 +215,19 @@ fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() 
                 serde_json::json!([null, null])
             );
         }
-        assert!(warned(one, "at_bound"), "{}", one["warnings"]);
+        // Told is what soils usually have, of all that explains the points as well.
+        assert!(warned(one, "exponent_assumed"), "{}", one["warnings"]);
+        let n0 = one["parameters"]["n0"]["value"].as_f64().unwrap();
+        assert!((0.5..1.5).contains(&n0), "{n0}");
+        // At the load both wheels sink, pull and turn as measured: to 15 % of their means.
+        for quantity in ["sinkage", "drawbar_pull", "driving_torque"] {
+            let error = one["prediction_error_percent"][quantity].as_f64().unwrap();
+            assert!(error < 15.0, "{quantity}: {error} %");
+        }
     }
+    let row = &lugged["rows"][2]["predicted"]["sinkage"];
+    let [low, high] = [0, 1].map(|end| row["interval95"][end].as_f64().unwrap());
+    assert!((low..high).contains(&0.0075), "{row}");
     let said = done(identify(&folder, ""));
     let [warning, table, errors] =
         ["WARNING", "95 % interval", "Table 7, ST"].map(|part| said.find(part).unwrap());

@@ -119,7 +119,7 @@ fn rows_can_be_picked_and_other_channels_come_along_and_the_unknown_is_no_number
 }
 
 #[test]
-fn a_row_of_means_is_a_run_and_a_missing_mean_is_missing() {
+fn a_row_of_means_is_a_run_and_a_missing_mean_is_missing_and_told() {
     let (_folder, file) = imported("campaigns/sound.toml");
     let trace = file.read("run_000002").unwrap();
     let pull = mean(&trace, "drawbar_pull");
@@ -135,6 +135,11 @@ fn a_row_of_means_is_a_run_and_a_missing_mean_is_missing() {
     let bare = file.read("run_000003").unwrap();
     assert!(bare.means.is_empty() && bare.channels.is_empty());
     assert!(close(bare.attributes.slip_ratio, 0.2));
+    let campaign = Campaign::load(at("campaigns/sound.toml")).unwrap();
+    campaign.runs().for_each(|run| drop(run.unwrap()));
+    let gaps: Vec<String> = campaign.gaps().iter().map(ToString::to_string).collect();
+    let place = "means.csv:4: column \"pull_N\" holds nothing, which counts as not measured";
+    assert!(gaps.iter().any(|gap| gap.ends_with(place)), "{gaps:?}");
 }
 
 #[test]

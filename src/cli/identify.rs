@@ -41,7 +41,7 @@ pub struct Identify {
     run: Vec<String>,
     #[command(flatten)]
     convention: Convention,
-    /// Folder for figures: measured and fitted forces against slip
+    /// Folder for figures: forces and sinkage against slip, measured and predicted
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -229,7 +229,7 @@ fn draw(folder: &Path, fits: &[Fit]) -> anyhow::Result<Vec<String>> {
             count => format!("forces_{class}_{}.svg", count + 1),
         };
         let title = format!("{class}: {}", fit.wheel);
-        let svg = force_curves(&title, &fit.estimate, &fit.setting, &fit.rows());
+        let svg = force_curves(&title, &fit.estimate, &fit.predictor, &fit.rows());
         write_figure(folder, &name, &svg)
     });
     figures.collect()

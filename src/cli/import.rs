@@ -4,7 +4,7 @@ use super::interrupt;
 use super::output::Output;
 use clap::Args;
 use lugwheel::dataset::Provenance;
-use lugwheel::dataset::csv::Campaign;
+use lugwheel::dataset::csv::{Campaign, Gap};
 use lugwheel::dataset::hdf5::RunFileWriter;
 use lugwheel::dataset::inspection::{Severity, findings};
 use lugwheel::trace::Trace;
@@ -47,6 +47,8 @@ struct Summary {
     runs: usize,
     channels: BTreeSet<String>,
     means: BTreeSet<String>,
+    /// Columns with cells that hold no number.
+    gaps: Vec<String>,
     /// Findings of `inspect` that are warnings or errors.
     doubts: usize,
 }
@@ -62,6 +64,7 @@ impl Import {
             runs: 0,
             channels: BTreeSet::new(),
             means: BTreeSet::new(),
+            gaps: Vec::new(),
             doubts: 0,
         };
         for run in campaign.runs() {
@@ -71,6 +74,7 @@ impl Import {
             summary.add(&id, &trace);
         }
         writer.finish()?;
+        summary.gaps = campaign.gaps().iter().map(Gap::to_string).collect();
         output.print(&summary)
     }
 }
@@ -94,6 +98,7 @@ impl fmt::Display for Summary {
             campaign,
             file,
             runs,
+            gaps,
             doubts,
             ..
         } = self;
@@ -104,6 +109,9 @@ impl fmt::Display for Summary {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 writeln!(f, "{kind:<10}{}", names.join(", "))?;
             }
+        }
+        for gap in gaps {
+            writeln!(f, "no number  {gap}")?;
         }
         if *doubts > 0 {
             let plural = plural(*doubts);

@@ -35,6 +35,7 @@
 
 mod condition;
 mod description;
+mod gap;
 mod series;
 mod sheet;
 mod source;
@@ -45,6 +46,8 @@ use super::hdf5::check_name;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::trace::Trace;
 use description::{CampaignTable, SourceTable};
+pub use gap::Gap;
+use gap::Gaps;
 use source::Source;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -58,6 +61,7 @@ pub struct Campaign {
     path: PathBuf,
     text: String,
     table: CampaignTable,
+    gaps: Gaps,
 }
 
 /// Why a campaign cannot be imported.
@@ -97,7 +101,12 @@ impl Campaign {
         };
         let table =
             read(&text).map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit))?;
-        Ok(Self { path, text, table })
+        Ok(Self {
+            path,
+            text,
+            table,
+            gaps: Gaps::default(),
+        })
     }
 
     /// The runs with their ids, in the order of the file, each read from its CSV file when its
@@ -131,9 +140,19 @@ impl Campaign {
         })
     }
 
+    /// Cells without a number in the columns read so far: what they would have told counts as not
+    /// measured.
+    pub fn gaps(&self) -> Vec<Gap> {
+        self.gaps.all()
+    }
+
     fn series(&self, index: usize, table: &SourceTable) -> Result<Run, Misplaced> {
         let key = format!("run.{index}");
-        let source = Source { table, key: &key };
+        let source = Source {
+            table,
+            key: &key,
+            gaps: &self.gaps,
+        };
         check_channels(source)?;
         let (id, trace) = series::read(source, self.folder())?;
         Ok(Run { id, key, trace })
@@ -141,7 +160,11 @@ impl Campaign {
 
     fn steady(&self, table: &SourceTable) -> Vec<Result<Run, Misplaced>> {
         let key = "table";
-        let source = Source { table, key };
+        let source = Source {
+            table,
+            key,
+            gaps: &self.gaps,
+        };
         let read = check_channels(source).and_then(|()| steady::read(source, self.folder()));
         let run = |(id, trace)| {
             let key = key.to_owned();

@@ -2,7 +2,7 @@
 
 use super::combination::Combination;
 use super::force_error::ForceErrors;
-use super::least_squares::Termination;
+use super::least_squares::{Minimum, Termination};
 use super::parameter::{Parameter, TerrainParameters};
 use super::stages::Staged;
 use super::warning::Warning;
@@ -84,6 +84,8 @@ pub struct Estimate {
     pub termination: Termination,
     /// What else to know.
     pub warnings: Vec<Warning>,
+    /// The least sum of squares: where the values stand unless the rows leave `n_0` open.
+    pub(super) minimum: Minimum,
 }
 
 impl Estimate {

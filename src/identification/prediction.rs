@@ -6,7 +6,7 @@ use super::model::Model;
 use super::observation::in_order;
 use super::parameter::Coordinates;
 use super::precision::student;
-use super::row::{RIGID_SINKAGE, SteadyLoad};
+use super::row::{RIGID_SINKAGE, Setting, SteadyLoad};
 use super::{Around, Identification};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
@@ -100,6 +100,16 @@ impl Predictor {
             quantile: student(freedom),
             scatter: scatter(&model, &at, &rows, freedom),
         }
+    }
+
+    /// The class whose model predicts.
+    pub fn class(&self) -> Wtic {
+        self.model.class
+    }
+
+    /// What the equations are told besides.
+    pub fn setting(&self) -> &Setting {
+        &self.model.setting
     }
 
     /// At a `load` [N] and `slip` [-] by the rim's radius; `None` where the soil does not carry
@@ -237,7 +247,7 @@ fn first_root(surplus: impl Fn(f64) -> f64, radius: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::{Known, Parameter, Setting, identify};
+    use crate::identification::{Known, Parameter, identify};
     use crate::soil::closed_form::{self, Rim};
     use crate::soil::table_6;
     use crate::soil::wheel_load::sinkage_at;
@@ -312,6 +322,24 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn errors_are_mean_errors_over_mean_values_and_none_where_nothing_was_measured() {
+        let predictor = predictor(&rows(&[60.0, 200.0]), &setting());
+        let mut off = rows(&[109.0]);
+        for row in &mut off {
+            row.sinkage *= 1.25;
+            row.drawbar_pull *= -1.0;
+            row.driving_torque = f64::NAN;
+        }
+        let errors = predictor.errors(&off);
+        // The truth over 1.25 of it, and over its negative.
+        assert!((errors.sinkage.unwrap() - 20.0).abs() < 0.02, "{errors:?}");
+        assert!((errors.drawbar_pull.unwrap() - 200.0).abs() < 0.1);
+        assert_eq!(errors.driving_torque, None);
+        off[0].load = 1e6;
+        assert_eq!(predictor.errors(&off).sinkage, None);
     }
 
     #[test]

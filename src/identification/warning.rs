@@ -18,6 +18,11 @@ pub enum Warning {
         /// The end, in its unit.
         end: f64,
     },
+    /// The rows leave `n_0` open: of the values that explain them as well, the most usual is told.
+    ExponentAssumed {
+        /// `n_0` [-].
+        value: f64,
+    },
     /// `θ_m` lies outside the contact at a slip measured.
     PeakOutsideContact {
         /// The slip ratio [-].
@@ -54,6 +59,11 @@ impl fmt::Display for Warning {
                 let (name, unit) = (parameter.name(), parameter.unit());
                 write!(f, "{name} [{unit}] ended at {end}, of [{low}, {high}]")
             }
+            Self::ExponentAssumed { value } => write!(
+                f,
+                "the rows leave n0 open, and k_s and n1 with it: of all values that explain them as \
+                 well, those with the n0 nearest to that of soils, {value:.2}, are told"
+            ),
             Self::PeakOutsideContact { slip, share } => write!(
                 f,
                 "the maximum stress lies outside the contact at slip {slip:.3}: \

@@ -1,9 +1,11 @@
-//! Measured forces and those that identified parameters give back, against slip (Fig. 25-27).
+//! Measured forces and sinkage, and those that identified parameters predict, against slip
+//! (Fig. 25-27).
 
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
-use crate::identification::{Estimate, RIGID_SINKAGE, Setting, SteadyLoad};
-use crate::soil::wheel_load::WheelLoad;
+use crate::identification::{
+    Estimate, Predicted, Prediction, Predictor, RIGID_SINKAGE, SteadyLoad,
+};
 use crate::terrain::class::Wtic;
 
 /// Width of the drawing [px].
@@ -18,7 +20,7 @@ const RIGHT: f64 = 18.0;
 const HEIGHT: f64 = 270.0;
 /// Height of a line of text [px].
 const LINE: f64 = 22.0;
-/// Half of a bar's foot [px].
+/// Half of a bar's foot, and of a cross [px].
 const FOOT: f64 = 4.0;
 /// Ratio of neighbouring loads [-] from which they are two.
 const APART: f64 = 1.1;
@@ -26,6 +28,8 @@ const APART: f64 = 1.1;
 const SAME_SLIP: f64 = 0.01;
 /// Points of a curve between two slips.
 const POINTS: usize = 12;
+/// Room [of the range of marks and lines] that is left for the ends of intervals.
+const ROOM: f64 = 0.5;
 
 /// What a panel shows.
 struct Quantity {
@@ -33,8 +37,9 @@ struct Quantity {
     measured: fn(&SteadyLoad) -> f64,
     /// Standard uncertainty.
     deviation: fn(&SteadyLoad) -> f64,
-    /// What the parameters give; none where they take it as given.
-    fitted: Option<fn(&WheelLoad) -> f64>,
+    /// What is predicted from load and slip, and by how much the panel's unit is finer than SI's;
+    /// none of the load itself.
+    predicted: Option<(fn(&Prediction) -> Predicted, f64)>,
     /// Whether a wheel held by static friction does not show it.
     slips: bool,
 }
@@ -44,47 +49,49 @@ const QUANTITIES: [Quantity; 4] = [
         header: "Drawbar pull F_DP [N]",
         measured: |row| row.drawbar_pull,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.drawbar_pull),
-        fitted: Some(|load| load.drawbar_pull),
+        predicted: Some((|told| told.drawbar_pull, 1.0)),
         slips: true,
     },
     Quantity {
         header: "Load W [N]",
         measured: |row| row.load,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.load),
-        fitted: Some(|load| load.normal_force),
+        predicted: None,
         slips: false,
     },
     Quantity {
         header: "Driving torque T_D [N·m]",
         measured: |row| row.driving_torque,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.driving_torque),
-        fitted: Some(|load| load.driving_torque),
+        predicted: Some((|told| told.driving_torque, 1.0)),
         slips: true,
     },
     Quantity {
-        header: "Sinkage of the rim z [mm], as measured",
+        header: "Sinkage of the rim z [mm]",
         measured: |row| 1.0e3 * row.sinkage,
         deviation: |row| row.uncertainty.map_or(0.0, |u| 1.0e3 * u.sinkage),
-        fitted: None,
+        predicted: Some((|told| told.sinkage, 1.0e3)),
         slips: false,
     },
 ];
 
-/// Pull, load and torque against slip as measured (marks, bars of one standard uncertainty) and as
-/// the estimate gives them back at the sinkage measured (lines), one colour a load; where lugs
-/// enter soil, the sinkage too. One SVG 1200 px wide.
+/// Pull, torque and, where lugs enter soil, sinkage against slip as measured (marks, bars of one
+/// standard uncertainty) and as predicted from load and slip (lines, dashed the interval that
+/// holds 95 % of measurements), and the load beside what Eq. (62) gives at the sinkage measured
+/// (crosses); one colour a load. One SVG 1200 px wide.
 ///
-/// Between rows a line takes the sinkage between theirs, or the one that the class sets. Rows of hard ground that static friction
-/// holds are hollow: no shear law says their pull and torque.
+/// Between rows a line takes the load between theirs. Rows of hard ground that static friction
+/// holds are hollow: no shear law says their pull and torque. Where the soil does not carry the
+/// load there is no line.
 pub fn force_curves(
     title: &str,
     estimate: &Estimate,
-    setting: &Setting,
+    predictor: &Predictor,
     rows: &[SteadyLoad],
 ) -> String {
     let curves = Curves {
         estimate,
-        setting,
+        predictor,
         loads: by_load(rows),
     };
     let mut canvas = Canvas::new([WIDTH, 0.0], title);
@@ -111,9 +118,17 @@ pub fn force_curves(
 /// What is drawn.
 struct Curves<'a> {
     estimate: &'a Estimate,
-    setting: &'a Setting,
+    predictor: &'a Predictor,
     /// Rows of one load each, by slip.
     loads: Vec<Vec<SteadyLoad>>,
+}
+
+/// A point of a line: slip, value and the ends of its interval.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    slip: f64,
+    value: f64,
+    ends: [f64; 2],
 }
 
 impl Curves<'_> {
@@ -122,21 +137,7 @@ impl Curves<'_> {
         let mut top = MARGIN + 14.0;
         let fitted = Font::TITLE.fit(title, WIDTH - 2.0 * MARGIN);
         canvas.text([MARGIN, top], Anchor::Start, Font::TITLE, &fitted);
-        let sinkage = if self.estimate.class == Wtic::Leis {
-            "the sinkage measured".to_owned()
-        } else {
-            format!("a sinkage of {} mm", 1.0e3 * RIGID_SINKAGE)
-        };
-        let remark = format!(
-            "Marks: measured, bars one standard uncertainty. Lines: by the parameters identified, \
-             at {sinkage}."
-        );
-        let held = if self.holds_any() {
-            " Hollow: held by static friction, pull and torque not fitted."
-        } else {
-            ""
-        };
-        for line in Font::SMALL.wrap(&format!("{remark}{held}"), WIDTH - 2.0 * MARGIN) {
+        for line in Font::SMALL.wrap(&self.remark(), WIDTH - 2.0 * MARGIN) {
             top += LINE;
             canvas.text([MARGIN, top], Anchor::Start, Font::SMALL, &line);
         }
@@ -163,20 +164,34 @@ impl Curves<'_> {
         top + 8.0
     }
 
+    /// What marks and lines are.
+    fn remark(&self) -> String {
+        let sinkage = if self.estimate.class == Wtic::Leis {
+            "the sinkage measured".to_owned()
+        } else {
+            format!("a sinkage of {} mm", 1.0e3 * RIGID_SINKAGE)
+        };
+        let held = if self.holds_any() {
+            " Hollow: held by static friction, pull and torque not fitted."
+        } else {
+            ""
+        };
+        format!(
+            "Marks: measured, bars one standard uncertainty. Lines: predicted from load and slip by \
+             the parameters identified; dashed, what holds 95 % of measurements. Crosses: load by \
+             Eq. (62) at {sinkage}.{held}"
+        )
+    }
+
     fn draw_panel(&self, canvas: &mut Canvas, area: Area, quantity: &Quantity) {
-        let lines: Vec<Vec<[f64; 2]>> = self
+        let lines: Vec<Vec<Vec<Point>>> = self
             .loads
             .iter()
             .map(|rows| self.line(rows, quantity))
             .collect();
-        let measured = self.loads.iter().flatten().flat_map(|row| {
-            let (value, deviation) = ((quantity.measured)(row), (quantity.deviation)(row));
-            [value - deviation, value + deviation]
-        });
-        let fitted = lines.iter().flatten().map(|point| point[1]);
-        let values: Vec<f64> = measured.chain(fitted).collect();
         let slips: Vec<f64> = self.loads.iter().flatten().map(|row| row.slip).collect();
-        let [low, high] = bounds(&values).unwrap_or([0.0, 1.0]);
+        let points: Vec<Point> = lines.iter().flatten().flatten().copied().collect();
+        let [low, high] = self.range(quantity, &points);
         let panel = Panel {
             area,
             x: Axis::roomy(
@@ -188,37 +203,75 @@ impl Curves<'_> {
         };
         panel.draw_frame(canvas, quantity.header);
         panel.draw_footer(canvas, "slip ratio s [-]");
+        canvas.clip(&area);
         for (number, (rows, line)) in self.loads.iter().zip(&lines).enumerate() {
-            let path: Vec<[f64; 2]> = line.iter().map(|point| panel.at(*point)).collect();
-            canvas.polyline(&path, Stroke::solid(colour(number), 2.0));
+            for part in line {
+                draw_line(canvas, &panel, part, colour(number));
+            }
             for row in rows {
                 let hollow = quantity.slips && self.is_held(row.slip);
                 draw_row(canvas, &panel, (row, quantity), (colour(number), hollow));
+                if quantity.predicted.is_none() {
+                    let carried = [row.slip, self.carried(row)];
+                    draw_cross(canvas, panel.at(carried), colour(number));
+                }
             }
         }
+        canvas.unclip();
     }
 
-    /// Slip and fitted value along the rows of a load.
-    fn line(&self, rows: &[SteadyLoad], quantity: &Quantity) -> Vec<[f64; 2]> {
-        let Some(fitted) = quantity.fitted else {
+    /// Values from marks to lines, with some room for intervals.
+    fn range(&self, quantity: &Quantity, points: &[Point]) -> [f64; 2] {
+        let rows = || self.loads.iter().flatten();
+        let measured = rows().flat_map(|row| {
+            let (value, deviation) = ((quantity.measured)(row), (quantity.deviation)(row));
+            [value - deviation, value + deviation]
+        });
+        let by_sinkage = quantity.predicted.is_none();
+        let carried = rows().filter(|_| by_sinkage).map(|row| self.carried(row));
+        let lines = points.iter().map(|point| point.value);
+        let shown: Vec<f64> = measured.chain(carried).chain(lines).collect();
+        let [low, high] = bounds(&shown).unwrap_or([0.0, 1.0]);
+        let room = ROOM * (high - low);
+        let ends = points.iter().flat_map(|point| point.ends);
+        let ends: Vec<f64> = ends.map(|end| end.clamp(low - room, high + room)).collect();
+        let [least, most] = bounds(&ends).unwrap_or([low, high]);
+        [low.min(least), high.max(most)]
+    }
+
+    /// The load [N] that Eq. (62) gives at a row's slip and sinkage.
+    fn carried(&self, row: &SteadyLoad) -> f64 {
+        let setting = self.predictor.setting();
+        let loads = self.estimate.loads_at(setting, row.slip, row.sinkage);
+        loads.normal_force
+    }
+
+    /// What is predicted along the rows of a load, in parts where there is a prediction.
+    fn line(&self, rows: &[SteadyLoad], quantity: &Quantity) -> Vec<Vec<Point>> {
+        let Some((predicted, scale)) = quantity.predicted else {
             return Vec::new();
         };
         let shown = |slip: f64| !(quantity.slips && self.is_held(slip));
-        let knots: Vec<[f64; 2]> = knots(rows)
-            .into_iter()
-            .filter(|[slip, _]| shown(*slip))
-            .collect();
-        let points = along(&knots).into_iter();
-        points
-            .map(|[slip, sinkage]| {
-                let loads = self.estimate.loads_at(self.setting, slip, sinkage);
-                [slip, fitted(&loads)]
+        let knots = knots(rows).into_iter();
+        let knots: Vec<[f64; 2]> = knots.filter(|[slip, _]| shown(*slip)).collect();
+        let point = |[slip, load]: [f64; 2]| {
+            let told = predicted(&self.predictor.at(load, slip)?);
+            Some(Point {
+                slip,
+                value: scale * told.value,
+                ends: told.interval().map(|end| scale * end),
             })
+        };
+        let points: Vec<Option<Point>> = along(&knots).into_iter().map(point).collect();
+        let parts = points.split(Option::is_none);
+        parts
+            .map(|part| part.iter().copied().flatten().collect())
             .collect()
     }
 
     fn is_held(&self, slip: f64) -> bool {
-        self.setting.is_held(slip, self.estimate.class)
+        let class = self.estimate.class;
+        self.predictor.setting().is_held(slip, class)
     }
 
     fn holds_any(&self) -> bool {
@@ -229,6 +282,30 @@ impl Curves<'_> {
 
 fn colour(number: usize) -> &'static str {
     PALETTE[number % PALETTE.len()]
+}
+
+/// A line and, where they are known, the ends of its intervals.
+fn draw_line(canvas: &mut Canvas, panel: &Panel, points: &[Point], colour: &'static str) {
+    let path = |value: fn(&Point) -> f64| -> Vec<[f64; 2]> {
+        let points = points.iter();
+        points
+            .map(|point| panel.at([point.slip, value(point)]))
+            .collect()
+    };
+    canvas.polyline(&path(|point| point.value), Stroke::solid(colour, 2.0));
+    let known = |point: &Point| point.ends.iter().all(|end| end.is_finite());
+    if points.iter().all(known) {
+        for end in [path(|point| point.ends[0]), path(|point| point.ends[1])] {
+            canvas.polyline(&end, Stroke::dashed(colour, 1.0));
+        }
+    }
+}
+
+fn draw_cross(canvas: &mut Canvas, [x, y]: [f64; 2], colour: &'static str) {
+    for slope in [1.0, -1.0] {
+        let ends = [[x - FOOT, y - slope * FOOT], [x + FOOT, y + slope * FOOT]];
+        canvas.polyline(&ends, Stroke::solid(colour, 1.6));
+    }
 }
 
 /// A row's mark and bar; nothing where it was not measured.
@@ -271,13 +348,13 @@ fn by_load(rows: &[SteadyLoad]) -> Vec<Vec<SteadyLoad>> {
     loads.map(by_slip).collect()
 }
 
-/// Slip and sinkage [m] through which a curve goes: rows of about one slip are one.
+/// Slip and load [N] through which a curve goes: rows of about one slip are one.
 fn knots(rows: &[SteadyLoad]) -> Vec<[f64; 2]> {
     let groups = rows.chunk_by(|one, other| other.slip - one.slip < SAME_SLIP);
     let knot = |rows: &[SteadyLoad]| {
         [
             mean(rows.iter().map(|row| row.slip)),
-            mean(rows.iter().map(|row| row.sinkage)),
+            mean(rows.iter().map(|row| row.load)),
         ]
     };
     groups.map(knot).collect()
@@ -302,7 +379,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identification::identify;
+    use crate::identification::{Identification, Setting};
     use crate::soil::closed_form::Rim;
 
     fn row(slip: f64, load: f64) -> SteadyLoad {
@@ -314,6 +391,17 @@ mod tests {
             driving_torque: 0.06 * load * (0.2 + slip),
             uncertainty: None,
         }
+    }
+
+    fn drawn(rows: &[SteadyLoad], class: Wtic) -> String {
+        let setting = Setting::new(Rim {
+            radius: 0.155,
+            width: 0.15,
+        });
+        let identification = Identification::new(rows, class, &setting).unwrap();
+        let estimate = identification.estimate().unwrap();
+        let predictor = Predictor::new(&identification, &estimate);
+        force_curves("curves", &estimate, &predictor, rows)
     }
 
     #[test]
@@ -333,30 +421,21 @@ mod tests {
     }
 
     #[test]
-    fn repeats_at_one_slip_are_one_point_of_the_curve_at_their_mean_sinkage() {
-        let deeper = SteadyLoad {
-            sinkage: 0.02,
-            ..row(0.0, 100.0)
-        };
-        let knots = knots(&[row(0.0, 100.0), deeper, row(0.5, 100.0)]);
-        assert_eq!(knots, [[0.0, 0.015], [0.5, 0.02]]);
+    fn repeats_at_one_slip_are_one_point_of_the_curve_at_their_mean_load() {
+        let knots = knots(&[row(0.0, 98.0), row(0.0, 102.0), row(0.5, 104.0)]);
+        assert_eq!(knots, [[0.0, 100.0], [0.5, 104.0]]);
         let line = along(&knots);
-        assert_eq!((line.len(), line[POINTS / 2]), (POINTS + 1, [0.25, 0.0175]));
+        assert_eq!((line.len(), line[POINTS / 2]), (POINTS + 1, [0.25, 102.0]));
     }
 
     #[test]
     fn a_row_that_static_friction_holds_is_hollow_and_what_nobody_measured_is_not_drawn() {
-        let setting = Setting::new(Rim {
-            radius: 0.155,
-            width: 0.15,
-        });
         let unsunk = |slip: f64| SteadyLoad {
             sinkage: f64::NAN,
             ..row(slip, 100.0)
         };
         let rows = [0.0, 0.1, 0.2, 0.4].map(unsunk);
-        let estimate = identify(&rows, Wtic::Alct, &setting).unwrap();
-        let svg = force_curves("hard", &estimate, &setting, &rows);
+        let svg = drawn(&rows, Wtic::Alct);
         assert_eq!(
             svg.matches(r##"fill="#ffffff" stroke="##).count(),
             2,
@@ -366,8 +445,7 @@ mod tests {
             svg.contains("at a sinkage of 0.01 mm. Hollow") && !svg.contains("Sinkage of the rim")
         );
         let sunk = [0.0, 0.1, 0.2, 0.4].map(|slip| row(slip, 100.0));
-        let estimate = identify(&sunk, Wtic::Leis, &setting).unwrap();
-        let svg = force_curves("soil", &estimate, &setting, &sunk);
+        let svg = drawn(&sunk, Wtic::Leis);
         assert!(!svg.contains("Hollow") && svg.contains("Sinkage of the rim z [mm]"));
     }
 }

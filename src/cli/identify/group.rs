@@ -4,7 +4,8 @@ use super::Convention;
 use super::class::{Teller, Told};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
-    Cylinder, Estimate, IdentifyError, Setting, SteadyLoad, identify, pool, steady_loads,
+    Cylinder, Estimate, Identification, IdentifyError, Predictor, Setting, SteadyLoad, pool,
+    steady_loads,
 };
 use lugwheel::quantity::RangeError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -136,6 +137,8 @@ pub struct Fit {
     pub runs: Vec<Rows>,
     /// The parameters.
     pub estimate: Estimate,
+    /// What they predict.
+    pub predictor: Predictor,
 }
 
 impl Fit {
@@ -220,13 +223,14 @@ impl Group {
                 .flat_map(|run| &run.rows)
                 .copied()
                 .collect();
-            match identify(&rows, self.class, &setting) {
-                Ok(estimate) => {
+            match identified(&rows, self.class, &setting) {
+                Ok((estimate, predictor)) => {
                     return Some(Fit {
                         wheel: self.wheel,
                         setting,
                         runs: self.runs,
                         estimate,
+                        predictor,
                     });
                 }
                 Err(IdentifyError::Row { row, reason }) => {
@@ -268,6 +272,19 @@ impl Group {
         };
         format!("{error}{way_out} (class {}, {})", self.class, self.wheel)
     }
+}
+
+/// The parameters of rows, and what they predict.
+fn identified(
+    rows: &[SteadyLoad],
+    class: Wtic,
+    setting: &Setting,
+) -> Result<(Estimate, Predictor), IdentifyError> {
+    let identification = Identification::new(rows, class, setting)?;
+    let mut estimate = identification.estimate()?;
+    identification.profile(&mut estimate);
+    let predictor = Predictor::new(&identification, &estimate);
+    Ok((estimate, predictor))
 }
 
 /// What to do about a number out of its range.

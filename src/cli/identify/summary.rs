@@ -3,8 +3,8 @@
 use super::class::ToldBy;
 use super::group::{Fit, LeftOut, WheelOfRun};
 use lugwheel::identification::{
-    Combination, Cylinder, Estimate, Identified, Parameter, Setting, Standing, SteadyLoad,
-    Termination, TerrainParameters, Warning,
+    Combination, Cylinder, Estimate, Identified, Parameter, Predicted, Prediction,
+    PredictionErrors, Standing, SteadyLoad, Termination, TerrainParameters, Warning,
 };
 use lugwheel::soil::wheel_load::WheelLoad;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -91,8 +91,10 @@ pub struct Report {
     pub combinations: Vec<CombinationTold>,
     /// How estimates go together.
     pub correlation: Correlation,
-    /// Errors of the forces that the parameters give back.
+    /// Errors of the forces that the parameters give at the slip and sinkage measured (Table 7).
     pub force_error_percent: Forces<Option<f64>>,
+    /// Errors of what they predict from slip and load.
+    pub prediction_error_percent: PredictionErrors,
     /// What the paper's three stages gave; none without torques.
     pub staged: Option<StagedTold>,
     /// Why the fit stopped.
@@ -157,8 +159,54 @@ pub struct RowTold {
     pub slip_uncertainty: f64,
     /// Standard uncertainty of the sinkage [m]; 0 where it counts as exact.
     pub sinkage_uncertainty: f64,
-    /// The forces fitted.
+    /// The forces by the parameters at this slip and sinkage.
     pub fitted: Forces<f64>,
+    /// Sinkage, pull and torque by the parameters at this slip and load; none where the soil does
+    /// not carry the load or static friction holds the wheel.
+    pub predicted: Option<PredictionTold>,
+}
+
+/// What is predicted from slip and load.
+#[derive(Debug, Serialize)]
+pub struct PredictionTold {
+    /// Sinkage [m] of the rim.
+    pub sinkage: PredictedTold,
+    /// Drawbar pull [N].
+    pub drawbar_pull: PredictedTold,
+    /// Driving torque [N·m].
+    pub driving_torque: PredictedTold,
+}
+
+impl PredictionTold {
+    fn of(prediction: &Prediction) -> Self {
+        Self {
+            sinkage: PredictedTold::of(&prediction.sinkage),
+            drawbar_pull: PredictedTold::of(&prediction.drawbar_pull),
+            driving_torque: PredictedTold::of(&prediction.driving_torque),
+        }
+    }
+}
+
+/// A predicted quantity.
+#[derive(Debug, Serialize)]
+pub struct PredictedTold {
+    /// Its value.
+    pub value: f64,
+    /// Interval that holds 95 % of measurements; none where it is unbounded.
+    pub interval95: Option<[f64; 2]>,
+}
+
+impl PredictedTold {
+    fn of(predicted: &Predicted) -> Self {
+        let interval = predicted.interval();
+        Self {
+            value: predicted.value,
+            interval95: interval
+                .iter()
+                .all(|end| end.is_finite())
+                .then_some(interval),
+        }
+    }
 }
 
 /// A warning.
@@ -242,7 +290,7 @@ impl Report {
         let estimate = &fit.estimate;
         let rows = fit.runs.iter().flat_map(|run| {
             let rows = run.rows.iter();
-            rows.map(|row| row_told(&run.run, row, (estimate, &fit.setting)))
+            rows.map(|row| row_told(&run.run, row, fit))
         });
         let runs = fit.runs.iter().map(|run| RunTold {
             run: run.run.clone(),
@@ -278,6 +326,7 @@ impl Report {
                 load: estimate.force_errors.load,
                 driving_torque: estimate.force_errors.driving_torque,
             },
+            prediction_error_percent: fit.predictor.errors(&fit.rows()),
             staged: estimate.staged.map(|staged| StagedTold {
                 parameters: staged.parameters,
                 terminations: staged.terminations.map(termination),
@@ -292,7 +341,7 @@ impl Report {
     }
 }
 
-fn row_told(run: &str, row: &SteadyLoad, (estimate, setting): (&Estimate, &Setting)) -> RowTold {
+fn row_told(run: &str, row: &SteadyLoad, fit: &Fit) -> RowTold {
     RowTold {
         run: run.to_owned(),
         slip: row.slip,
@@ -311,7 +360,8 @@ fn row_told(run: &str, row: &SteadyLoad, (estimate, setting): (&Estimate, &Setti
         sinkage_uncertainty: row
             .uncertainty
             .map_or(0.0, |uncertainty| uncertainty.sinkage),
-        fitted: forces(estimate.loads_at(setting, row.slip, row.sinkage)),
+        fitted: forces(fit.estimate.loads_at(&fit.setting, row.slip, row.sinkage)),
+        predicted: fit.predictor.of_row(row).as_ref().map(PredictionTold::of),
     }
 }
 
@@ -374,6 +424,11 @@ fn warning(warning: &Warning) -> WarningTold {
             "at_bound",
             "this value is where the search ends, not what the ground is: do not use it or its \
              interval, and take the others as given with it",
+        ),
+        Warning::ExponentAssumed { .. } => (
+            "exponent_assumed",
+            "use k_s, n0 and n1 together and near the loads measured; runs at other loads, or n0 \
+             from plates (--known n0), part them",
         ),
         Warning::PeakOutsideContact { .. } => (
             "peak_outside_contact",

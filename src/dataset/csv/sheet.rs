@@ -1,5 +1,6 @@
 //! One CSV file: a header that names the columns, and rows of cells.
 
+use super::gap::Gaps;
 use csv::{ByteRecord, ErrorKind, Position, Reader, ReaderBuilder};
 use std::fs::File;
 use std::io::Read;
@@ -24,6 +25,7 @@ pub(super) struct Sheet<R> {
 pub(super) struct Header {
     file: String,
     names: Vec<String>,
+    gaps: Gaps,
 }
 
 /// A row of a file.
@@ -63,8 +65,15 @@ impl<R: Read> Sheet<R> {
             return Err(format!("{file} is empty; it needs a header row and data"));
         }
         let file = file.to_owned();
-        let header = Header { file, names };
+        let gaps = Gaps::default();
+        let header = Header { file, names, gaps };
         Ok(Self { header, reader })
+    }
+
+    /// The same, with cells without a number noted among `gaps`.
+    pub(super) fn noting(mut self, gaps: &Gaps) -> Self {
+        self.header.gaps = gaps.clone();
+        self
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -95,7 +104,7 @@ impl Header {
     /// # Errors
     /// Where there is none of this name, or two, with the names there are.
     pub(super) fn column(&self, name: &str) -> Result<usize, String> {
-        let Self { file, names } = self;
+        let Self { file, names, .. } = self;
         let mut places = (0..names.len()).filter(|&place| names[place] == name.trim());
         match (places.next(), places.next()) {
             (Some(place), None) => Ok(place),
@@ -130,18 +139,21 @@ impl Header {
         row.cells.get(column).map(trimmed).unwrap_or_default()
     }
 
-    /// The number in a cell; NaN where nothing was measured.
+    /// The number in a cell; NaN where nothing was measured, which is noted.
     ///
     /// # Errors
     /// Where the cell holds anything else: file, line, column and cell, and the way out.
     pub(super) fn number(&self, row: &Row, column: usize) -> Result<f64, String> {
         let cell = row.cells.get(column).unwrap_or_default();
         let text = std::str::from_utf8(cell).unwrap_or_default();
-        if let Ok(number) = text.trim().parse() {
+        let number: Option<f64> = text.trim().parse().ok();
+        if let Some(number) = number.filter(|number| number.is_finite()) {
             return Ok(number);
         }
         let text = self.text(row, column);
-        if MISSING.contains(&text.to_lowercase().as_str()) {
+        if number.is_some() || MISSING.contains(&text.to_lowercase().as_str()) {
+            let place = (self.file.as_str(), self.names[column].as_str());
+            self.gaps.note(place, row.line, &text);
             return Ok(f64::NAN);
         }
         let way_out = match text.contains(',') {
@@ -225,6 +237,24 @@ mod tests {
         let text = "t,F\n0,\n1,NaN\n2,n/a\n3,-\n4,NULL\n5, \n";
         let read = numbers(text, "F").unwrap();
         assert!(read.len() == 6 && read.iter().all(|x| x.is_nan()));
+    }
+
+    #[test]
+    fn gaps_are_told_by_column_with_the_line_of_the_first() {
+        let text = "t,F\n0,1\n1,inf\n2,NaN\n3,4\n,5\n";
+        let gaps = Gaps::default();
+        let mut sheet = sheet(text).noting(&gaps);
+        let header = sheet.header().clone();
+        while let Some(row) = sheet.next_row().unwrap() {
+            for column in 0..2 {
+                header.number(&row, column).unwrap();
+            }
+        }
+        let told: Vec<String> = gaps.all().iter().map(ToString::to_string).collect();
+        let force = "a.csv:3: column \"F\" holds \"inf\", which counts as not measured; it has 2 \
+                     such cells";
+        let time = "a.csv:6: column \"t\" holds nothing, which counts as not measured";
+        assert_eq!(told, [force, time]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::Misplaced;
 use super::description::{ColumnTable, Given, SourceTable};
+use super::gap::Gaps;
 use super::sheet::{Header, Row, Sheet};
 use super::unit;
 use crate::trace::{CHANNELS, unit_of};
@@ -16,6 +17,7 @@ const DELIMITERS: [char; 5] = [',', ';', '\t', '|', ' '];
 pub(super) struct Source<'a> {
     pub(super) table: &'a SourceTable,
     pub(super) key: &'a str,
+    pub(super) gaps: &'a Gaps,
 }
 
 /// The rows of a file that a campaign asks for.
@@ -54,7 +56,8 @@ impl<'a> Source<'a> {
             return Err(self.fault("delimiter", message));
         }
         let sheet = Sheet::open(&folder.join(&self.table.file), delimiter as u8)
-            .map_err(|message| self.fault("file", message))?;
+            .map_err(|message| self.fault("file", message))?
+            .noting(self.gaps);
         let condition = |(name, wanted): (&'a String, &'a Given)| {
             let at = |message| self.fault(&format!("rows.{name}"), message);
             if let Given::Column(_) = wanted {
