@@ -128,12 +128,11 @@ impl Identified {
 }
 
 fn curves(group: &GroupScore) -> Option<Figure> {
+    let source = group.source.as_ref()?;
     let Source {
-        estimate,
-        setting,
-        loads,
-    } = group.source.as_ref()?;
-    let smooth = setting.lug_height == 0.0;
+        estimate, loads, ..
+    } = source;
+    let smooth = source.setting.lug_height == 0.0;
     let wheel = if smooth {
         "The smooth wheel"
     } else {
@@ -143,7 +142,7 @@ fn curves(group: &GroupScore) -> Option<Figure> {
     let caption =
         format!("{wheel} on sand. Marks are measured, lines computed from the parameters found.");
     Some(Figure::new(
-        force_curves(&title, estimate, setting, loads),
+        force_curves(&title, estimate, &source.predictor()?, loads),
         caption,
     ))
 }

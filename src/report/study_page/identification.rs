@@ -266,18 +266,17 @@ fn place(scenario: &str, shared: &[(String, String)]) -> String {
 
 fn curves(score: &IdentificationScore) -> Option<Section> {
     let figures = score.references().filter_map(|group| {
+        let source = group.source.as_ref()?;
         let Source {
-            estimate,
-            setting,
-            loads,
-        } = group.source.as_ref()?;
+            estimate, loads, ..
+        } = source;
         let title = format!(
             "{}: forces and what its parameters give back",
             group.scenario
         );
         let caption = format!("{} steady rows of {}.", loads.len(), group.scenario);
         Some(Figure::new(
-            force_curves(&title, estimate, setting, loads),
+            force_curves(&title, estimate, &source.predictor()?, loads),
             caption,
         ))
     });

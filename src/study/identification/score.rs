@@ -34,7 +34,8 @@
 
 use super::Published;
 use crate::identification::{
-    Estimate, Force, ForceErrors, Identified, Parameter, Setting, SteadyLoad,
+    Estimate, Force, ForceErrors, Identification, Identified, Parameter, Predictor, Setting,
+    SteadyLoad,
 };
 use crate::recognition::confusion::Share;
 use crate::terrain::class::{TerrainLabel, Wtic};
@@ -148,6 +149,15 @@ pub struct Source {
     pub setting: Setting,
     /// The steady loads, as the model takes them.
     pub loads: Vec<SteadyLoad>,
+}
+
+impl Source {
+    /// What the estimate says at other loads and slips; none where the rows make no identification.
+    pub fn predictor(&self) -> Option<Predictor> {
+        let class = self.estimate.class;
+        let identification = Identification::new(&self.loads, class, &self.setting).ok()?;
+        Some(Predictor::new(&identification, &self.estimate))
+    }
 }
 
 /// A model fitted to a group, or why it could not be.
