@@ -23,8 +23,9 @@ const PAIRED: (usize, usize) = (4, 3);
 #[derive(Debug)]
 pub(super) struct Ranked {
     pub hypothesis: Hypothesis,
-    /// Probability [-] after pooling.
-    pub probability: f64,
+    /// Logarithm of the probability [-] after pooling: the probability itself may be too small for a
+    /// number, and yet all that is left.
+    pub log_probability: f64,
     /// By the refit alone, and by the forest.
     pub engines: [f64; 2],
     /// How well it predicts; none for the unknown.
@@ -77,12 +78,12 @@ impl Ranking {
             .enumerate()
             .map(|(number, (hypothesis, _, check))| Ranked {
                 hypothesis,
-                probability: libm::exp(pooled[number]),
+                log_probability: pooled[number],
                 engines: [by_refit[number], by_forest[number]].map(libm::exp),
                 check,
             })
             .collect();
-        ranked.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        ranked.sort_by(|a, b| b.log_probability.total_cmp(&a.log_probability));
         Self { ranked, fits }
     }
 
@@ -92,7 +93,7 @@ impl Ranking {
     }
 }
 
-fn score(fit: &Fit) -> f64 {
+pub(super) fn score(fit: &Fit) -> f64 {
     let held_out: f64 = fit
         .held_out
         .iter()

@@ -9,7 +9,8 @@ use super::fit::{Fit, Problem};
 use super::forest::Forest;
 use super::hypothesis::Hypothesis;
 use super::next_run::{FurtherRuns, NextRun};
-use super::ranking::Ranking;
+use super::product::log_sum;
+use super::ranking::{Ranking, score};
 use super::screen::{Alarm, END, Projected, Screen, Screened, alarms};
 use super::shrinkage::{Shrinkage, shrinkage};
 use crate::gap::{Cell, Condition};
@@ -103,7 +104,7 @@ pub struct Verdict {
     pub effects: Vec<Suspect>,
     /// Parameters under the likeliest explanation.
     pub parameters: Vec<Recalibrated>,
-    /// Parameters recalibrated without any effect; none where there are none.
+    /// Parameters recalibrated without any effect.
     pub recalibration: Vec<Recalibrated>,
     /// Parameters that look like something else.
     pub alarms: Vec<Alarm>,
@@ -141,9 +142,7 @@ impl Verdict {
             parameters: ranking
                 .fit(best)
                 .map_or_else(Vec::new, |fit| recalibrated(problem, fit)),
-            recalibration: ranking
-                .fit(&Hypothesis::Parameter)
-                .map_or_else(Vec::new, |fit| recalibrated(problem, fit)),
+            recalibration: recalibrated(problem, healthy(&ranking)),
             alarms: alarms(problem),
             located: located(problem, healthy(&ranking)),
             shrinkage: shrunk(problem, &ranking, &projected, seed),
@@ -187,7 +186,7 @@ impl Weighing {
         let ranked = ranking.ranked.iter();
         let mut weighing = Self {
             masses: ranked
-                .map(|r| (r.hypothesis.clone(), r.probability))
+                .map(|r| (r.hypothesis.clone(), libm::exp(r.log_probability)))
                 .collect(),
             undecided: 0.0,
             absorbed: absorbed(problem, healthy(ranking), projected),
@@ -233,12 +232,14 @@ impl Weighing {
             true => DOUBT * unknown,
             false => unknown + (1.0 - kept) * (1.0 - unknown),
         };
-        let of_others = (1.0 - of_unknown) / (1.0 - unknown).max(f64::MIN_POSITIVE);
-        for (hypothesis, mass) in &mut self.masses {
-            match hypothesis {
-                Hypothesis::Unknown => *mass = of_unknown,
-                _ => *mass *= of_others,
-            }
+        let others = ranking.ranked.iter();
+        let others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
+        let all = log_sum(others.map(|ranked| ranked.log_probability));
+        for ((hypothesis, mass), ranked) in self.masses.iter_mut().zip(&ranking.ranked) {
+            *mass = match hypothesis {
+                Hypothesis::Unknown => of_unknown,
+                _ => (1.0 - of_unknown) * libm::exp(ranked.log_probability - all),
+            };
         }
     }
 
@@ -427,10 +428,13 @@ fn set(problem: Problem, projected: &Projected, effect: usize) -> Vec<usize> {
     [effect].into_iter().chain(others).collect()
 }
 
-/// The better fit without effects.
+/// The fit without effects that says held-out conditions better: a recalibration that carries over to
+/// none of them is not made.
 fn healthy(ranking: &Ranking) -> &Fit {
+    let shipped = &ranking.fits[0];
     let recalibrated = ranking.fit(&Hypothesis::Parameter);
-    recalibrated.unwrap_or(&ranking.fits[0])
+    let better = recalibrated.filter(|fit| score(fit) > score(shipped));
+    better.unwrap_or(shipped)
 }
 
 fn recalibrated(problem: Problem, fit: &Fit) -> Vec<Recalibrated> {

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `s̃²` is the variance of `n` replicates, moderated over cells of a kind; `u` the spread that
-//! uncertain parameters add and the [resolution](Measure::resolution); `e²` what the variance of `k` repeated measurements exceeds the
+//! uncertain parameters add; `e²` what the variance of `k` repeated measurements exceeds the
 //! replicates' by, its share moderated too, and 0 where there is one: a single measured run is
 //! taken to scatter as a replicate does. The p-value is Student's with Welch and Satterthwaite's
 //! degrees of freedom, read in the tail that replicates show among themselves; `q` is that of the
@@ -154,8 +154,7 @@ fn entry(
     (margins, added): (&Margins, f64),
 ) -> Entry {
     let cell = &table.cells[place];
-    let resolution = cell.statistic.measure().resolution(table.sizes[place]);
-    let difference = evidence.difference(table, place, libm::hypot(added, resolution));
+    let difference = evidence.difference(table, place, added);
     let tail = evidence.tail(cell);
     let (value, error, freedom) = (difference.value(), difference.error, difference.freedom);
     let z = value / error;

@@ -138,7 +138,6 @@ fn provenance(told: &ToldStudy) -> Provenance {
                 outcome.failures.len()
             ),
         ),
-        ("computing", duration(outcome.computing_s)),
         ("fingerprint", study.fingerprint()),
     ];
     let ours = ours.map(|(name, value)| (name.to_owned(), value));
@@ -151,16 +150,6 @@ fn provenance(told: &ToldStudy) -> Provenance {
             .chain(texts)
             .collect(),
     }
-}
-
-/// A time [s] in the unit that suits it.
-fn duration(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        ..120.0 => (seconds, "s"),
-        ..7200.0 => (seconds / 60.0, "min"),
-        _ => (seconds / 3600.0, "h"),
-    };
-    format!("{value:.1} {unit}, all runs together on one core")
 }
 
 /// The value of a key: sorted by its size where it is a number, and not longer than it need be.

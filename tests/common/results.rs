@@ -20,10 +20,25 @@ pub fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
                 folders.push(path);
             } else {
                 let relative = path.strip_prefix(folder).unwrap().to_owned();
-                found.push((relative, fs::read(path).unwrap()));
+                found.push((relative, without_commands(&name, fs::read(path).unwrap())));
             }
         }
     }
     found.sort();
     found
+}
+
+/// The report says how to run the study again, into its own folder.
+fn without_commands(name: &str, bytes: Vec<u8>) -> Vec<u8> {
+    if name != "report.html" {
+        return bytes;
+    }
+    let text = String::from_utf8(bytes).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let told = lines.iter().filter(|line| !line.contains("lugwheel study"));
+    assert!(
+        told.clone().count() + 4 > lines.len(),
+        "the report is more than its commands"
+    );
+    told.copied().collect::<Vec<&str>>().join("\n").into_bytes()
 }
