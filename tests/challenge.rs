@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tempfile::TempDir;
 
 /// Cases of the trial that the tests share.
-const CASES: usize = 5;
+const CASES: usize = 7;
 
 /// Every set once; runs of 0.1 s, in which the wheel begins to move.
 fn order(seed: u64) -> Order {
@@ -185,11 +185,14 @@ fn what_is_published_names_no_set_and_an_effect_only_where_the_diagnosis_is_to_d
 }
 
 #[test]
-fn a_small_trial_has_every_set_and_seeds_of_its_family() {
+fn a_trial_of_seven_cases_has_every_set_and_seeds_of_its_family() {
     let truths = truths(TRIAL.path());
     assert_eq!(truths.len(), CASES);
     for truth in &truths {
         assert_eq!(Family::of(truth.seed), Some(Family::Scoring));
+    }
+    for set in Set::ALL {
+        assert!(truths.iter().any(|truth| truth.set == set), "{set}");
     }
 }
 

@@ -58,6 +58,10 @@ pub fn answer(
     let total = campaigns.manifest.cases.len();
     let cases = campaigns.manifest.cases.iter();
     let open: Vec<&Posed> = cases.filter(|it| known(&answers, it).is_none()).collect();
+    // All of them first: what was changed is to be told before hours of work.
+    for posed in &open {
+        campaigns.check(posed)?;
+    }
     let done = AtomicUsize::new(total - open.len());
     let stopped = || ChallengeError::Stopped {
         done: done.load(Ordering::Relaxed),
@@ -132,7 +136,6 @@ fn ask(
     answers: &Path,
     diagnose: &(dyn Fn(&Question) -> Result<String, Unanswered> + Sync),
 ) -> Result<Option<(String, String)>, Halt> {
-    campaigns.check(posed)?;
     let question = Question {
         case: &posed.case,
         measured: campaigns.path_of(&posed.file),
