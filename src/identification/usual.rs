@@ -57,7 +57,8 @@ impl Residuals for Preferring<'_> {
 
 /// The point with the most usual `n_0` that explains the rows as `best` does, with their sum of
 /// squares. `None` where it would explain them worse by more than one standard deviation, and where
-/// the model misses them: there the ridge is not that of their noise.
+/// the model misses them: there the ridge is not that of their noise. Nor where the rows hold `n_0` at
+/// the end of its range.
 pub(super) fn point(
     joint: &Joint,
     best: &Minimum,
@@ -83,5 +84,6 @@ pub(super) fn point(
         chi_square,
         ..found
     };
-    (chi_square - best.chi_square <= sigma * sigma).then_some(found)
+    let moved_off = !EXPONENT.is_at_bound(found.at[EXPONENT as usize]);
+    (moved_off && chi_square - best.chi_square <= sigma * sigma).then_some(found)
 }
