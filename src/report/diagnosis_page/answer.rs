@@ -60,9 +60,9 @@ fn effects(diagnosis: &Diagnosis) -> String {
         verdict, closed, ..
     } = diagnosis;
     let sets: Vec<String> = verdict.named.iter().map(|set| listed(set, "or")).collect();
-    let (subject, verb) = match sets.len() {
-        1 => ("An effect is", ""),
-        _ => ("Two effects are", ""),
+    let subject = match sets.len() {
+        1 => "An effect is",
+        _ => "Two effects are",
     };
     let strengths = verdict.named.iter().filter_map(|set| {
         let name = set.first()?;
@@ -79,7 +79,7 @@ fn effects(diagnosis: &Diagnosis) -> String {
         )
     });
     format!(
-        "{subject} missing{verb}: {}, with probability {}. Best estimate: {}.{closes}",
+        "{subject} missing: {}, with probability {}. Best estimate: {}.{closes}",
         sets.join("; and "),
         percent(probability_of_sets(verdict)),
         strengths.join("; ")

@@ -9,6 +9,10 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Rows shown; a page is no place for more.
 const SHOWN: usize = 300;
 
+/// Degrees of freedom from which on Student's distribution is the normal one to four digits; its
+/// quantile is not found at infinity.
+const MOST_FREEDOM: f64 = 1.0e5;
+
 /// Steady means and standard deviations, measured and by each arm; none where there are none.
 pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
     if diagnosis.in_units.is_empty() {
@@ -139,7 +143,7 @@ fn difference(diagnosis: &Diagnosis, row: &InUnits, shown: &Shown) -> Cell {
 
 /// Half of the 95 % interval of a difference, in its unit; infinite where its error is not known.
 pub fn half_width(entry: &Entry) -> f64 {
-    let student = StudentsT::new(0.0, 1.0, entry.freedom);
+    let student = StudentsT::new(0.0, 1.0, entry.freedom.min(MOST_FREEDOM));
     let quantile = student.map(|student| student.inverse_cdf(1.0 - 0.5 * gap::LEVEL));
     match quantile {
         Ok(quantile) if entry.error.is_finite() => quantile * entry.error,

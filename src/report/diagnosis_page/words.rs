@@ -9,7 +9,7 @@ pub fn percent(share: f64) -> String {
         share if share.is_nan() => "–".to_owned(),
         share if share > 0.0 && share < 0.001 => "less than 0.1 %".to_owned(),
         share if share < 1.0 && share > 0.999 => "more than 99.9 %".to_owned(),
-        share if (0.1..0.9).contains(&share) => format!("{:.0} %", 100.0 * share),
+        share if (0.0995..0.95).contains(&share) => format!("{:.0} %", 100.0 * share),
         share => format!("{:.1} %", 100.0 * share).replace('-', "−"),
     }
 }
