@@ -20,6 +20,7 @@
 
 mod again;
 pub mod arm;
+mod arm_traces;
 pub mod bank;
 mod calibration;
 mod check;
@@ -50,6 +51,7 @@ mod verdict;
 mod worlds;
 
 pub use again::{InUnits, SimulatedAgain};
+pub use arm_traces::ArmTraces;
 pub use calibration::Calibration;
 pub use emulator::Emulator;
 pub use fit::Problem;

@@ -10,14 +10,22 @@
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
 //! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
 //! - [`matrix_figure()`], [`power_figure()`]: what blind trials of the diagnosis came to.
+//! - [`gap_waterfall()`]: how that gap closes, [`probability_bars()`]: what explains it,
+//!   [`isolability_map()`]: which effects show alike.
+//! - [`arm_traces()`], [`arm_curves()`]: measured runs beside what a diagnosis makes of them.
 //! - [`parameter_figure()`]: identified parameters by ground (Fig. 23 and 24).
 //! - [`page()`]: a question, its answer, tables and figures as one HTML document; [`page`](mod@page)
 //!   has the parts.
+//! - [`diagnosis_page()`]: what a diagnosis found, as such a document.
 //! - [`study_page()`]: what a study asked, what came of it and what was run, as such a document.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
+mod arm_column;
+mod arm_curves;
+mod arm_traces;
 mod class_strip;
 mod confusion_figure;
+pub mod diagnosis_page;
 mod envelope;
 mod feature_planes;
 mod feature_points;
@@ -25,10 +33,13 @@ mod feature_values;
 pub mod figure;
 mod force_curves;
 mod gap_map;
+mod gap_waterfall;
+mod isolability_map;
 mod matrix_figure;
 pub mod page;
 mod parameter_figure;
 mod power_figure;
+mod probability_bars;
 mod side_by_side;
 pub mod spectrum;
 pub mod study_page;
@@ -37,16 +48,22 @@ mod trace_figure;
 mod traverse_figure;
 pub mod wheel_picture;
 
+pub use arm_curves::arm_curves;
+pub use arm_traces::arm_traces;
 pub use confusion_figure::confusion_figure;
+pub use diagnosis_page::{ToldDiagnosis, diagnosis_page};
 pub use feature_planes::feature_planes;
 pub use feature_points::{FeaturePoint, Group};
 pub use feature_values::feature_values;
 pub use force_curves::force_curves;
 pub use gap_map::gap_map;
+pub use gap_waterfall::gap_waterfall;
+pub use isolability_map::isolability_map;
 pub use matrix_figure::{Entries, matrix_figure};
 pub use page::{Page, page};
 pub use parameter_figure::{IdentifiedGround, parameter_figure};
 pub use power_figure::power_figure;
+pub use probability_bars::probability_bars;
 pub use side_by_side::side_by_side;
 pub use study_page::{ToldStudy, study_page};
 pub use threshold_figure::threshold_figure;

@@ -5,6 +5,7 @@ mod summary;
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
+use super::provenance::quoted;
 use super::scenario_args;
 use super::series::Jobs;
 use anyhow::Context;
@@ -13,13 +14,16 @@ use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::diagnosis::bank::BankError;
 use lugwheel::diagnosis::condition::LONGEST;
 use lugwheel::diagnosis::{
-    Arms, BUDGET, Calibration, Diagnosis, Investigation, InvestigationError, Settings, bank,
+    ArmTraces, Arms, BUDGET, Calibration, Diagnosis, Investigation, InvestigationError, Settings,
+    bank,
 };
+use lugwheel::gap::GapMap;
 use lugwheel::quantity::Seed;
+use lugwheel::report::{self, ToldDiagnosis};
 use lugwheel::scenario::Scenario;
 use lugwheel::trace::Trace;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use summary::{Input, Inputs, Summary};
 
 /// Tell where measured runs and a scenario differ, which missing effect causes it, and how far
@@ -73,7 +77,8 @@ Examples:
   lugwheel diagnose --measured rig.h5 --scenario my_rig.toml --without slope --out output/rig
   lugwheel diagnose --measured rig.h5 --scenario single_wheel_st --budget 50000 --json
 
-The folder holds diagnosis.json (all numbers) and gap_map.svg. Simulated statistics are kept in
+The folder holds diagnosis.html (the answer, what it rests on, figures), diagnosis.json (all numbers)
+and gap_map.svg. Simulated statistics are kept in
 --bank: a stopped diagnosis goes on with the same command, and one of other runs at the same
 conditions takes a minute.";
 
@@ -99,15 +104,58 @@ impl Diagnose {
             version: env!("CARGO_PKG_VERSION"),
         };
         output::make_folder(&self.out)?;
-        let (diagnosis, _) = self.diagnose(output, &measured, &scenario, &settings)?;
+        let version = env!("CARGO_PKG_VERSION");
+        let investigation =
+            Investigation::new(&measured, &scenario, &settings, (&self.bank, version))?;
+        let (diagnosis, arms) = self.diagnose(output, &investigation)?;
+        let widest = diagnosis.widest(investigation.cases());
+        let traces = widest.and_then(|case| ArmTraces::of(case, &measured, &arms, settings.seed));
+        let page = report::diagnosis_page(&ToldDiagnosis {
+            diagnosis: &diagnosis,
+            measured: &stem(&self.measured),
+            name: &stem(&self.scenario),
+            scenario: &scenario,
+            cases: investigation.cases(),
+            traces: traces.as_ref(),
+            settings: &settings,
+            facts: &inputs.facts(),
+            commands: &[self.command()],
+        });
         let summary = Summary {
             inputs,
             diagnosis,
-            folder: self.out.display().to_string(),
+            page: self.out.join("diagnosis.html").display().to_string(),
         };
-        let json = serde_json::to_string_pretty(&summary)?;
-        output::write_file(&self.out.join("diagnosis.json"), &json)?;
+        self.write("diagnosis.json", &serde_json::to_string_pretty(&summary)?)?;
+        self.write("gap_map.svg", &drawn_map(&summary.diagnosis))?;
+        self.write("diagnosis.html", &report::page(&page))?;
         output.print(&summary)
+    }
+
+    fn write(&self, name: &str, content: &str) -> anyhow::Result<()> {
+        output::write_file(&self.out.join(name), content)
+    }
+
+    /// The command that makes the same diagnosis again.
+    fn command(&self) -> String {
+        let path = |option: &str, path: &Path| format!(" {option} {}", quoted(path));
+        let several = |option: &str, values: &[String]| -> String {
+            let words = values.iter();
+            words.map(|value| path(option, Path::new(value))).collect()
+        };
+        format!(
+            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --longest {} --seed {}",
+            path("--measured", &self.measured),
+            path("--scenario", &self.scenario),
+            several("--set", &self.set),
+            several("--without", &self.without),
+            several("--run", &self.run),
+            path("--out", &self.out),
+            path("--bank", &self.bank),
+            self.budget,
+            self.longest,
+            self.seed
+        )
     }
 
     fn read(&self) -> anyhow::Result<Vec<Trace>> {
@@ -127,13 +175,8 @@ impl Diagnose {
     fn diagnose(
         &self,
         output: &Output,
-        measured: &[Trace],
-        scenario: &Scenario,
-        settings: &Settings,
+        investigation: &Investigation,
     ) -> anyhow::Result<(Diagnosis, Arms)> {
-        let version = env!("CARGO_PKG_VERSION");
-        let investigation =
-            Investigation::new(measured, scenario, settings, (&self.bank, version))?;
         let progress = Progress::of_runs(output, "simulating", 0);
         let hear = |now: bank::Progress| {
             progress.reach(now.motions, now.motions_total);
@@ -154,4 +197,19 @@ impl Diagnose {
             }),
         }
     }
+}
+
+/// A file's name without folder and ending.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
+}
+
+fn drawn_map(diagnosis: &Diagnosis) -> String {
+    let map = GapMap {
+        global: diagnosis.global.clone(),
+        entries: diagnosis.map.clone(),
+        caveats: Vec::new(),
+    };
+    report::gap_map(&map, "Measured against the scenario as shipped")
 }

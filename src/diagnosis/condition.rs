@@ -238,7 +238,7 @@ impl Case {
         let RunAttributes {
             repeat, day, notes, ..
         } = measured.attributes.clone();
-        let mut trace = self.layout.cut(measured);
+        let mut trace = self.cut(measured);
         trace.attributes = RunAttributes {
             repeat,
             day,
@@ -250,9 +250,20 @@ impl Case {
 
     /// Reads a simulated run of this case, cut to what was measured.
     pub fn read_simulated(&self, statistician: &mut Statistician, simulated: &Trace) -> Run {
-        let mut trace = self.layout.imitate(simulated);
+        let mut trace = self.imitate(simulated);
         trace.attributes = self.attributes.clone();
         Run::read(statistician, &trace)
+    }
+
+    /// A measured run of this case: its channels and means that are compared, as long as they are.
+    pub fn cut(&self, measured: &Trace) -> Trace {
+        self.layout.cut(measured)
+    }
+
+    /// A simulated run of this case as the rig would have written it: the channels, rates and means
+    /// that were measured.
+    pub fn imitate(&self, simulated: &Trace) -> Trace {
+        self.layout.imitate(simulated)
     }
 
     /// Whether a channel of this name was measured, as a series or as a mean.

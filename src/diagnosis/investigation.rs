@@ -20,7 +20,7 @@ use super::screen::{Screened, isolability, screen};
 use super::verdict::{Recalibrated, Verdict};
 use crate::effects::{Application, catalogue};
 use crate::gap::{
-    self, Closed, Comparison, Entry, GapError, Global, Margins, ParameterSpread, Run,
+    self, Closed, Colour, Comparison, Entry, GapError, Global, Margins, ParameterSpread, Run,
 };
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
@@ -158,6 +158,22 @@ pub struct Diagnosis {
     pub compared: Compared,
     /// What to keep in mind.
     pub caveats: Vec<String>,
+}
+
+impl Diagnosis {
+    /// The case in whose condition most cells differ from the scenario as it came, the first of
+    /// several; none without cases.
+    pub fn widest<'c>(&self, cases: &'c [Case]) -> Option<&'c Case> {
+        let gaps = |case: &Case| {
+            let own = self
+                .map
+                .iter()
+                .filter(|entry| entry.condition == case.condition);
+            own.filter(|entry| entry.colour == Colour::Gap).count()
+        };
+        // Of equals the last is found.
+        cases.iter().rev().max_by_key(|case| gaps(case))
+    }
 }
 
 /// Arms that a diagnosis ends with, for who wants to see them.

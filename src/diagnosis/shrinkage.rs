@@ -14,6 +14,8 @@ use serde::Serialize;
 /// Mean energy scores [spreads of replicates per statistic], and what is closed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shrinkage {
+    /// The effect or effects that are added: those of the likeliest explanation that has any.
+    pub effects: Vec<String>,
     /// Of the scenario as it came.
     pub as_shipped: f64,
     /// With parameters recalibrated.
@@ -66,7 +68,11 @@ pub(super) fn shrinkage(
         (open > 0.0).then(|| sum(|s| s.recalibrated - s.with_effect) / open)
     });
     let floor = floors.iter().map(|(floor, _)| floor).sum::<f64>() / floors.len() as f64;
+    let added = with_effect.hypothesis.effects().iter();
     Shrinkage {
+        effects: added
+            .map(|&effect| problem.emulator.candidates[effect].name.clone())
+            .collect(),
         as_shipped: mean(&shipped),
         recalibrated: mean(&of_parameters),
         with_effect: mean(&of_effect),

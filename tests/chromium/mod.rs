@@ -38,6 +38,7 @@ pub fn look(html: &str, width: u32) -> Value {
 }
 
 /// Number of sheets of A4 on which the page prints.
+#[allow(dead_code)] // Not every test of pages prints.
 pub fn sheets(html: &str) -> usize {
     let folder = TempDir::new().unwrap();
     let [file, pdf] = ["page.html", "page.pdf"].map(|name| folder.path().join(name));

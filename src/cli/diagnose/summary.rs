@@ -31,6 +31,27 @@ pub struct Inputs {
     pub version: &'static str,
 }
 
+impl Inputs {
+    /// Names and values, for a page.
+    pub fn facts(&self) -> Vec<(String, String)> {
+        let Self {
+            measured, scenario, ..
+        } = self;
+        let hash = |input: &Input| format!("{}, SHA-256 {}", input.file, input.sha256);
+        let runs = match self.runs.is_empty() {
+            true => "all".to_owned(),
+            false => self.runs.join(", "),
+        };
+        let facts = [
+            ("program", format!("lugwheel {}", self.version)),
+            ("measured", hash(measured)),
+            ("runs of it", runs),
+            ("scenario as used", hash(scenario)),
+        ];
+        facts.map(|(name, value)| (name.to_owned(), value)).to_vec()
+    }
+}
+
 /// A file and its content's hash.
 #[derive(Debug, Serialize)]
 pub struct Input {
@@ -67,9 +88,9 @@ pub struct Summary {
     /// The answer and what backs it.
     #[serde(flatten)]
     pub diagnosis: Diagnosis,
-    /// Where results lie.
+    /// Where the page lies.
     #[serde(skip)]
-    pub folder: String,
+    pub page: String,
 }
 
 impl fmt::Display for Summary {
@@ -156,7 +177,7 @@ impl fmt::Display for Summary {
         for caveat in caveats {
             writeln!(f, "  {caveat}")?;
         }
-        write!(f, "\n{}", self.folder)
+        write!(f, "\n{}", self.page)
     }
 }
 

@@ -1,0 +1,147 @@
+//! The page of a diagnosis: what explains the difference, what that rests on, how far it closes the
+//! gap, and what to measure next.
+
+mod answer;
+mod compared;
+mod differences;
+mod effects;
+mod parameters;
+mod shrinkage;
+mod units;
+mod words;
+
+use super::page::{Figure, Page, Provenance, Section};
+use super::{arm_curves, arm_traces};
+use crate::diagnosis::condition::Case;
+use crate::diagnosis::{ArmTraces, Diagnosis, Settings};
+use crate::scenario::Scenario;
+
+/// A diagnosis and what it was made of.
+#[derive(Debug, Clone, Copy)]
+pub struct ToldDiagnosis<'a> {
+    /// What came of it.
+    pub diagnosis: &'a Diagnosis,
+    /// What the measured runs are called: their file.
+    pub measured: &'a str,
+    /// What the scenario is called.
+    pub name: &'a str,
+    /// The scenario as it came.
+    pub scenario: &'a Scenario,
+    /// The conditions that were compared.
+    pub cases: &'a [Case],
+    /// Runs to look at; none where they could not be made.
+    pub traces: Option<&'a ArmTraces>,
+    /// How the diagnosis was made.
+    pub settings: &'a Settings,
+    /// What it was made of, beside what stands above: files with their hashes, version.
+    pub facts: &'a [(String, String)],
+    /// Commands that make it again.
+    pub commands: &'a [String],
+}
+
+impl ToldDiagnosis<'_> {
+    /// The effect or effects of the answer as a few words; empty where it names none.
+    fn named(&self) -> String {
+        let sets = self.diagnosis.verdict.named.iter();
+        let first = sets.filter_map(|set| set.first().cloned());
+        first.collect::<Vec<_>>().join(" and ")
+    }
+}
+
+/// The page of a diagnosis, in this order: the answer with its probability and what it rests on, how
+/// far the gap closes, where the sides differ, which effects may explain it, what recalibration
+/// moved, measured and simulated runs before and after, the gap in plain units, which effects these
+/// runs can tell apart, what to measure next, what was compared. It holds nothing that depends on a
+/// clock or a machine.
+pub fn diagnosis_page(told: &ToldDiagnosis) -> Page {
+    let ToldDiagnosis { diagnosis, .. } = *told;
+    let sections = [
+        Some(answer::rests_on(diagnosis)),
+        Some(shrinkage::section(diagnosis)),
+        Some(differences::section(told)),
+        Some(effects::suspects(diagnosis)),
+        Some(parameters::section(told)),
+        Some(looks(told)),
+        units::section(diagnosis),
+        effects::isolability(told),
+        Some(answer::next_run(diagnosis)),
+        Some(compared::section(diagnosis)),
+    ];
+    Page {
+        title: format!("Where {} and {} differ, and why", told.measured, told.name),
+        question: format!(
+            "What has the simulator of {} wrong, or not at all, that {} shows?",
+            told.name, told.measured
+        ),
+        answer: answer::sentence(told),
+        intro: "A gap is a difference between measured runs and simulated ones of the same load, speed \
+                and slip. Three simulators are set beside the measurements: the scenario as shipped, the \
+                scenario with its parameters recalibrated within what is known of them, and that with an \
+                effect added which the scenario leaves out. Only what recalibration leaves is called an \
+                effect."
+            .to_owned(),
+        sections: sections.into_iter().flatten().collect(),
+        provenance: provenance(told),
+    }
+}
+
+/// Traces, spectra and curves, before and after.
+fn looks(told: &ToldDiagnosis) -> Section {
+    let named = told.named();
+    let mut section = Section::new("What do the runs look like, before and after?");
+    if named.is_empty() {
+        section = section.prose(
+            "The answer names no effect: the runs are simulated as shipped and recalibrated only.",
+        );
+    }
+    let traces = told
+        .traces
+        .and_then(|traces| Some((traces, arm_traces(traces, &named)?)));
+    section = match traces {
+        Some((traces, svg)) => section.figure(Figure::new(
+            svg,
+            format!(
+                "The first measured run at {}, where most statistics differ, and one simulated run of each \
+                 arm, all on one simulated ground. Ground and noise of the measured run are its own: what \
+                 has to agree is level, range and rhythm, not every wiggle.",
+                traces.condition
+            ),
+        )),
+        None => section.prose(
+            "No traces are shown: the strongest condition has no time series, or could not be simulated.",
+        ),
+    };
+    match arm_curves(&told.diagnosis.in_units, told.cases, &named) {
+        Some(svg) => section.figure(Figure::new(
+            svg,
+            "Means of the measured runs of a condition, and of simulated runs of each arm; parameters and \
+             magnitudes are fitted to all conditions here.",
+        )),
+        None => section.prose("No curves are shown: no steady value was compared."),
+    }
+}
+
+fn provenance(told: &ToldDiagnosis) -> Provenance {
+    let ToldDiagnosis {
+        settings, scenario, ..
+    } = *told;
+    let without = match settings.without.is_empty() {
+        true => "none".to_owned(),
+        false => settings.without.join(", "),
+    };
+    let own = [
+        ("seed of the simulations", settings.seed.0.to_string()),
+        (
+            "longest part of a run compared",
+            format!("{} s", settings.longest),
+        ),
+        ("driving allowed", format!("{} s", settings.budget)),
+        ("effects held to be impossible", without),
+    ];
+    let own = own.map(|(name, value)| (name.to_owned(), value));
+    Provenance {
+        facts: told.facts.iter().cloned().chain(own).collect(),
+        commands: told.commands.to_vec(),
+        files: vec![("the scenario as used".to_owned(), scenario.to_toml())],
+    }
+}

@@ -1,0 +1,214 @@
+//! The answer in a sentence, what it rests on, and what to measure next.
+
+use super::ToldDiagnosis;
+use super::words::{self, listed, p_value, percent};
+use crate::diagnosis::{Answer, Diagnosis, Suspect, Suspicion, Verdict};
+use crate::report::page::{Section, four_digits};
+
+/// The answer with its probability.
+pub fn sentence(told: &ToldDiagnosis) -> String {
+    let Diagnosis { verdict, .. } = told.diagnosis;
+    match verdict.verdict {
+        Answer::None => format!(
+            "Nothing is missing and nothing is off: {} explains these runs as it came (probability {}).",
+            told.name,
+            percent(probability(verdict, "none"))
+        ),
+        Answer::Parameter => format!(
+            "No effect has to be added: recalibrated parameters explain what differs (probability {}, \
+             and {} that nothing is off at all).",
+            percent(probability(verdict, "parameter")),
+            percent(probability(verdict, "none"))
+        ),
+        Answer::Effect | Answer::Effects => effects(told.diagnosis),
+        Answer::Unknown => {
+            let place = verdict.located.first().map_or(String::new(), |strongest| {
+                format!(
+                    " It shows most in the {} at {}.",
+                    words::cell(&strongest.cell),
+                    strongest.condition
+                )
+            });
+            format!(
+                "Something is missing that no effect of the library makes (probability {}).{place}",
+                percent(probability(verdict, "unknown"))
+            )
+        }
+        Answer::Undecided => undecided(verdict),
+    }
+}
+
+fn probability(verdict: &Verdict, name: &str) -> f64 {
+    verdict.probabilities.get(name).copied().unwrap_or(0.0)
+}
+
+/// Probability of all explanations with an effect of each set.
+fn probability_of_sets(verdict: &Verdict) -> f64 {
+    let explains = |name: &&String| {
+        let effects: Vec<&str> = name.split('+').collect();
+        verdict.named.iter().all(|set| {
+            let mut own = set.iter();
+            own.any(|effect| effects.contains(&&**effect))
+        })
+    };
+    let all = verdict.probabilities.iter();
+    all.filter(|(name, _)| explains(name)).map(|(_, p)| p).sum()
+}
+
+fn effects(diagnosis: &Diagnosis) -> String {
+    let Diagnosis {
+        verdict, closed, ..
+    } = diagnosis;
+    let sets: Vec<String> = verdict.named.iter().map(|set| listed(set, "or")).collect();
+    let subject = match sets.len() {
+        1 => "An effect is",
+        _ => "Two effects are",
+    };
+    let strengths = verdict.named.iter().filter_map(|set| {
+        let name = set.first()?;
+        let suspect = verdict.effects.iter().find(|it| it.name == *name)?;
+        let title = words::effect(name).map_or("", |effect| effect.title);
+        Some(format!("{name} = {} ({title})", magnitude(suspect)))
+    });
+    let strengths: Vec<String> = strengths.collect();
+    let closes = closed.map_or(String::new(), |closed| {
+        let [low, high] = closed.ci95.map(percent);
+        let share = percent(closed.value);
+        format!(
+            " The likeliest explanation closes {share} [{low}, {high}] of the gap that recalibration leaves."
+        )
+    });
+    format!(
+        "{subject} missing: {}, with probability {}. Best estimate: {}.{closes}",
+        sets.join("; and "),
+        percent(probability_of_sets(verdict)),
+        strengths.join("; ")
+    )
+}
+
+/// A magnitude with its interval and unit.
+fn magnitude(suspect: &Suspect) -> String {
+    let [low, high] = suspect.ci95.map(four_digits);
+    let unit = words::unit(suspect.unit);
+    let value = four_digits(suspect.magnitude);
+    format!("{value} [{low}, {high}] {unit}")
+        .trim_end()
+        .to_owned()
+}
+
+fn undecided(verdict: &Verdict) -> String {
+    let mut likeliest: Vec<(&String, f64)> = verdict
+        .probabilities
+        .iter()
+        .map(|(name, p)| (name, *p))
+        .filter(|(name, p)| *name != "undecided" && *p > 0.01)
+        .collect();
+    likeliest.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let named = likeliest.iter().take(3);
+    let named: Vec<String> = named
+        .map(|(name, p)| format!("{name} ({})", percent(*p)))
+        .collect();
+    let next = match &verdict.next_run {
+        Some(next) => format!(" A run {} would help most.", next.run),
+        None => String::new(),
+    };
+    let likely = match named.is_empty() {
+        true => String::new(),
+        false => format!(" Likeliest are {}.", listed(&named, "and")),
+    };
+    format!("These runs do not tell what differs.{likely}{next}")
+}
+
+/// Tests, reasons and caveats.
+pub fn rests_on(diagnosis: &Diagnosis) -> Section {
+    let Diagnosis {
+        global,
+        verdict,
+        caveats,
+        compared,
+        ..
+    } = diagnosis;
+    let runs: usize = compared.conditions.iter().map(|it| it.runs).sum();
+    let count = compared.conditions.len();
+    let mut facts = vec![
+        (
+            "compared".to_owned(),
+            format!(
+                "{runs} measured runs in {count} conditions with {} simulated replicates each; {} effects \
+                 and {} parameters were tried",
+                compared.depth.replicates,
+                compared.candidates.len(),
+                compared.parameters.len()
+            ),
+        ),
+        (
+            "differ at all?".to_owned(),
+            format!(
+                "all statistics together {}, strongest statistic {}; so few runs can give no less than {:.3}",
+                p_value(global.energy.p),
+                p_value(global.strongest.p),
+                global.least_p
+            ),
+        ),
+    ];
+    let told = |name: &str, text: &String| (name.to_owned(), text.clone());
+    facts.extend(
+        verdict
+            .reasons
+            .iter()
+            .map(|it| told("less sure because", it)),
+    );
+    facts.extend(verdict.alarms.iter().map(|alarm| {
+        let what = suspicion(alarm.what);
+        let text = format!(
+            "{} {what} ({:.1} deviations): it may stand for something that is missing",
+            alarm.parameter, alarm.deviations
+        );
+        told("alarm", &text)
+    }));
+    facts.extend(caveats.iter().map(|it| told("keep in mind", it)));
+    Section::new("What does the answer rest on?").facts(facts)
+}
+
+/// Why a parameter is suspicious.
+pub fn suspicion(what: Suspicion) -> &'static str {
+    match what {
+        Suspicion::AtItsEnd => "is at the end of what is known of it",
+        Suspicion::DriftsWithSlip => "would have to change with slip",
+        Suspicion::DriftsWithLoad => "would have to change with load",
+        Suspicion::DriftsWithSpeed => "would have to change with speed",
+    }
+}
+
+/// Which run would tell most.
+pub fn next_run(diagnosis: &Diagnosis) -> Section {
+    let verdict = &diagnosis.verdict;
+    let section = Section::new("What to measure next?");
+    if let Some(next) = &verdict.next_run {
+        let [first, second] = &next.between;
+        let [without, with] = next.deviations.map(|it| format!("{it:.1}"));
+        let [cosine_without, cosine_with] =
+            next.cosine.map(|it| format!("{it:.2}").replace('-', "−"));
+        return section.answer(format!("A run {}.", next.run)).prose(format!(
+            "It would tell {first} from {second} by {with} standard deviations; the runs at hand tell them \
+             apart by {without}. The cosine of what the two show falls from {cosine_without} to {cosine_with}. \
+             Of the runs that differ from a measured one in one thing (direction, load, speed, slip, lugs) \
+             this one tells most."
+        ));
+    }
+    let words = match verdict.verdict {
+        Answer::Unknown => {
+            "No run of the library's effects would decide: the cause is none of them. Repeats of the \
+             condition where the remainder is strongest, with one thing changed at a time, narrow it down."
+        }
+        Answer::Undecided => {
+            "No run could be found that would decide. More repeats and a second load, speed or slip make \
+             every answer surer."
+        }
+        _ => {
+            "The answer leaves nothing open that another run would have to tell. A repeat at a condition \
+             that was not measured yet would check it."
+        }
+    };
+    section.prose(words)
+}

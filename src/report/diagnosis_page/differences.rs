@@ -1,0 +1,105 @@
+//! Where measured and simulated runs differ.
+
+use super::ToldDiagnosis;
+use super::words;
+use crate::gap::{Colour, Entry, GapMap};
+use crate::report::gap_map;
+use crate::report::page::{Cell, Column, Figure, Section, Table};
+
+/// The map as shipped, and what recalibration leaves.
+pub fn section(told: &ToldDiagnosis) -> Section {
+    let diagnosis = told.diagnosis;
+    let map = GapMap {
+        global: diagnosis.global.clone(),
+        entries: diagnosis.map.clone(),
+        caveats: Vec::new(),
+    };
+    let section = Section::new("Where do they differ?")
+        .answer(answer(&map))
+        .prose(
+            "A row is a channel, a column what a statistic looks at: samples as such (time), what is locked to \
+             the wheel's turn (order) or to the lugs' passing (lug), what is fixed in hertz (frequency), two \
+             channels together (cross), vibration features, steady loads, what grows along the way (history), \
+             curves over all runs. A field names its strongest statistic and its z, the difference over its \
+             standard error; vermilion is a gap, green is shown to be small, grey is undecided. The strip \
+             below it has one part a condition.",
+        );
+    let title = format!("{} against {} as shipped", told.measured, told.name);
+    let section = match map.entries.is_empty() {
+        true => section.prose("There is nothing that both sides have."),
+        false => section.figure(Figure::new(
+            gap_map(&map, &title),
+            "The gap map, before any recalibration.",
+        )),
+    };
+    let located = located(told);
+    if located.rows.is_empty() {
+        return section.prose("Once parameters are recalibrated, no statistic stands out.");
+    }
+    section.table(located)
+}
+
+fn answer(map: &GapMap) -> String {
+    let gaps = map.count(Colour::Gap);
+    let all = map.entries.len();
+    let strongest = map
+        .entries
+        .iter()
+        .filter(|entry| entry.colour == Colour::Gap);
+    let strongest = strongest.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()));
+    match strongest {
+        Some(entry) => format!(
+            "{gaps} of {all} statistics differ, strongest the {} at {} (z = {}).",
+            words::cell(&entry.cell),
+            entry.condition,
+            signed(entry.z)
+        ),
+        None => format!("None of {all} statistics is shown to differ."),
+    }
+}
+
+fn signed(z: f64) -> String {
+    format!("{z:+.1}").replace('-', "−")
+}
+
+/// Strongest cells after recalibration, beside their difference as shipped.
+fn located(told: &ToldDiagnosis) -> Table {
+    let diagnosis = told.diagnosis;
+    let rows = diagnosis.verdict.located.iter().map(|located| {
+        let entry = diagnosis
+            .map
+            .iter()
+            .find(|entry| entry.cell == located.cell && entry.condition == located.condition);
+        let [difference, unit] = entry.map_or([Cell::Missing, Cell::Missing], as_shipped);
+        vec![
+            Cell::text(words::channel(&located.cell.channel)),
+            Cell::text(words::statistic(located.cell.statistic)),
+            Cell::text(located.condition.to_string()),
+            Cell::Written(signed(located.deviations), located.deviations),
+            difference,
+            unit,
+        ]
+    });
+    Table {
+        caption: "Strongest statistics that recalibrated parameters leave, on conditions held out; beside \
+                  them the difference as shipped with its 95 % interval"
+            .to_owned(),
+        columns: vec![
+            Column::new("channel", ""),
+            Column::new("statistic", ""),
+            Column::new("condition", ""),
+            Column::new("left after recalibration", "deviations"),
+            Column::new("measured less simulated, as shipped", ""),
+            Column::new("unit", ""),
+        ],
+        rows: rows.collect(),
+    }
+}
+
+/// Difference with its interval, and its unit.
+fn as_shipped(entry: &Entry) -> [Cell; 2] {
+    let half = super::units::half_width(entry);
+    let ends = [entry.difference - half, entry.difference + half];
+    let unit = words::unit(&entry.unit);
+    [Cell::Estimate(entry.difference, ends), Cell::text(unit)]
+}

@@ -1,0 +1,193 @@
+//! What recalibration moved.
+
+use super::ToldDiagnosis;
+use super::answer::suspicion;
+use super::words;
+use crate::diagnosis::parameter::{Coordinate, Parameter};
+use crate::diagnosis::{Recalibrated, Verdict};
+use crate::report::page::{Cell, Column, Section, Table, four_digits};
+use crate::scenario::Scenario;
+
+/// Deviations of the normal distribution that hold 95 %.
+const NORMAL_95: f64 = 1.959964;
+/// Share [-] by which values that are one parameter's may differ and still be one.
+const SAME: f64 = 1.0e-9;
+
+/// Values in the scenario and recalibrated, and alarms.
+pub fn section(told: &ToldDiagnosis) -> Section {
+    let verdict = &told.diagnosis.verdict;
+    let section = Section::new("What did recalibration move?");
+    if verdict.recalibration.is_empty() {
+        return section.prose("The scenario has no parameter that recalibration may move.");
+    }
+    let rows = verdict.recalibration.iter().filter_map(|alone| {
+        let parameter = Parameter::find(&alone.name)?;
+        Some(row(told.scenario, parameter, alone, verdict))
+    });
+    let section = section
+        .answer(answer(verdict))
+        .prose(
+            "Each parameter is known beforehand with a standard deviation; the offset counts in it. A parameter \
+             that stands at several places of the scenario with several values moves by one factor or one \
+             shift. Intervals are of 95 % and hold where the explanation is right.",
+        )
+        .table(Table {
+            caption: "Parameters in the scenario, recalibrated without any effect, and under the likeliest \
+                      explanation"
+                .to_owned(),
+            columns: vec![
+                Column::new("parameter", ""),
+                Column::new("what it is", ""),
+                Column::new("unit", ""),
+                Column::new("in the scenario", ""),
+                Column::new("recalibrated", ""),
+                Column::new("offset", "prior deviations"),
+                Column::new("under the likeliest explanation", ""),
+            ],
+            rows: rows.collect(),
+        });
+    section.prose(alarms(verdict))
+}
+
+fn answer(verdict: &Verdict) -> String {
+    let moved = verdict.recalibration.iter().filter(|it| {
+        let offset: f64 = it.offset;
+        offset.abs() > NORMAL_95 * it.deviation
+    });
+    let names: Vec<String> = moved.map(|it| it.name.clone()).collect();
+    match names.len() {
+        0 => {
+            "No parameter is shown to be off: every interval holds the scenario's value.".to_owned()
+        }
+        1 => format!("One parameter moved: {}.", names[0]),
+        count => format!(
+            "{count} parameters moved: {}.",
+            words::listed(&names, "and")
+        ),
+    }
+}
+
+fn row(
+    scenario: &Scenario,
+    parameter: &Parameter,
+    alone: &Recalibrated,
+    verdict: &Verdict,
+) -> Vec<Cell> {
+    let mut explained = verdict.parameters.iter();
+    let explained = explained.find(|it| it.name == alone.name);
+    let values = parameter.values(scenario);
+    let unit = words::unit(parameter.unit);
+    let [low, high] = [-NORMAL_95, NORMAL_95].map(|side| alone.offset + side * alone.deviation);
+    let told = [alone.offset, low, high].map(four_digits);
+    vec![
+        Cell::Code(parameter.name.to_owned()),
+        Cell::text(parameter.title),
+        Cell::text(unit),
+        in_scenario(&values),
+        moved(parameter, &values, alone),
+        Cell::Written(
+            format!("{} [{}, {}]", told[0], told[1], told[2]),
+            alone.offset,
+        ),
+        explained.map_or(Cell::Missing, |it| moved(parameter, &values, it)),
+    ]
+}
+
+/// The value that all places have; none where they differ.
+fn one_value(values: &[f64]) -> Option<f64> {
+    let first = *values.first()?;
+    let same = |value: &f64| (value - first).abs() <= SAME * first.abs();
+    values.iter().all(same).then_some(first)
+}
+
+fn in_scenario(values: &[f64]) -> Cell {
+    match one_value(values) {
+        Some(value) => Cell::Number(value),
+        None => Cell::text(
+            values
+                .iter()
+                .map(|value| four_digits(*value))
+                .collect::<Vec<_>>()
+                .join(", "),
+        ),
+    }
+}
+
+/// Where a parameter is after recalibration: its value, a factor or a shift.
+fn moved(parameter: &Parameter, values: &[f64], told: &Recalibrated) -> Cell {
+    let offsets = [0.0, -NORMAL_95, NORMAL_95].map(|side| {
+        let offset: f64 = told.offset + side * told.deviation;
+        offset * parameter.sd
+    });
+    let [value, low, high] = match (parameter.coordinate, one_value(values)) {
+        (Coordinate::Logarithm, Some(value)) => offsets.map(|offset| value * libm::exp(offset)),
+        (Coordinate::Plain, Some(value)) => offsets.map(|offset| value + offset),
+        (Coordinate::Logarithm, None) => offsets.map(libm::exp),
+        (Coordinate::Plain, None) => offsets,
+    };
+    let sign = match (parameter.coordinate, one_value(values)) {
+        (_, Some(_)) => return Cell::Estimate(value, [low, high]),
+        (Coordinate::Logarithm, None) => "×",
+        (Coordinate::Plain, None) => "shift ",
+    };
+    let [told, low, high] = [value, low, high].map(four_digits);
+    Cell::Written(format!("{sign}{told} [{low}, {high}]"), value)
+}
+
+fn alarms(verdict: &Verdict) -> String {
+    if verdict.alarms.is_empty() {
+        return "No alarm: no parameter is at the end of what is known of it, and none would have to change \
+                with slip, load or speed."
+            .to_owned();
+    }
+    let told = verdict.alarms.iter().map(|alarm| {
+        format!(
+            "{} {} ({:.1} standard deviations)",
+            alarm.parameter,
+            suspicion(alarm.what),
+            alarm.deviations
+        )
+    });
+    let told: Vec<String> = told.collect();
+    format!(
+        "Alarms, each a sign that something else is missing: {}.",
+        told.join("; ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn off(offset: f64) -> Recalibrated {
+        Recalibrated {
+            name: String::new(),
+            offset,
+            deviation: 0.0,
+        }
+    }
+
+    fn value(cell: &Cell) -> f64 {
+        match cell {
+            Cell::Estimate(value, _) | Cell::Written(_, value) => *value,
+            cell => panic!("{cell:?}"),
+        }
+    }
+
+    #[test]
+    fn a_factor_multiplies_and_a_shift_adds_prior_deviations() {
+        let cohesion = Parameter::find("soil_cohesion").unwrap();
+        let moved_by_one = moved(cohesion, &[200.0], &off(1.0));
+        assert!((value(&moved_by_one) - 200.0 * libm::exp(cohesion.sd)).abs() < 1e-9);
+        let angle = Parameter::find("soil_friction_angle").unwrap();
+        let moved_by_two = moved(angle, &[30.0, 30.0], &off(-2.0));
+        assert!((value(&moved_by_two) - (30.0 - 2.0 * angle.sd)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn several_values_move_by_one_factor() {
+        let moduli = Parameter::find("soil_moduli").unwrap();
+        let cell = moved(moduli, &[1.0e3, 1.0e6], &off(0.0));
+        assert_eq!(cell, Cell::Written("×1.000 [1.000, 1.000]".to_owned(), 1.0));
+    }
+}

@@ -1,0 +1,152 @@
+//! The gap in plain units.
+
+use super::words;
+use crate::diagnosis::{Diagnosis, InUnits};
+use crate::gap::{self, Entry, Measure};
+use crate::report::page::{Cell, Column, Section, Table};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Rows shown; a page is no place for more.
+const SHOWN: usize = 300;
+
+/// Degrees of freedom from which on Student's distribution is the normal one to four digits; its
+/// quantile is not found at infinity.
+const MOST_FREEDOM: f64 = 1.0e5;
+
+/// Steady means and standard deviations, measured and by each arm; none where there are none.
+pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
+    if diagnosis.in_units.is_empty() {
+        return None;
+    }
+    let has_effect = diagnosis
+        .in_units
+        .iter()
+        .any(|row| row.with_effect.is_some());
+    let mut columns = Column::named([
+        "condition",
+        "channel",
+        "what",
+        "unit",
+        "measured",
+        "as shipped",
+        "recalibrated",
+    ]);
+    if has_effect {
+        columns.push(Column::new("with effect", ""));
+    }
+    columns.push(Column::new("measured less as shipped", ""));
+    let rows = diagnosis.in_units.iter().take(SHOWN).map(|row| {
+        let shown = Shown::of(row);
+        let mut cells = vec![
+            Cell::text(row.condition.to_string()),
+            Cell::text(words::channel(&row.cell.channel)),
+            Cell::text(words::statistic(row.cell.statistic)),
+            Cell::text(&shown.unit),
+            Cell::Number(shown.of_value(row.measured)),
+            Cell::Number(shown.of_value(row.as_shipped)),
+            shown.cell(row.recalibrated),
+        ];
+        if has_effect {
+            cells.push(shown.cell(row.with_effect));
+        }
+        cells.push(difference(diagnosis, row, &shown));
+        cells
+    });
+    let section = Section::new("How large is the gap in plain units?")
+        .prose(
+            "Means over the runs of a condition; parameters and magnitudes are fitted to all conditions here. \
+             The difference has its 95 % interval, from the spread of replicates and of repeats; of a standard \
+             deviation it is the ratio. A click on a header sorts.",
+        )
+        .table(Table {
+            caption: "Steady means and standard deviations of every channel".to_owned(),
+            columns,
+            rows: rows.collect(),
+        });
+    let all = diagnosis.in_units.len();
+    Some(match all > SHOWN {
+        true => section.prose(format!(
+            "These are the first {SHOWN} of {all} rows; diagnosis.json has all."
+        )),
+        false => section,
+    })
+}
+
+/// How a number of a cell is shown.
+struct Shown {
+    unit: String,
+    factor: f64,
+    /// Whether it is told in decibels of the unit.
+    is_level: bool,
+}
+
+impl Shown {
+    fn of(row: &InUnits) -> Self {
+        let is_level = row.cell.statistic.measure() == Measure::Level;
+        let own = match is_level {
+            true => crate::trace::unit_of(&row.cell.channel).unwrap_or(""),
+            false => &row.unit,
+        };
+        let (unit, factor) = match own {
+            "m" => ("mm", 1.0e3),
+            "m/s" => ("mm/s", 1.0e3),
+            own => (words::unit(own), 1.0),
+        };
+        Self {
+            unit: unit.to_owned(),
+            factor,
+            is_level,
+        }
+    }
+
+    fn of_level(level: f64) -> f64 {
+        libm::pow(10.0, level / 20.0)
+    }
+
+    /// A value in the unit shown.
+    fn of_value(&self, value: f64) -> f64 {
+        match self.is_level {
+            true => self.factor * Self::of_level(value),
+            false => self.factor * value,
+        }
+    }
+
+    fn cell(&self, value: Option<f64>) -> Cell {
+        value.map_or(Cell::Missing, |value| Cell::Number(self.of_value(value)))
+    }
+}
+
+/// Difference with its interval: a ratio of standard deviations.
+fn difference(diagnosis: &Diagnosis, row: &InUnits, shown: &Shown) -> Cell {
+    let mut entries = diagnosis.map.iter();
+    let own = entries.find(|entry| entry.cell == row.cell && entry.condition == row.condition);
+    let Some(entry) = own else {
+        return Cell::Missing;
+    };
+    let half = half_width(entry);
+    let told = [
+        entry.difference,
+        entry.difference - half,
+        entry.difference + half,
+    ];
+    match shown.is_level {
+        true => {
+            let [value, low, high] = told.map(Shown::of_level);
+            Cell::Written(format!("×{value:.3} [{low:.3}, {high:.3}]"), value)
+        }
+        false => {
+            let [value, low, high] = told.map(|x| shown.factor * x);
+            Cell::Estimate(value, [low, high])
+        }
+    }
+}
+
+/// Half of the 95 % interval of a difference, in its unit; infinite where its error is not known.
+pub fn half_width(entry: &Entry) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, entry.freedom.min(MOST_FREEDOM));
+    let quantile = student.map(|student| student.inverse_cdf(1.0 - 0.5 * gap::LEVEL));
+    match quantile {
+        Ok(quantile) if entry.error.is_finite() => quantile * entry.error,
+        _ => f64::INFINITY,
+    }
+}

@@ -1,0 +1,282 @@
+//! How a gap shrinks, step by step: as shipped, recalibrated, with an effect, to the floor.
+
+use super::envelope::bounds;
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel, Stroke};
+use super::page::four_digits;
+use crate::diagnosis::Shrinkage;
+
+/// Width of the drawing [px].
+const WIDTH: f64 = 1100.0;
+/// Where the panel begins and ends [px].
+const PANEL: Area = Area {
+    left: 70.0,
+    top: 104.0,
+    width: 1010.0,
+    height: 320.0,
+};
+/// Half of a bar's width, in columns [-].
+const HALF_BAR: f64 = 0.32;
+/// Ink of what nobody can close, and of what nobody knows.
+const FLOOR: &str = "#b9c0cc";
+const UNKNOWN: &str = "#e69f00";
+
+/// One bar from one score to another.
+struct Step {
+    name: String,
+    from: f64,
+    to: f64,
+    fill: &'static str,
+    is_total: bool,
+}
+
+/// Energy scores on held-out conditions as a waterfall: what recalibration takes from the gap as
+/// shipped, what the effect takes (whisker: 95 % interval; dashed line: what the best wrong effect
+/// would take), what is left unknown, and the floor that a perfect model reaches. A step that widens
+/// the gap goes up and is vermilion. `added` names the effect. One SVG 1100 px wide.
+pub fn gap_waterfall(shrinkage: &Shrinkage, added: &str) -> String {
+    let steps = steps(shrinkage, added);
+    let title = "How far the gap closes, on conditions held out of the fit";
+    let mut canvas = Canvas::new([WIDTH, PANEL.bottom() + 76.0], title);
+    canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
+    let told = told(shrinkage);
+    canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, &told);
+    let ends: Vec<f64> = steps.iter().flat_map(|step| [step.from, step.to]).collect();
+    let ends: Vec<f64> = ends.into_iter().chain(interval(shrinkage)).collect();
+    let [low, high] = bounds(&ends).unwrap_or([0.0, 1.0]);
+    let panel = Panel {
+        area: PANEL,
+        x: Axis::exact([0.0, steps.len() as f64], [PANEL.left, PANEL.right()]),
+        y: Axis::roomy([low.min(0.0), high.max(0.0)], [PANEL.bottom(), PANEL.top]),
+    };
+    let header = "Energy score [spreads of replicates per statistic]";
+    panel.draw_category_frame(&mut canvas, header);
+    for (place, step) in steps.iter().enumerate() {
+        draw_step(&mut canvas, &panel, place as f64, step);
+    }
+    for (place, pair) in steps.windows(2).enumerate() {
+        if pair[1].is_total {
+            continue;
+        }
+        let across = [place as f64 + 0.5 + HALF_BAR, place as f64 + 1.5 - HALF_BAR];
+        let link = across.map(|x| panel.at([x, pair[1].from]));
+        canvas.polyline(&link, Stroke::solid(MUTED, 1.0));
+    }
+    draw_closed(&mut canvas, &panel, shrinkage);
+    canvas.finish()
+}
+
+fn steps(shrinkage: &Shrinkage, added: &str) -> Vec<Step> {
+    let Shrinkage {
+        as_shipped,
+        recalibrated,
+        with_effect,
+        floor,
+        ..
+    } = *shrinkage;
+    let fall = |name: String, from: f64, to: f64, fill| Step {
+        name,
+        from,
+        to,
+        fill: if to > from { PALETTE[1] } else { fill },
+        is_total: false,
+    };
+    let total = |name: &str, to, fill| Step {
+        name: name.to_owned(),
+        from: 0.0,
+        to,
+        fill,
+        is_total: true,
+    };
+    let left = Step {
+        // What is left is no fall that widens.
+        fill: UNKNOWN,
+        ..fall("unknown remainder".to_owned(), with_effect, floor, UNKNOWN)
+    };
+    vec![
+        total("as shipped", as_shipped, "#8a93a3"),
+        fall(
+            "parameters recalibrated".to_owned(),
+            as_shipped,
+            recalibrated,
+            PALETTE[0],
+        ),
+        fall(
+            format!("with {added}"),
+            recalibrated,
+            with_effect,
+            PALETTE[2],
+        ),
+        left,
+        total("floor", floor, FLOOR),
+    ]
+}
+
+/// Place of the effect's bar.
+const EFFECT: f64 = 2.0;
+
+fn draw_step(canvas: &mut Canvas, panel: &Panel, place: f64, step: &Step) {
+    if !(step.from.is_finite() && step.to.is_finite()) {
+        return;
+    }
+    let [left, right] = [-HALF_BAR, HALF_BAR].map(|half| panel.x.pixel(place + 0.5 + half));
+    let [from, to] = [step.from, step.to].map(|score| panel.y.pixel(score));
+    let corners = [[left, from], [right, from], [right, to], [left, to]];
+    canvas.polygon(&corners, step.fill, Stroke::solid(INK, 1.0));
+    let middle = panel.x.pixel(place + 0.5);
+    let value = match step.is_total {
+        true => four_digits(step.to),
+        false => signed(step.to - step.from),
+    };
+    let number = Font {
+        colour: INK,
+        bold: true,
+        ..Font::SMALL
+    };
+    let at = [middle, from.min(to) - 7.0];
+    canvas.text(at, Anchor::Middle, number, &value);
+    let name = Font {
+        colour: INK,
+        ..Font::SMALL
+    };
+    let lines = name.wrap(&step.name, panel.x.pixel(1.0) - panel.x.pixel(0.0) - 12.0);
+    for (line, text) in lines.iter().take(3).enumerate() {
+        let below = panel.area.bottom() + 20.0 + 18.0 * line as f64;
+        canvas.text([middle, below], Anchor::Middle, name, text);
+    }
+}
+
+/// Scores between which the gap with the effect lies.
+fn interval(shrinkage: &Shrinkage) -> Vec<f64> {
+    let Shrinkage {
+        recalibrated,
+        floor,
+        closed,
+        ..
+    } = shrinkage;
+    let told = closed.filter(|closed| closed.clusters > 1);
+    let ends = told.map(|closed| closed.ci95.map(|share| score(*recalibrated, *floor, share)));
+    ends.into_iter().flatten().collect()
+}
+
+/// The score at which a share of the gap is closed.
+fn score(recalibrated: f64, floor: f64, share: f64) -> f64 {
+    recalibrated - share * (recalibrated - floor)
+}
+
+fn draw_closed(canvas: &mut Canvas, panel: &Panel, shrinkage: &Shrinkage) {
+    let x = panel.x.pixel(EFFECT + 0.5);
+    let stroke = Stroke::solid(INK, 1.8);
+    if let [low, high] = interval(shrinkage)[..] {
+        let ends = [low, high].map(|score| [x, panel.y.pixel(score)]);
+        canvas.polyline(&ends, stroke);
+        for [x, y] in ends {
+            canvas.polyline(&[[x - 7.0, y], [x + 7.0, y]], stroke);
+        }
+    }
+    if let Some(placebo) = shrinkage.placebo {
+        let score = score(shrinkage.recalibrated, shrinkage.floor, placebo);
+        let across = [-0.5, 0.5].map(|half| panel.at([EFFECT + 0.5 + half, score]));
+        canvas.clip(&panel.area);
+        canvas.polyline(&across, Stroke::dashed(PALETTE[3], 2.0));
+        canvas.unclip();
+    }
+}
+
+fn told(shrinkage: &Shrinkage) -> String {
+    let floor = match shrinkage.floor_is_measured {
+        true => "Floor: half the distance of measured repeats.",
+        false => "Floor: of simulated replicates, for want of measured repeats.",
+    };
+    let placebo = shrinkage
+        .placebo
+        .map_or("", |_| " Dashed: what the best wrong effect would close.");
+    let whisker = match interval(shrinkage).is_empty() {
+        true => "",
+        false => " Whisker: 95 % interval of what the effect closes.",
+    };
+    format!("{floor}{whisker}{placebo}")
+}
+
+fn signed(value: f64) -> String {
+    let text = four_digits(value);
+    match value > 0.0 {
+        true => format!("+{text}"),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::Closed;
+
+    fn shrinkage() -> Shrinkage {
+        Shrinkage {
+            effects: vec!["slip_sinkage".to_owned()],
+            as_shipped: 4.0,
+            recalibrated: 2.0,
+            with_effect: 0.8,
+            floor: 0.5,
+            floor_is_measured: true,
+            closed: Some(Closed {
+                value: 0.8,
+                ci95: [0.6, 0.9],
+                clusters: 6,
+            }),
+            placebo: Some(0.1),
+        }
+    }
+
+    #[test]
+    fn the_steps_lead_from_the_gap_as_shipped_to_the_floor_without_a_jump() {
+        let steps = steps(&shrinkage(), "slip_sinkage");
+        let falls: f64 = steps[1..4].iter().map(|step| step.to - step.from).sum();
+        assert!((steps[0].to + falls - steps[4].to).abs() < 1e-12);
+        assert!(
+            steps
+                .windows(2)
+                .all(|pair| pair[1].is_total || pair[1].from == pair[0].to)
+        );
+    }
+
+    #[test]
+    fn a_step_that_widens_the_gap_is_vermilion() {
+        let worse = Shrinkage {
+            with_effect: 2.5,
+            ..shrinkage()
+        };
+        assert_eq!(steps(&worse, "")[2].fill, PALETTE[1]);
+        assert_eq!(steps(&shrinkage(), "")[2].fill, PALETTE[2]);
+    }
+
+    #[test]
+    fn the_whisker_is_that_of_the_share_closed() {
+        // 60 and 90 % of the way from 2.0 to 0.5.
+        let [low, high] = interval(&shrinkage())[..] else {
+            panic!("no interval")
+        };
+        assert!((low - 1.1).abs() < 1e-12 && (high - 0.65).abs() < 1e-12);
+        let alone = Shrinkage {
+            closed: Some(Closed {
+                value: 0.8,
+                ci95: [0.8; 2],
+                clusters: 1,
+            }),
+            ..shrinkage()
+        };
+        assert!(interval(&alone).is_empty(), "one cluster has no interval");
+    }
+
+    #[test]
+    fn scores_that_are_no_numbers_leave_their_bars_out() {
+        let broken = Shrinkage {
+            as_shipped: f64::INFINITY,
+            recalibrated: f64::NAN,
+            placebo: Some(f64::NEG_INFINITY),
+            ..shrinkage()
+        };
+        let svg = gap_waterfall(&broken, "<effect>");
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        assert!(svg.contains("&lt;effect&gt;"));
+    }
+}
