@@ -37,9 +37,10 @@ struct Quantity {
     measured: fn(&SteadyLoad) -> f64,
     /// Standard uncertainty.
     deviation: fn(&SteadyLoad) -> f64,
-    /// What is predicted from load and slip, and by how much the panel's unit is finer than SI's;
-    /// none of the load itself.
-    predicted: Option<(fn(&Prediction) -> Predicted, f64)>,
+    /// What is predicted from load and slip; none of the load itself.
+    predicted: Option<fn(&Prediction) -> Predicted>,
+    /// By how much the panel's unit is finer than SI's.
+    scale: f64,
     /// Whether a wheel held by static friction does not show it.
     slips: bool,
 }
@@ -49,7 +50,8 @@ const QUANTITIES: [Quantity; 4] = [
         header: "Drawbar pull F_DP [N]",
         measured: |row| row.drawbar_pull,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.drawbar_pull),
-        predicted: Some((|told| told.drawbar_pull, 1.0)),
+        predicted: Some(|told| told.drawbar_pull),
+        scale: 1.0,
         slips: true,
     },
     Quantity {
@@ -57,20 +59,23 @@ const QUANTITIES: [Quantity; 4] = [
         measured: |row| row.load,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.load),
         predicted: None,
+        scale: 1.0,
         slips: false,
     },
     Quantity {
         header: "Driving torque T_D [N·m]",
         measured: |row| row.driving_torque,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.driving_torque),
-        predicted: Some((|told| told.driving_torque, 1.0)),
+        predicted: Some(|told| told.driving_torque),
+        scale: 1.0,
         slips: true,
     },
     Quantity {
         header: "Sinkage of the rim z [mm]",
         measured: |row| 1.0e3 * row.sinkage,
         deviation: |row| row.uncertainty.map_or(0.0, |u| 1.0e3 * u.sinkage),
-        predicted: Some((|told| told.sinkage, 1.0e3)),
+        predicted: Some(|told| told.sinkage),
+        scale: 1.0e3,
         slips: false,
     },
 ];
@@ -248,7 +253,8 @@ impl Curves<'_> {
 
     /// What is predicted along the rows of a load, in parts where there is a prediction.
     fn line(&self, rows: &[SteadyLoad], quantity: &Quantity) -> Vec<Vec<Point>> {
-        let Some((predicted, scale)) = quantity.predicted else {
+        let scale = quantity.scale;
+        let Some(predicted) = quantity.predicted else {
             return Vec::new();
         };
         let shown = |slip: f64| !(quantity.slips && self.is_held(slip));
