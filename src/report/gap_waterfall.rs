@@ -277,6 +277,11 @@ mod tests {
         };
         let svg = gap_waterfall(&broken, "<effect>");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
-        assert!(svg.contains("&lt;effect&gt;"));
+        assert!(
+            !svg.contains("&lt;effect&gt;"),
+            "from where it falls is not known"
+        );
+        let whole = gap_waterfall(&shrinkage(), "<effect>");
+        assert!(whole.contains("&lt;effect&gt;"), "{whole}");
     }
 }
