@@ -15,6 +15,8 @@ const PITCH: f64 = 30.0;
 const SHOWN: usize = 14;
 /// Probability [-] below which an explanation is told with the others.
 const UNLIKELY: f64 = 0.005;
+/// Name of the bar of what is improbable.
+const OTHERS: &str = "all others together";
 
 /// Explanations, likeliest first, each with its probability; what is improbable is one bar. Blue are
 /// effects and pairs of them, green nothing and parameters, orange the unknown, grey undecided. One
@@ -60,7 +62,7 @@ fn bars(probabilities: &BTreeMap<String, f64>) -> Vec<(String, f64)> {
     let others = all.split_off(shown);
     let sum: f64 = others.iter().map(|(_, p)| p).sum();
     if !others.is_empty() {
-        all.push((format!("{} others together", others.len()), sum));
+        all.push((OTHERS.to_owned(), sum));
     }
     all
 }
@@ -70,7 +72,7 @@ fn colour(name: &str) -> &'static str {
         "none" | "parameter" => PALETTE[2],
         "unknown" => PALETTE[5],
         "undecided" => "#8a93a3",
-        name if name.ends_with(" others together") => "#b9c0cc",
+        OTHERS => "#b9c0cc",
         _ => PALETTE[0],
     }
 }
@@ -133,7 +135,7 @@ mod tests {
         ];
         let bars = bars(&probabilities(&told));
         let names: Vec<&str> = bars.iter().map(|(name, _)| &**name).collect();
-        assert_eq!(names, ["b", "none", "a+b", "2 others together"]);
+        assert_eq!(names, ["b", "none", "a+b", OTHERS]);
         assert!((bars[3].1 - 0.003).abs() < 1e-12);
     }
 

@@ -134,8 +134,8 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
         (
             "compared".to_owned(),
             format!(
-                "{runs} measured runs in {count} conditions with {} simulated replicates each; {} effects \
-                 and {} parameters were tried",
+                "{runs} measured runs in {count} conditions with {} simulated replicates each; effects tried: {}, \
+                 parameters that may move: {}",
                 compared.depth.replicates,
                 compared.candidates.len(),
                 compared.parameters.len()

@@ -1,7 +1,7 @@
 //! Where measured and simulated runs differ.
 
 use super::ToldDiagnosis;
-use super::words;
+use super::{units, words};
 use crate::gap::{Colour, Entry, GapMap};
 use crate::report::gap_map;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
@@ -98,8 +98,11 @@ fn located(told: &ToldDiagnosis) -> Table {
 
 /// Difference with its interval, and its unit.
 fn as_shipped(entry: &Entry) -> [Cell; 2] {
-    let half = super::units::half_width(entry);
+    let (unit, factor) = units::shown(&entry.unit);
+    let half = units::half_width(entry);
     let ends = [entry.difference - half, entry.difference + half];
-    let unit = words::unit(&entry.unit);
-    [Cell::Estimate(entry.difference, ends), Cell::text(unit)]
+    [
+        Cell::Estimate(factor * entry.difference, ends.map(|end| factor * end)),
+        Cell::text(unit),
+    ]
 }

@@ -72,6 +72,15 @@ pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
     })
 }
 
+/// The unit in which a number of that unit is shown, and the factor to it.
+pub fn shown(unit: &str) -> (&str, f64) {
+    match unit {
+        "m" => ("mm", 1.0e3),
+        "m/s" => ("mm/s", 1.0e3),
+        unit => (words::unit(unit), 1.0),
+    }
+}
+
 /// How a number of a cell is shown.
 struct Shown {
     unit: String,
@@ -87,11 +96,7 @@ impl Shown {
             true => crate::trace::unit_of(&row.cell.channel).unwrap_or(""),
             false => &row.unit,
         };
-        let (unit, factor) = match own {
-            "m" => ("mm", 1.0e3),
-            "m/s" => ("mm/s", 1.0e3),
-            own => (words::unit(own), 1.0),
-        };
+        let (unit, factor) = shown(own);
         Self {
             unit: unit.to_owned(),
             factor,
