@@ -203,6 +203,8 @@ fn depth(entry: &Entry) -> f64 {
 /// A strength with a sign, short.
 fn number(z: f64) -> String {
     let text = match z.abs() {
+        size if size.is_nan() => "–".to_owned(),
+        size if size.is_infinite() => format!("{}∞", if z > 0.0 { "+" } else { "-" }),
         size if size < 9.95 => format!("{z:+.1}"),
         size if size < 999.5 => format!("{z:+.0}"),
         _ => format!("{z:+.0e}"),
