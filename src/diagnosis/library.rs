@@ -105,7 +105,7 @@ fn name_of_parameter(slope: &Slope) -> String {
 fn candidate(signature: &Signature) -> Candidate {
     Candidate {
         name: signature.name(),
-        seat: signature.seat.clone(),
+        seat: *signature.seat,
     }
 }
 
