@@ -186,6 +186,7 @@ fn verdict(cases: &[Case]) -> Verdict {
         verdict: Answer::Effect,
         named: vec![vec!["slip_sinkage".to_owned(), "lug_action".to_owned()]],
         probabilities: probabilities.into(),
+        explanations: Vec::new(),
         effects: vec![
             Suspect {
                 equivalent_to: vec!["lug_action".to_owned()],

@@ -9,6 +9,7 @@ use super::fit::Problem;
 use super::library::Answers;
 use super::observation::Observed;
 use super::responses::Measured;
+use super::shrinkage::{floor, reach};
 use crate::gap::{Cell, Condition, Run, Statistic};
 use serde::Serialize;
 
@@ -24,7 +25,8 @@ const KEPT: f64 = 0.15;
 pub struct SimulatedAgain {
     /// What was simulated.
     pub arm: Arm,
-    /// Mean energy score [spreads of replicates per statistic] of measured runs against it.
+    /// Mean energy score [spreads of replicates per statistic] of measured runs against it, from the
+    /// same floor as the gaps of the emulator.
     pub gap: f64,
     /// Whether that is what the emulator has for the same fit, or less.
     pub as_predicted: bool,
@@ -94,9 +96,11 @@ fn gap(
         let sum: f64 = made.iter().map(|made| emulated.apart(run, made)).sum();
         sum / made.len() as f64
     };
-    let among = 0.5 * emulated.among(&emulated.replicates);
     let runs = &observed.runs;
-    Some(runs.iter().map(mean).sum::<f64>() / runs.len() as f64 - among)
+    let apart = runs.iter().map(mean).sum::<f64>() / runs.len() as f64;
+    // These had no part in the whitening: a perfect model's lie farther from a run than replicates do.
+    let (floor, _) = floor(emulated, observed);
+    Some(floor + apart - reach(emulated, observed, &made))
 }
 
 /// Means, deviations and steady means of all channels, condition by condition.

@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 
 /// Temperatures, priors and thresholds of a verdict, in one table.
 ///
-/// The defaults are **not yet calibrated**: they are what a world that obeys the model needs.
-/// A bank of campaigns with known causes, separate from every test, is to set them.
+/// The temperature was set on ten blind campaigns on sand of the calibration family
+/// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses: emulators err a
+/// little, so that at 1 the best of many effects beat parameters by 6 and 7 in two of four campaigns
+/// in which no effect was left out. The other defaults are what a world that obeys the model needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
@@ -40,7 +42,7 @@ pub struct Calibration {
 impl Default for Calibration {
     fn default() -> Self {
         Self {
-            temperature: 1.0,
+            temperature: 3.0,
             forest_share: 0.15,
             priors: [0.25, 0.25, 0.4, 0.05, 0.05],
             freedom: 6.0,

@@ -9,8 +9,11 @@
 //! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it, so that
 //! each is of unit variance. How far that holds for a run that had no part in it is tried on
 //! replicates left out, and the variance raised to what they show. The scatter of the changes from
-//! stream to stream is the emulator's own error; changes are drawn to zero by it.
+//! stream to stream is the emulator's own error; changes are drawn to zero by it. Where several are
+//! off together it errs: [pins](super::pins) set it right there.
 
+use super::library::Beside;
+use super::pins::{Defect, Point};
 use super::product::product;
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::shape::{Knot, Shape};
@@ -29,6 +32,10 @@ pub struct Emulator {
     pub(super) parameters: Vec<String>,
     pub(super) candidates: Vec<Candidate>,
     pub(super) conditions: Vec<Emulated>,
+    /// Where it was set right.
+    pub(super) pins: Vec<Point>,
+    /// Where the best explanation so far ends, about which linear looks are taken.
+    pub(super) middle: Option<Point>,
 }
 
 /// Whitened statistics of one condition.
@@ -52,6 +59,8 @@ pub(super) struct Emulated {
     pub bend: Vec<Vec<f64>>,
     /// Change by candidate.
     pub shapes: Vec<Shape>,
+    /// What it lacked at each pin.
+    pub pinned: Vec<Defect>,
 }
 
 impl Emulator {
@@ -71,6 +80,8 @@ impl Emulator {
             parameters: library.parameters.clone(),
             candidates: library.candidates.clone(),
             conditions,
+            pins: Vec::new(),
+            middle: None,
         })
     }
 
@@ -133,17 +144,66 @@ impl Emulated {
             jacobian,
             jacobian_error,
             shapes,
+            pinned: Vec::new(),
             transform,
         })
     }
 
     /// Adds the change that parameters make to `sums`.
     pub fn add_parameters(&self, offsets: &[f64], sums: &mut [f64]) {
-        for ((slope, bend), offset) in self.jacobian.iter().zip(&self.bend).zip(offsets) {
+        for (slope, offset) in self.jacobian.iter().zip(offsets) {
             super::product::add(sums, *offset, slope);
+        }
+        self.add_bends(offsets, sums);
+    }
+
+    /// Adds that part of it which is not straight.
+    pub fn add_bends(&self, offsets: &[f64], sums: &mut [f64]) {
+        for (bend, offset) in self.bend.iter().zip(offsets) {
             let bent = offset.clamp(-BENT, BENT);
             super::product::add(sums, bent * bent, bend);
         }
+    }
+
+    /// What it lacks at a point that was simulated, a pair of runs a stream; drawn to zero where that
+    /// does not exceed its error.
+    ///
+    /// What the runs without it are off their mean is taken from those with it in part (a control
+    /// variate): near the scenario as shipped both see the same ground alike, far from it a lug meets
+    /// it at another moment.
+    pub fn lacking(&self, point: &Point, runs: &[Beside]) -> Defect {
+        let [with, without]: [Vec<Vec<f64>>; 2] = [
+            runs.iter().map(|run| self.departure(&run.with)).collect(),
+            runs.iter()
+                .map(|run| self.departure(&run.without))
+                .collect(),
+        ];
+        let share = shared(&with, &without);
+        let corrected = with.into_iter().zip(&without).map(|(mut with, without)| {
+            super::product::add(&mut with, -share, without);
+            with
+        });
+        let (mut change, error) = mean(&corrected.collect::<Vec<_>>());
+        let mut told = vec![0.0; self.cells.len()];
+        self.add_parameters(&point.offsets, &mut told);
+        for &(effect, strength) in &point.effects {
+            self.shapes[effect].add(strength, 1.0, &mut told);
+        }
+        super::product::add(&mut change, -1.0, &told);
+        drawn_to_zero(&mut change, &error);
+        Defect {
+            change,
+            error,
+            left: 0.0,
+        }
+    }
+
+    /// Share [-] of the numbers that are independent: the mean square of `ν` such scatters by
+    /// `√(2/ν)`.
+    pub fn independent(&self) -> f64 {
+        let [variance, deviation] = self.variance;
+        let scatter = deviation / variance;
+        (2.0 / (self.cells.len() as f64 * scatter * scatter)).min(1.0)
     }
 
     /// A run's departure from the replicates' mean, whitened.
@@ -211,23 +271,8 @@ impl Transform {
     /// variance of that mean.
     fn change(&self, rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
         let white: Vec<Vec<f64>> = rows.iter().map(|row| self.moved(row)).collect();
-        let streams = white.len() as f64;
-        let (mut means, mut errors) = (Vec::new(), Vec::new());
-        for place in 0..self.cells.len() {
-            let mean = white.iter().map(|row| row[place]).sum::<f64>() / streams;
-            let square: f64 = white
-                .iter()
-                .map(|row| (row[place] - mean) * (row[place] - mean))
-                .sum();
-            means.push(mean);
-            errors.push(square / (streams - 1.0).max(1.0) / streams);
-        }
-        // One cell's scatter is known from few streams: half of it is what all cells show.
-        let common = errors.iter().sum::<f64>() / (errors.len() as f64).max(1.0);
-        for (mean, error) in means.iter_mut().zip(&mut errors) {
-            *error = 0.5 * (*error + common);
-            *mean *= (1.0 - *error / (*mean * *mean).max(f64::MIN_POSITIVE)).max(0.0);
-        }
+        let (mut means, errors) = mean(&white);
+        drawn_to_zero(&mut means, &errors);
         (means, errors)
     }
 
@@ -246,6 +291,55 @@ impl Transform {
             least[most] += product(&white, &white);
         }
         least
+    }
+}
+
+/// Mean over the streams and its variance.
+fn mean(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let streams = rows.len() as f64;
+    let (mut means, mut errors) = (Vec::new(), Vec::new());
+    for place in 0..rows.first().map_or(0, Vec::len) {
+        let mean = rows.iter().map(|row| row[place]).sum::<f64>() / streams;
+        let square: f64 = rows
+            .iter()
+            .map(|row| (row[place] - mean) * (row[place] - mean))
+            .sum();
+        means.push(mean);
+        errors.push(square / (streams - 1.0).max(1.0) / streams);
+    }
+    // One cell's scatter is known from few streams: half of it is what all cells show.
+    let common = errors.iter().sum::<f64>() / (errors.len() as f64).max(1.0);
+    for error in &mut errors {
+        *error = 0.5 * (*error + common);
+    }
+    (means, errors)
+}
+
+/// Share [-] of the scatter of `without` that `with` has too, over all streams and numbers.
+fn shared(with: &[Vec<f64>], without: &[Vec<f64>]) -> f64 {
+    let centred = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let mut middle = vec![0.0; rows.first().map_or(0, Vec::len)];
+        for row in rows {
+            super::product::add(&mut middle, 1.0 / rows.len() as f64, row);
+        }
+        let rows = rows.iter().cloned();
+        rows.map(|mut row| {
+            super::product::add(&mut row, -1.0, &middle);
+            row
+        })
+        .collect()
+    };
+    let [with, without] = [with, without].map(centred);
+    let sum = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| product(a, b)).sum()
+    };
+    let scatter = sum(&without, &without).max(f64::MIN_POSITIVE);
+    (sum(&with, &without) / scatter).clamp(0.0, 1.0)
+}
+
+fn drawn_to_zero(means: &mut [f64], errors: &[f64]) {
+    for (mean, error) in means.iter_mut().zip(errors) {
+        *mean *= (1.0 - error / (*mean * *mean).max(f64::MIN_POSITIVE)).max(0.0);
     }
 }
 

@@ -5,8 +5,12 @@
 //! change bends little, else taken about the best fit of the round before; its prior is normal of one
 //! of a few spreads; strengths are tried on a grid that closes in on where the
 //! posterior is. `Λ` holds the spread of measurements and replicates, the emulator's error at the
-//! best fit, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
-//! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone.
+//! best fit, less where [pins](super::pins) set it right, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
+//! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone. Few replicates whiten many
+//! statistics in part only, and what is left correlated would be counted as often as it shows:
+//! each condition's log likelihood is weighed by the share of its numbers that are independent (a
+//! composite likelihood's magnitude adjustment: Pauli, Racugno and Ventura 2011, Stat. Sinica
+//! 21:149-164), which the scatter of replicates' mean squares tells.
 //!
 //! All terms are sums over conditions: leaving one out is a subtraction. What the others say of it
 //! is a predictive density, Laplace's approximation over the parameters.
@@ -16,12 +20,15 @@ use super::emulator::{BENT, Emulated, Emulator};
 use super::grid::Axis;
 use super::hypothesis::{Hypothesis, Scale};
 use super::observation::{Observation, Observed};
+use super::pins::{Defect, Point};
 use super::product::{add, log_sum, product, scaled};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::function::gamma::ln_gamma;
 
 /// Rounds in which precisions settle.
 const ROUNDS: usize = 3;
+/// More of them at most, one a pin.
+const PINNED: usize = 2;
 /// Finer looks at strengths.
 const LOOKS: usize = 7;
 /// Variance of a parameter that does not move.
@@ -46,6 +53,27 @@ impl<'a> Problem<'a> {
         let observed = &self.observation.conditions;
         self.emulator.conditions.iter().zip(observed)
     }
+
+    /// Departures, condition by condition, as they would be were all changes straight: less what is
+    /// bent or lacking where the best explanation so far ends.
+    pub(super) fn straightened(self) -> Vec<Vec<f64>> {
+        let mut residuals: Vec<Vec<f64>> = self
+            .conditions()
+            .map(|(_, observed)| observed.residual.clone())
+            .collect();
+        let Some(middle) = &self.emulator.middle else {
+            return residuals;
+        };
+        let defects = self.emulator.defects(middle);
+        for ((residual, (emulated, _)), defect) in
+            residuals.iter_mut().zip(self.conditions()).zip(defects)
+        {
+            let mut lacking = defect.change;
+            emulated.add_bends(&middle.offsets, &mut lacking);
+            add(residual, -1.0, &lacking);
+        }
+        residuals
+    }
 }
 
 /// Median of a strength and its 95 % interval, in its unit.
@@ -59,6 +87,8 @@ pub(super) struct Estimate {
 #[derive(Debug)]
 pub(super) struct Fit {
     pub hypothesis: Hypothesis,
+    /// Where it ends.
+    pub best: Point,
     /// Of each effect.
     pub strengths: Vec<Estimate>,
     /// Of each parameter [prior standard deviations], with its deviation.
@@ -69,6 +99,8 @@ pub(super) struct Fit {
     pub determined: f64,
     /// What the other conditions say of each.
     pub held_out: Vec<HeldOut>,
+    /// Variance of each condition's numbers, the emulator's error with them.
+    pub variances: Vec<Vec<f64>>,
 }
 
 /// A condition predicted from the others.
@@ -80,6 +112,8 @@ pub(super) struct HeldOut {
     pub scores: Vec<f64>,
     /// Log deviations [-], summed.
     pub log_spread: f64,
+    /// Share of the numbers that are independent [-].
+    pub independent: f64,
     /// Numbers less those that parameters adapt to [-].
     pub freedom: f64,
     /// Whitened change predicted.
@@ -87,33 +121,59 @@ pub(super) struct HeldOut {
 }
 
 impl Fit {
+    /// A fit whose predictions are held against its own variances.
     pub fn new(problem: Problem, hypothesis: Hypothesis) -> Self {
+        Self::beside(problem, hypothesis, None)
+    }
+
+    /// A fit whose predictions are held against the variances of `another`: of two explanations the
+    /// one that claims less error would win by that alone.
+    pub fn beside(problem: Problem, hypothesis: Hypothesis, another: Option<&Self>) -> Self {
         let mut variances: Vec<Vec<f64>> = problem
             .conditions()
             .map(|(_, observed)| observed.variance.clone())
             .collect();
-        let mut precisions: Vec<Vec<f64>> = variances.iter().map(|v| inverse(v)).collect();
+        let mut precisions: Vec<Vec<f64>> = problem
+            .conditions()
+            .map(|(emulated, observed)| {
+                let independent = emulated.independent();
+                let of = |variance| independent / variance;
+                observed.variance.iter().map(of).collect()
+            })
+            .collect();
         let nowhere = vec![0.0; problem.emulator.parameters.len()];
-        let about = Local::all(problem, &nowhere);
+        let mut defects: Vec<Defect> = variances.iter().map(|v| Defect::none(v.len())).collect();
+        let about = Local::all(problem, &nowhere, &defects);
         let mut posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), None);
-        for _ in 1..ROUNDS {
-            let (strengths, offsets) = posterior.best();
+        // A pin draws the fit to it, and its defect changes a little on the way.
+        let rounds = ROUNDS + problem.emulator.pins.len().min(PINNED);
+        for _ in 1..rounds {
+            let Point { offsets, effects } = posterior.best();
+            let strengths: Vec<f64> = effects.iter().map(|(_, strength)| *strength).collect();
+            defects = problem.emulator.defects(&posterior.best());
             for (number, (emulated, observed)) in problem.conditions().enumerate() {
                 let effects = hypothesis.effects();
-                let model = Model::new(emulated, effects, &strengths, offsets.as_slice());
+                let model = Model::new(emulated, effects, (&strengths, &offsets), &defects[number]);
                 variances[number] = model.variance(emulated, observed, problem.calibration);
-                precisions[number] =
-                    model.precision(observed, &variances[number], problem.calibration.freedom);
+                precisions[number] = model.precision(
+                    (emulated, observed),
+                    &variances[number],
+                    problem.calibration.freedom,
+                );
             }
-            let about = Local::all(problem, offsets.as_slice());
+            let about = Local::all(problem, &offsets, &defects);
             let axes = Some(posterior.axes);
             posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), axes);
         }
         let held_out = problem.conditions().enumerate();
         let held_out = held_out
-            .map(|(number, _)| posterior.predict(problem, number, &variances[number]))
+            .map(|(number, _)| {
+                let variances = another.map_or(&variances, |another| &another.variances);
+                posterior.predict(problem, number, (&variances[number], &defects[number]))
+            })
             .collect();
         Self {
+            best: posterior.best(),
             strengths: posterior.estimates(),
             offsets: posterior.offsets(),
             occam: posterior.occam(),
@@ -123,13 +183,10 @@ impl Fit {
                 _ => posterior.determined(),
             },
             held_out,
+            variances,
             hypothesis,
         }
     }
-}
-
-fn inverse(variances: &[f64]) -> Vec<f64> {
-    variances.iter().map(|variance| 1.0 / variance).collect()
 }
 
 /// Changes by effects and by parameters.
@@ -139,14 +196,15 @@ struct Model<'a> {
     offsets: &'a [f64],
     by_effects: Vec<f64>,
     by_parameters: Vec<f64>,
+    defect: &'a Defect,
 }
 
 impl<'a> Model<'a> {
     fn new(
         emulated: &Emulated,
         effects: &'a [usize],
-        strengths: &'a [f64],
-        offsets: &'a [f64],
+        (strengths, offsets): (&'a [f64], &'a [f64]),
+        defect: &'a Defect,
     ) -> Self {
         let mut by_effects = vec![0.0; emulated.cells.len()];
         let mut by_parameters = by_effects.clone();
@@ -160,13 +218,21 @@ impl<'a> Model<'a> {
             offsets,
             by_effects,
             by_parameters,
+            defect,
         }
+    }
+
+    /// The change of the numbers.
+    fn change(&self) -> Vec<f64> {
+        let mut change = self.by_effects.clone();
+        add(&mut change, 1.0, &self.by_parameters);
+        add(&mut change, 1.0, &self.defect.change);
+        change
     }
 
     fn departure(&self, observed: &Observed) -> Vec<f64> {
         let mut departure = observed.residual.clone();
-        add(&mut departure, -1.0, &self.by_effects);
-        add(&mut departure, -1.0, &self.by_parameters);
+        add(&mut departure, -1.0, &self.change());
         departure
     }
 
@@ -176,23 +242,33 @@ impl<'a> Model<'a> {
         observed: &Observed,
         calibration: &Calibration,
     ) -> Vec<f64> {
-        let mut variance = observed.variance.clone();
+        let mut of_emulator = vec![0.0; observed.variance.len()];
         for (&effect, &strength) in self.effects.iter().zip(self.strengths) {
-            emulated.shapes[effect].add_error(strength, &mut variance);
+            emulated.shapes[effect].add_error(strength, &mut of_emulator);
         }
         for (error, offset) in emulated.jacobian_error.iter().zip(self.offsets) {
-            add(&mut variance, offset * offset, error);
+            add(&mut of_emulator, offset * offset, error);
         }
         let relative = calibration.relative_error * calibration.relative_error;
         for part in [&self.by_effects, &self.by_parameters] {
-            add(&mut variance, relative, &scaled(part, part));
+            add(&mut of_emulator, relative, &scaled(part, part));
         }
+        let mut variance = observed.variance.clone();
+        add(&mut variance, self.defect.left, &of_emulator);
+        add(&mut variance, 1.0, &self.defect.error);
         variance
     }
 
-    fn precision(&self, observed: &Observed, variance: &[f64], freedom: f64) -> Vec<f64> {
+    fn precision(
+        &self,
+        (emulated, observed): (&Emulated, &Observed),
+        variance: &[f64],
+        freedom: f64,
+    ) -> Vec<f64> {
         let departure = self.departure(observed);
-        let precision = |(e, v): (&f64, &f64)| (freedom + 1.0) / (freedom * v + e * e);
+        let independent = emulated.independent();
+        let precision =
+            |(e, v): (&f64, &f64)| independent * (freedom + 1.0) / (freedom * v + e * e);
         departure.iter().zip(variance).map(precision).collect()
     }
 }
@@ -204,15 +280,16 @@ struct Local {
 }
 
 impl Local {
-    fn all(problem: Problem, offsets: &[f64]) -> Vec<Self> {
-        let conditions = problem.conditions();
+    fn all(problem: Problem, offsets: &[f64], defects: &[Defect]) -> Vec<Self> {
+        let conditions = problem.conditions().zip(defects);
         conditions
-            .map(|(emulated, observed)| Self::about(emulated, observed, offsets))
+            .map(|((emulated, observed), defect)| Self::about(emulated, observed, offsets, defect))
             .collect()
     }
 
-    fn about(emulated: &Emulated, observed: &Observed, offsets: &[f64]) -> Self {
+    fn about(emulated: &Emulated, observed: &Observed, offsets: &[f64], defect: &Defect) -> Self {
         let mut residual = observed.residual.clone();
+        add(&mut residual, -1.0, &defect.change);
         let slopes = emulated.jacobian.iter().zip(&emulated.bend).zip(offsets);
         let jacobian = slopes.map(|((slope, bend), offset)| {
             let bent = offset.clamp(-BENT, BENT);
@@ -514,11 +591,15 @@ impl Posterior {
             .collect()
     }
 
-    /// Strengths and parameters of the best fit.
-    fn best(&self) -> (Vec<f64>, DVector<f64>) {
+    /// The best fit.
+    fn best(&self) -> Point {
         let fold = self.fold(None);
         let (scale, point) = fold.best();
-        (self.strengths(point), fold.offsets(scale, point))
+        let effects = self.effects.iter().copied();
+        Point {
+            offsets: fold.offsets(scale, point).iter().copied().collect(),
+            effects: effects.zip(self.strengths(point)).collect(),
+        }
     }
 
     fn occam(&self) -> f64 {
@@ -597,7 +678,12 @@ impl Posterior {
         self.axes.iter().zip(masses).map(of).collect()
     }
 
-    fn predict(&self, problem: Problem, number: usize, variance: &[f64]) -> HeldOut {
+    fn predict(
+        &self,
+        problem: Problem,
+        number: usize,
+        (variance, defect): (&[f64], &Defect),
+    ) -> HeldOut {
         // One condition cannot be predicted from none: its own fit stands for that.
         let fold = self.fold((self.terms.len() > 1).then_some(number));
         let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
@@ -622,20 +708,22 @@ impl Posterior {
                     adapted += step;
                 }
             }
-            let model = Model::new(emulated, &self.effects, &strengths, adapted.as_slice());
+            let model =
+                |offsets| Model::new(emulated, &self.effects, (&strengths, offsets), defect);
+            let of_others = model(offsets.as_slice());
+            let model = model(adapted.as_slice());
             let departure = model.departure(observed);
-            logs.push(log_weight + log_density(&departure, variance, freedom) - penalty);
+            let log_density = emulated.independent() * log_density(&departure, variance, freedom);
+            logs.push(log_weight + log_density - penalty);
             if best.is_none() {
                 let deviations = departure.iter().zip(variance);
-                let model = Model::new(emulated, &self.effects, &strengths, offsets.as_slice());
-                let mut shift = model.by_effects;
-                add(&mut shift, 1.0, &model.by_parameters);
                 best = Some(HeldOut {
                     log_density: 0.0,
                     scores: deviations.map(|(e, v)| e / libm::sqrt(*v)).collect(),
                     log_spread: variance.iter().map(|v| 0.5 * libm::log(*v)).sum(),
+                    independent: emulated.independent(),
                     freedom: (departure.len() as f64 - adapts).max(1.0),
-                    shift,
+                    shift: of_others.change(),
                 });
             }
         }

@@ -88,11 +88,7 @@ impl Forest {
 
     /// Probability [-] of every hypothesis of one cause, all alike beforehand.
     pub(super) fn probabilities(&self, problem: Problem) -> Vec<f64> {
-        let residuals: Vec<Vec<f64>> = problem
-            .conditions()
-            .map(|(_, observed)| observed.residual.clone())
-            .collect();
-        let row = self.view.of(&residuals);
+        let row = self.view.of(&problem.straightened());
         let mut votes = vec![0.0; self.hypotheses.len()];
         for tree in &self.trees {
             add(&mut votes, 1.0, tree.leaf(&row));

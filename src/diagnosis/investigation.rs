@@ -10,11 +10,13 @@ use super::emulator::Emulator;
 use super::fit::Problem;
 use super::forest::Forest;
 use super::further::further_runs;
-use super::library::{Answers, Gathered};
+use super::library::{Answers, Beside, Gathered};
 use super::next_run::FurtherRuns;
 use super::observation::Observation;
 use super::parameter::{Offsets, Parameter};
+use super::pins::{Ends, Point, ends};
 use super::plan::{Depth, Plan, TooSmall};
+use super::ranking::Ranking;
 use super::responses::{DiagnosisError, Library};
 use super::screen::{Screened, isolability, screen};
 use super::verdict::{Recalibrated, Verdict};
@@ -32,6 +34,11 @@ use std::path::Path;
 /// Simulated driving [s] of a diagnosis unless the caller says otherwise: some twenty minutes of two
 /// cores on sand or hard ground.
 pub const BUDGET: f64 = 30_000.0;
+
+/// Times at most that fits are simulated again and taken up where they end.
+const ROUNDS: u64 = 4;
+/// Streams of each such simulation; those of a round differ from those of the next.
+const PINNED: u64 = 4;
 
 /// Replicates of each run that could be made, and streams of what changes in it.
 const FURTHER: Depth = Depth {
@@ -252,21 +259,36 @@ impl<'a> Investigation<'a> {
         let map = self.map(&answers)?;
         let calibration = &self.settings.calibration;
         let library = &gathered.library;
-        let emulator = Emulator::new(library)?;
+        let mut emulator = Emulator::new(library)?;
         let observation = Observation::new(&emulator, library, &gathered.measured, calibration)?;
-        let problem = Problem {
-            emulator: &emulator,
-            observation: &observation,
-            calibration,
-        };
-        let forest = Forest::train(problem, self.settings.seed);
-        let verdict = Verdict::of(problem, &forest, self.settings.seed);
+        let forest = Forest::train(
+            problem(&emulator, &observation, calibration),
+            self.settings.seed,
+        );
+        for round in 0..ROUNDS {
+            let Ends { best, unpinned } = ends(problem(&emulator, &observation, calibration));
+            emulator.middle = best;
+            let ask = (&bank, round * PINNED);
+            if unpinned.is_empty()
+                || !self.pin(&mut emulator, (library, unpinned), ask, hear, &mut answers)?
+            {
+                break;
+            }
+        }
+        let problem = problem(&emulator, &observation, calibration);
+        let ranking = Ranking::new(problem, &forest);
+        let verdict = Verdict::of(problem, &ranking, self.settings.seed);
         let further = self.further(&verdict, library, hear)?;
         let verdict = verdict.with_next_run(problem, &further);
         let arms = self.arms(&verdict);
         let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
         for arm in requests.into_iter().flatten() {
-            ask(&bank, self.again(arm), hear, &mut answers)?;
+            ask(
+                &bank,
+                self.all_cases(arm, 0..again::STREAMS),
+                hear,
+                &mut answers,
+            )?;
         }
         let places = self.places(library);
         let gap = verdict.shrinkage.as_ref().map(|it| Gaps {
@@ -298,6 +320,39 @@ impl<'a> Investigation<'a> {
             verdict,
         };
         Ok((diagnosis, arms))
+    }
+
+    /// Simulates these points, on grounds from this stream on, and pins the emulator to those that
+    /// could be; whether there are any.
+    fn pin(
+        &self,
+        emulator: &mut Emulator,
+        (library, points): (&Library, Vec<Point>),
+        (bank, first): (&Bank, u64),
+        hear: Hear,
+        answers: &mut Answers,
+    ) -> Result<bool, InvestigationError> {
+        let places = self.places(library);
+        let streams = (first..first + PINNED).map(|stream| stream % self.plan.depth.replicates);
+        let mut pinned = false;
+        for point in points {
+            let Some(arm) = arm_at(emulator, &point) else {
+                continue;
+            };
+            ask(bank, self.all_cases(&arm, streams.clone()), hear, answers)?;
+            let conditions = library.conditions.iter().zip(&places);
+            let runs: Vec<Vec<Beside>> = conditions
+                .map(|(responses, case)| {
+                    let runs = answers.beside(&arm, *case, &responses.cells);
+                    runs.into_values().collect()
+                })
+                .collect();
+            if runs.iter().all(|streams| !streams.is_empty()) {
+                emulator.pin(point, &runs);
+                pinned = true;
+            }
+        }
+        Ok(pinned)
     }
 
     fn bank(&self, cases: Vec<Case>) -> Result<Bank, BankError> {
@@ -384,31 +439,21 @@ impl<'a> Investigation<'a> {
             .collect();
         let answer = effects
             .iter()
-            .fold(self.offset(with_effect), |arm, effect| {
+            .fold(offset(offsets(with_effect)), |arm, effect| {
                 arm.with_effect(*effect)
             });
         Arms {
-            recalibrated: self.offset(&verdict.recalibration),
+            recalibrated: offset(offsets(&verdict.recalibration)),
             with_effect: (!effects.is_empty()).then_some(answer),
         }
     }
 
-    fn offset(&self, parameters: &[Recalibrated]) -> Arm {
-        let offsets = parameters.iter().filter_map(|it| {
-            let parameter = Parameter::find(&it.name)?;
-            Some((parameter, it.offset * parameter.sd))
-        });
-        Arm::of_offsets(
-            offsets.fold(Offsets::default(), |all, (parameter, offset)| {
-                all.with(parameter, offset)
-            }),
-        )
-    }
-
-    fn again(&self, arm: &Arm) -> Vec<Request> {
+    /// An arm in all cases, with these streams.
+    fn all_cases(&self, arm: &Arm, streams: impl Iterator<Item = u64> + Clone) -> Vec<Request> {
         let cases = 0..self.cases.len();
         let request = |case| {
-            (0..again::STREAMS).map(move |stream| Request {
+            let arm = arm.clone();
+            streams.clone().map(move |stream| Request {
                 arm: arm.clone(),
                 case,
                 stream,
@@ -464,6 +509,44 @@ impl<'a> Investigation<'a> {
             }
         }
         told
+    }
+}
+
+/// The arm at a point; none where a magnitude is beyond its range.
+fn arm_at(emulator: &Emulator, point: &Point) -> Option<Arm> {
+    let named = emulator.parameters.iter().zip(&point.offsets);
+    let arm = offset(named.map(|(name, offset)| (name.as_str(), *offset)));
+    point
+        .effects
+        .iter()
+        .try_fold(arm, |arm, (effect, strength)| {
+            let candidate = &emulator.candidates[*effect];
+            let effect = Application::new(&candidate.name, candidate.magnitude(*strength)).ok()?;
+            Some(arm.with_effect(effect))
+        })
+}
+
+fn offsets(parameters: &[Recalibrated]) -> impl Iterator<Item = (&str, f64)> {
+    parameters.iter().map(|it| (it.name.as_str(), it.offset))
+}
+
+/// The arm of parameters off by so many prior standard deviations.
+fn offset<'n>(parameters: impl Iterator<Item = (&'n str, f64)>) -> Arm {
+    let known = parameters.filter_map(|(name, offset)| Some((Parameter::find(name)?, offset)));
+    Arm::of_offsets(known.fold(Offsets::default(), |all, (parameter, offset)| {
+        all.with(parameter, offset * parameter.sd)
+    }))
+}
+
+fn problem<'a>(
+    emulator: &'a Emulator,
+    observation: &'a Observation,
+    calibration: &'a Calibration,
+) -> Problem<'a> {
+    Problem {
+        emulator,
+        observation,
+        calibration,
     }
 }
 

@@ -14,6 +14,10 @@ const LATCHED: [&str; 3] = ["wheel_angle", "sinkage", "slip_ratio"];
 /// Zeros of the low pass on either side: flat to 1 % up to 0.4 of the slower rate.
 const ZEROS: f64 = 16.0;
 
+/// Step [s] of the lengths that are compared, and the length from which on it is taken. A rig's clock
+/// gives a sample more or less; simulations of the one length serve the other too.
+const STEP: (f64, f64) = (0.5, 2.0);
+
 /// Part of a sample [-] within which instants are the same.
 const SAME: f64 = 1.0e-6;
 
@@ -70,6 +74,7 @@ impl Layout {
         });
         let mut series: Vec<Series> = series.filter(|series| series.count > 0).collect();
         series.sort_by(|a, b| a.name.cmp(&b.name));
+        round_down(&mut series);
         let known = trace.means.iter().filter(|mean| {
             let is_known = unit_of(&mean.name).is_some();
             is_known && mean.value.is_finite()
@@ -153,6 +158,21 @@ impl Layout {
             means: means.collect(),
             truth: None,
         }
+    }
+}
+
+/// Cuts all to a whole number of steps.
+fn round_down(series: &mut [Series]) {
+    let lengths = series
+        .iter()
+        .map(|series| series.count as f64 / series.rate);
+    let shortest = lengths.fold(f64::INFINITY, f64::min);
+    if shortest < STEP.1 {
+        return;
+    }
+    let whole = STEP.0 * libm::floor(shortest / STEP.0 + SAME);
+    for Series { rate, count, .. } in series {
+        *count = (*count).min((whole * *rate + SAME) as usize);
     }
 }
 
@@ -348,6 +368,20 @@ mod tests {
         let counts: Vec<usize> = found.channels.iter().map(|c| c.samples.len()).collect();
         assert_eq!(counts, [1000, 17]);
         assert_eq!(layout.cut(&measured).channels[1].samples.len(), 17);
+    }
+
+    #[test]
+    fn a_sample_more_or_less_makes_no_other_layout() {
+        let long = |extra: usize| {
+            let mut fast = channel("normal_force", 2000.0, 0.0, |time| time);
+            let mut slow = channel("sinkage", 10.0, 0.0, |time| time);
+            fast.samples.resize(20_000 + 37 * extra, 0.0);
+            slow.samples.resize(100 + extra, 0.0);
+            Layout::of(&run(vec![fast, slow]), 20.0)
+        };
+        assert_eq!(long(0), long(1));
+        assert_eq!(long(0).to_string(), long(2).to_string());
+        assert_eq!(long(0).duration(), 10.0);
     }
 
     #[test]

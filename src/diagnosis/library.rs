@@ -5,7 +5,7 @@ use super::bank::{Outcome, Request};
 use super::condition::Case;
 use super::plan::{Plan, Signature, Slope};
 use super::responses::{Candidate, Level, Library, Measured, Moved, Responses};
-use crate::gap::{Comparison, Run, Table};
+use crate::gap::{Cell, Comparison, Run, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What came of requests, by arm, case and stream.
@@ -13,6 +13,12 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) struct Answers {
     runs: BTreeMap<(String, usize, u64), Run>,
     failures: BTreeSet<String>,
+}
+
+/// Cells of two runs on the same ground with the same noise.
+pub(super) struct Beside {
+    pub with: Vec<f64>,
+    pub without: Vec<f64>,
 }
 
 /// Cases with numbers on both sides, in the order of the cases.
@@ -49,6 +55,26 @@ impl Answers {
         let from = (arm.clone(), case, 0);
         let runs = self.runs.range(from..=(arm, case, u64::MAX));
         runs.map(|((_, _, stream), run)| (*stream, run))
+    }
+
+    /// By stream, cells of a case with an arm and without. A cell that one of them leaves unread
+    /// counts as unchanged: nothing tells by how much.
+    pub fn beside(&self, arm: &Arm, case: usize, cells: &[Cell]) -> BTreeMap<u64, Beside> {
+        let shipped = Arm::as_shipped();
+        let runs = self.of(arm, case).filter_map(|(stream, run)| {
+            let base = self.get(&shipped, case, stream)?;
+            let both = |cell| {
+                let [with, without] = [run, base].map(|run| Some(run.readings.get(cell)?.value));
+                let known = with.or(without).unwrap_or(0.0);
+                match (with, without) {
+                    (Some(with), Some(without)) => (with, without),
+                    _ => (known, known),
+                }
+            };
+            let (with, without) = cells.iter().map(both).unzip();
+            Some((stream, Beside { with, without }))
+        });
+        runs.collect()
     }
 
     fn get(&self, arm: &Arm, case: usize, stream: u64) -> Option<&Run> {
@@ -166,17 +192,15 @@ impl Rows<'_> {
         levels.filter(|level| !level.changes.is_empty()).collect()
     }
 
-    /// By stream, the cells with an arm less those without. A cell that the arm leaves unread counts
-    /// as unchanged: nothing tells by how much.
     fn changes(&self, arm: &Arm) -> BTreeMap<u64, Vec<f64>> {
-        let changes = self.answers.of(arm, self.case).filter_map(|(stream, run)| {
-            let base = self.answers.get(&Arm::as_shipped(), self.case, stream)?;
-            let change = |cell| match (run.readings.get(cell), base.readings.get(cell)) {
-                (Some(with), Some(without)) => with.value - without.value,
-                _ => 0.0,
-            };
-            Some((stream, self.table.cells.iter().map(change).collect()))
-        });
-        changes.collect()
+        let runs = self.answers.beside(arm, self.case, &self.table.cells);
+        let change = |Beside { with, without }: Beside| {
+            let cells = with.iter().zip(&without);
+            cells.map(|(with, without)| with - without).collect()
+        };
+        let changes = runs.into_iter();
+        changes
+            .map(|(stream, runs)| (stream, change(runs)))
+            .collect()
     }
 }

@@ -23,6 +23,8 @@ const PAIRED: (usize, usize) = (4, 3);
 #[derive(Debug)]
 pub(super) struct Ranked {
     pub hypothesis: Hypothesis,
+    /// What it says of held-out conditions, less the cost of its freedom [-].
+    pub log_score: f64,
     /// Logarithm of the probability [-] after pooling: the probability itself may be too small for a
     /// number, and yet all that is left.
     pub log_probability: f64,
@@ -41,7 +43,12 @@ pub(super) struct Ranking {
 
 impl Ranking {
     pub fn new(problem: Problem, forest: &Forest) -> Self {
-        let fits = fits(problem);
+        // All are held against the spread that recalibration leaves.
+        let freest = match problem.emulator.parameters.is_empty() {
+            true => Hypothesis::None,
+            false => Hypothesis::Parameter,
+        };
+        let fits = fits(problem, Some(&Fit::new(problem, freest)));
         let calibration = problem.calibration;
         let mut scores: Vec<(Hypothesis, f64, Option<Check>)> = fits
             .iter()
@@ -76,8 +83,9 @@ impl Ranking {
         let mut ranked: Vec<Ranked> = scores
             .into_iter()
             .enumerate()
-            .map(|(number, (hypothesis, _, check))| Ranked {
+            .map(|(number, (hypothesis, log_score, check))| Ranked {
                 hypothesis,
+                log_score,
                 log_probability: pooled[number],
                 engines: [by_refit[number], by_forest[number]].map(libm::exp),
                 check,
@@ -102,8 +110,9 @@ pub(super) fn score(fit: &Fit) -> f64 {
     held_out + fit.occam + fit.determined
 }
 
-/// None, parameters, every effect, and pairs of those that the first fits leave.
-fn fits(problem: Problem) -> Vec<Fit> {
+/// None, parameters, every effect, and pairs of those that the first fits leave, each held against
+/// its own variances or those of `another`.
+pub(super) fn fits(problem: Problem, another: Option<&Fit>) -> Vec<Fit> {
     let known = [Hypothesis::None, Hypothesis::Parameter];
     let candidates = 0..problem.emulator.candidates.len();
     let mut hypotheses: Vec<Hypothesis> = known.into_iter().collect();
@@ -114,7 +123,7 @@ fn fits(problem: Problem) -> Vec<Fit> {
         2
     });
     hypotheses.extend(candidates.map(|effect| Hypothesis::Effects(vec![effect])));
-    let fit = |hypothesis: Hypothesis| Fit::new(problem, hypothesis);
+    let fit = |hypothesis: Hypothesis| Fit::beside(problem, hypothesis, another);
     let mut fits: Vec<Fit> = hypotheses.into_par_iter().map(fit).collect();
     let pairs = pairs(problem, &fits);
     let pairs: Vec<Fit> = pairs.into_par_iter().map(fit).collect();

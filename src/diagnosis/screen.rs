@@ -70,8 +70,9 @@ impl Screen {
     /// Of measured conditions.
     pub fn new(problem: Problem) -> Self {
         let mut screen = Self::empty(problem.emulator);
-        for (emulated, observed) in problem.conditions() {
-            screen.include(emulated, &observed.variance, &observed.residual);
+        let residuals = problem.straightened();
+        for ((emulated, observed), residual) in problem.conditions().zip(&residuals) {
+            screen.include(emulated, &observed.variance, residual);
         }
         screen
     }
@@ -103,7 +104,8 @@ impl Screen {
         for error in &emulated.jacobian_error {
             add(&mut variance, 1.0, error);
         }
-        let precision: Vec<f64> = variance.iter().map(|v| 1.0 / v).collect();
+        let independent = emulated.independent();
+        let precision: Vec<f64> = variance.iter().map(|v| independent / v).collect();
         let clipped = residual.iter().zip(&variance);
         let clipped: Vec<f64> = clipped
             .map(|(r, v)| r.clamp(-OUTLYING * libm::sqrt(*v), OUTLYING * libm::sqrt(*v)))
@@ -328,19 +330,24 @@ fn drift(problem: Problem, screen: &Screen, place: usize, covariate: usize) -> f
         with_residual: DVector::zeros(1),
         ..screen.clone()
     };
-    for ((emulated, observed), value) in problem.conditions().zip(values) {
+    let residuals = problem.straightened();
+    let conditions = problem.conditions().zip(&residuals);
+    for (((emulated, observed), residual), value) in conditions.zip(values) {
         let factor = (value - mean) / deviation;
         let mut variance = observed.variance.clone();
         for error in &emulated.jacobian_error {
             add(&mut variance, 1.0, error);
         }
-        let precision: Vec<f64> = variance.iter().map(|v| 1.0 / v).collect();
+        let precision: Vec<f64> = variance
+            .iter()
+            .map(|v| emulated.independent() / v)
+            .collect();
         let weighted = scaled(&emulated.jacobian[place], &precision);
         own.raw[(0, 0)] += factor * factor * product(&weighted, &emulated.jacobian[place]);
         for (other, column) in emulated.jacobian.iter().enumerate() {
             own.along[(other, 0)] += factor * product(&weighted, column);
         }
-        let clipped = observed.residual.iter().zip(&variance);
+        let clipped = residual.iter().zip(&variance);
         let clipped: Vec<f64> = clipped
             .map(|(r, v)| r.clamp(-OUTLYING * libm::sqrt(*v), OUTLYING * libm::sqrt(*v)))
             .collect();

@@ -119,17 +119,31 @@ fn gaps(problem: Problem, fit: Option<&Fit>) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Half the mean distance among repeats, or among replicates where a run was measured once.
 fn floors(problem: Problem) -> Vec<(f64, bool)> {
-    let floor = |(emulated, observed): (&Emulated, &Observed)| {
-        // A run that had no part in the whitening lies farther out than its replicates.
-        let stretch = libm::sqrt(emulated.variance[0]);
-        match observed.runs.len() {
-            1 => (stretch * 0.5 * emulated.among(&emulated.replicates), false),
-            _ => (0.5 * emulated.among(&observed.runs), true),
-        }
+    let conditions = problem.conditions();
+    conditions
+        .map(|(emulated, observed)| floor(emulated, observed))
+        .collect()
+}
+
+/// What a perfect model reaches, and whether that is known from repeats.
+pub(super) fn floor(emulated: &Emulated, observed: &Observed) -> (f64, bool) {
+    let among = emulated.among(&emulated.replicates);
+    let floor = reach(emulated, observed, &emulated.replicates) - 0.5 * among;
+    (floor, observed.runs.len() > 1)
+}
+
+/// How far a measured run lies from runs `made` by a perfect model.
+///
+/// Replicates had a part in the whitening and lie closer together than runs that had none: with mean
+/// squares `ρ` of those made and `β` of those measured about their middle, that is `√(ρ + β)`, while
+/// those made lie `√2ρ` from each other. Where a run was made or measured once, its square is 1.
+pub(super) fn reach(emulated: &Emulated, observed: &Observed, made: &[Vec<f64>]) -> f64 {
+    let square = |runs: &[Vec<f64>]| match runs.len() {
+        1 => 1.0,
+        _ => 0.5 * emulated.among(runs) * emulated.among(runs),
     };
-    problem.conditions().map(floor).collect()
+    libm::sqrt(square(made) + square(&observed.runs))
 }
 
 impl Emulated {

@@ -59,5 +59,5 @@ fn density(held_out: &HeldOut, (share, size): (f64, f64), freedom: f64) -> f64 {
         let larger = right.max(off);
         larger + libm::log1p(libm::exp(right.min(off) - larger))
     });
-    numbers.sum::<f64>() - held_out.log_spread
+    held_out.independent * (numbers.sum::<f64>() - held_out.log_spread)
 }

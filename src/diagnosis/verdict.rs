@@ -6,11 +6,10 @@
 
 use super::check::Check;
 use super::fit::{Fit, Problem};
-use super::forest::Forest;
 use super::hypothesis::Hypothesis;
 use super::next_run::{FurtherRuns, NextRun};
 use super::product::log_sum;
-use super::ranking::{Ranking, score};
+use super::ranking::{Ranked, Ranking, score};
 use super::screen::{Alarm, END, Projected, Screen, Screened, alarms};
 use super::shrinkage::{Shrinkage, shrinkage};
 use crate::gap::{Cell, Condition};
@@ -68,6 +67,23 @@ pub struct Suspect {
     pub absorbed: f64,
 }
 
+/// One of the things that might be so, and what speaks for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Explanation {
+    /// Its name, as among the probabilities.
+    pub name: String,
+    /// How well it foretells held-out conditions: log density less the cost of its freedom [-].
+    pub log_score: f64,
+    /// Probability [-] by refits alone.
+    pub by_refit: f64,
+    /// Probability [-] by the forest alone.
+    pub by_forest: f64,
+    /// p-value [-] of what it leaves on held-out conditions; none for the unknown.
+    pub p: Option<f64>,
+    /// Mean square [-] of that beyond what spread explains.
+    pub excess: Option<f64>,
+}
+
 /// A parameter as recalibrated under the best explanation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recalibrated {
@@ -100,6 +116,8 @@ pub struct Verdict {
     /// Probability [-] of `none`, `parameter`, `unknown`, `undecided`, each effect and each pair
     /// (`e+f`) tried; they sum to one.
     pub probabilities: BTreeMap<String, f64>,
+    /// What was tried, likeliest first before all reservations.
+    pub explanations: Vec<Explanation>,
     /// Likeliest first.
     pub effects: Vec<Suspect>,
     /// Parameters under the likeliest explanation.
@@ -120,17 +138,16 @@ pub struct Verdict {
 
 impl Verdict {
     /// The verdict on measured runs; which run to make next it does not say yet.
-    pub fn of(problem: Problem, forest: &Forest, seed: Seed) -> Self {
-        let ranking = Ranking::new(problem, forest);
+    pub(super) fn of(problem: Problem, ranking: &Ranking, seed: Seed) -> Self {
         let screen = Screen::new(problem);
         let projected = screen.projected();
-        let weighing = Weighing::of(problem, &ranking, &projected);
+        let weighing = Weighing::of(problem, ranking, &projected);
         let (verdict, effects) = weighing.answer(problem, &projected);
         let sets = effects
             .iter()
             .map(|&effect| set(problem, &projected, effect));
         let named: Vec<Vec<usize>> = sets.collect();
-        let suspects = weighing.suspects(problem, &ranking, &projected);
+        let suspects = weighing.suspects(problem, ranking, &projected);
         let best = &ranking.ranked[0].hypothesis;
         let name = |&number: &usize| problem.emulator.candidates[number].name.clone();
         Self {
@@ -142,12 +159,13 @@ impl Verdict {
             parameters: ranking
                 .fit(best)
                 .map_or_else(Vec::new, |fit| recalibrated(problem, fit)),
-            recalibration: recalibrated(problem, healthy(&ranking)),
+            recalibration: recalibrated(problem, healthy(ranking)),
             alarms: alarms(problem),
-            located: located(problem, healthy(&ranking)),
-            shrinkage: shrunk(problem, &ranking, &projected, seed),
+            located: located(problem, healthy(ranking)),
+            shrinkage: shrunk(problem, ranking, &projected, seed),
             next_run: None,
             reasons: weighing.reasons,
+            explanations: ranking.ranked.iter().map(|it| told(problem, it)).collect(),
             effects: suspects,
             verdict,
         }
@@ -169,6 +187,18 @@ impl Verdict {
             .open_between()
             .and_then(|pair| next_run(problem, further, pair));
         self
+    }
+}
+
+fn told(problem: Problem, ranked: &Ranked) -> Explanation {
+    let [by_refit, by_forest] = ranked.engines;
+    Explanation {
+        name: ranked.hypothesis.name(problem.emulator),
+        log_score: ranked.log_score,
+        by_refit,
+        by_forest,
+        p: ranked.check.map(|check| check.p),
+        excess: ranked.check.map(|check| check.excess),
     }
 }
 

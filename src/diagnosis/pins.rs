@@ -1,0 +1,195 @@
+//! Points at which the emulator was set right by simulating them.
+//!
+//! An [`Emulator`](super::Emulator) adds the changes of each parameter and effect, so it errs where
+//! several are off together: a rig whose soil differs by one standard deviation in moduli and
+//! exponent sinks otherwise than the sum of both. Two ways out were weighed. Moving its middle to the
+//! recalibrated parameters takes all slopes and replicates again, for every campaign. Simulating only
+//! the points that fits end at takes a hundredth of that, serves every explanation by the same rule,
+//! and comes true where it counts; so it is done, round by round, until the fits rest.
+//!
+//! What the emulator lacks at a point, its defect, holds around it: the defect is taken for a
+//! Gaussian process of squared exponential correlation, nil at the scenario as shipped and known
+//! where it was simulated (Sacks, Welch, Mitchell and Wynn 1989, Stat. Sci. 4:409-423). The share
+//! of its variance that these leave multiplies what the emulator is held to err by.
+
+use super::emulator::{Emulated, Emulator};
+use super::fit::{Fit, Problem};
+use super::hypothesis::Hypothesis;
+use super::library::Beside;
+use super::product::add;
+use super::ranking::{fits, score};
+use nalgebra::{DMatrix, DVector};
+
+/// Distance [prior standard deviations, typical magnitudes] over which a defect changes.
+const LENGTH: f64 = 2.0;
+/// Distance within which a fit rests on a pin.
+const NEAR: f64 = 0.15;
+/// Variance of a defect's error over its own: pins side by side share what they tell.
+const OWN: f64 = 0.03;
+/// Fits that are simulated beside recalibration, and how far [log score] they may be behind the
+/// best of them.
+const RIVALS: (usize, f64) = (2, 10.0);
+
+/// Where parameters and effects are.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    /// Parameters [prior standard deviations].
+    pub offsets: Vec<f64>,
+    /// Effects, by their place among the candidates, and their strengths.
+    pub effects: Vec<(usize, f64)>,
+}
+
+/// What pins tell of another point.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Weights {
+    /// Of each pin's defect.
+    pub of_pins: Vec<f64>,
+    /// Share [-] of the emulator's variance that is left.
+    pub left: f64,
+}
+
+/// What the emulator lacks in one condition.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Defect {
+    /// By number.
+    pub change: Vec<f64>,
+    /// Variance of that.
+    pub error: Vec<f64>,
+    /// Share [-] of the emulator's variance that is left beside it.
+    pub left: f64,
+}
+
+impl Defect {
+    /// Of an emulator without pins, or where they say nothing.
+    pub fn none(numbers: usize) -> Self {
+        Self {
+            change: vec![0.0; numbers],
+            error: vec![0.0; numbers],
+            left: 1.0,
+        }
+    }
+}
+
+impl Emulator {
+    /// What the pins tell of a point.
+    pub(super) fn weights(&self, point: &Point) -> Weights {
+        let shipped = Point {
+            offsets: vec![0.0; self.parameters.len()],
+            effects: Vec::new(),
+        };
+        let pins: Vec<&Point> = self.pins.iter().collect();
+        let all: Vec<&Point> = [&shipped].into_iter().chain(&self.pins).collect();
+        let (weights, _) = self.kriged(&all, point);
+        // What the emulator is held to err by is nil at the scenario as shipped by itself.
+        let (_, told) = self.kriged(&pins, point);
+        Weights {
+            of_pins: weights.iter().skip(1).copied().collect(),
+            left: (1.0 - told).clamp(0.0, 1.0),
+        }
+    }
+
+    /// Weights of known points, and the share of the variance that they tell.
+    fn kriged(&self, known: &[&Point], point: &Point) -> (DVector<f64>, f64) {
+        let alike = |a: &Point, b: &Point| {
+            let apart = self.apart(a, b) / LENGTH;
+            libm::exp(-0.5 * apart * apart)
+        };
+        let among = DMatrix::from_fn(known.len(), known.len(), |i, j| {
+            let own = if i == j { OWN } else { 0.0 };
+            alike(known[i], known[j]) + own
+        });
+        let to_point = DVector::from_iterator(known.len(), known.iter().map(|k| alike(k, point)));
+        let weights = among.cholesky().map(|known| known.solve(&to_point));
+        let weights = weights.unwrap_or_else(|| DVector::zeros(known.len()));
+        let told = weights.dot(&to_point);
+        (weights, told)
+    }
+
+    /// Distance of two points [prior standard deviations, typical magnitudes].
+    fn apart(&self, a: &Point, b: &Point) -> f64 {
+        let offsets = a.offsets.iter().zip(&b.offsets);
+        let mut square: f64 = offsets.map(|(a, b)| (a - b) * (a - b)).sum();
+        let strength = |point: &Point, effect: usize| {
+            let of = point.effects.iter().filter(|(own, _)| *own == effect);
+            of.map(|(_, strength)| strength).sum::<f64>()
+        };
+        for (effect, candidate) in self.candidates.iter().enumerate() {
+            let [_, typical, _] = candidate.levels();
+            let off = (strength(a, effect) - strength(b, effect)) / typical;
+            square += off * off;
+        }
+        libm::sqrt(square)
+    }
+
+    /// What is lacking at a point, condition by condition.
+    pub(super) fn defects(&self, point: &Point) -> Vec<Defect> {
+        let weights = self.weights(point);
+        let defect = |emulated: &Emulated| {
+            let mut defect = Defect::none(emulated.cells.len());
+            defect.left = weights.left;
+            for (pinned, weight) in emulated.pinned.iter().zip(&weights.of_pins) {
+                add(&mut defect.change, *weight, &pinned.change);
+                add(&mut defect.error, weight * weight, &pinned.error);
+            }
+            defect
+        };
+        self.conditions.iter().map(defect).collect()
+    }
+
+    /// Sets itself right at a point by what was simulated there: by condition, a pair of runs a
+    /// stream.
+    pub(super) fn pin(&mut self, point: Point, runs: &[Vec<Beside>]) {
+        for (emulated, runs) in self.conditions.iter_mut().zip(runs) {
+            let pinned = emulated.lacking(&point, runs);
+            emulated.pinned.push(pinned);
+        }
+        self.pins.push(point);
+    }
+
+    /// Whether a point rests on a pin.
+    fn is_near(&self, point: &Point) -> bool {
+        self.pins.iter().any(|pin| self.apart(pin, point) < NEAR)
+    }
+}
+
+/// Where fits end.
+#[derive(Debug)]
+pub(super) struct Ends {
+    /// The one that scores best.
+    pub best: Option<Point>,
+    /// Those that are to be simulated.
+    pub unpinned: Vec<Point>,
+}
+
+/// Where fits end that matter and rest on no pin: recalibration, and the best with effects unless
+/// they are far behind. Each fit is taken at its own word of how far the emulator errs: what may
+/// turn out right is worth a look.
+pub(super) fn ends(problem: Problem) -> Ends {
+    let fits = fits(problem, None);
+    let is_recalibrated = |fit: &&Fit| fit.hypothesis == Hypothesis::Parameter;
+    let mut rivals: Vec<&Fit> = fits.iter().filter(|fit| !is_recalibrated(fit)).collect();
+    rivals.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    let best = rivals.first().map_or(0.0, |fit| score(fit));
+    let near = rivals
+        .into_iter()
+        .filter(|fit| score(fit) > best - RIVALS.1);
+    let ends = fits
+        .iter()
+        .filter(is_recalibrated)
+        .chain(near.take(RIVALS.0));
+    let mut points: Vec<Point> = Vec::new();
+    for Fit { best, .. } in ends {
+        let emulator = problem.emulator;
+        let known = points
+            .iter()
+            .any(|known| emulator.apart(known, best) < NEAR);
+        if !known && !emulator.is_near(best) {
+            points.push(best.clone());
+        }
+    }
+    let best = fits.iter().max_by(|a, b| score(a).total_cmp(&score(b)));
+    Ends {
+        best: best.map(|fit| fit.best.clone()),
+        unpinned: points,
+    }
+}
