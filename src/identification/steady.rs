@@ -11,6 +11,12 @@ pub enum SteadyError {
         "{0} is missing or holds no number: the identification needs it as a channel or as a mean"
     )]
     Missing(&'static str),
+    /// No load was measured and the one commanded is none.
+    #[error(
+        "normal_force is missing, and the commanded load (load_n) is {0} N: a wheel on the ground \
+         carries more than 0"
+    )]
+    Unloaded(String),
     /// Slip never stays long enough.
     #[error("slip never stays within {tolerance} for a tenth of the run: no steady interval")]
     NeverSteady {
@@ -79,7 +85,7 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     let load = match known("normal_force") {
         Some(load) => load,
         None if trace.attributes.load > 0.0 => commanded(trace.attributes.load),
-        None => return Err(SteadyError::Missing("normal_force")),
+        None => return Err(unloaded(trace.attributes.load)),
     };
     let tenth = 0.1 * load.mean.abs();
     let pull_sd = drawbar_pull.as_force(tenth);
@@ -101,6 +107,14 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
         driving_torque: driving_torque.mean,
         uncertainty,
     })
+}
+
+/// Of a load commanded that is 0, less or none.
+fn unloaded(load: f64) -> SteadyError {
+    match load.is_finite() {
+        true => SteadyError::Unloaded(load.to_string()),
+        false => SteadyError::Missing("normal_force"),
+    }
 }
 
 /// A mean and its standard uncertainty, 0 where nothing tells it.

@@ -8,6 +8,9 @@ use super::precision::Precision;
 use super::row::SteadyLoad;
 use std::fmt;
 
+/// Slip ratio [-] below which a wheel brakes; nearer to 0 it is the scatter of one that rolls.
+const ROLLING: f64 = -0.02;
+
 /// Something about an estimate that its reader should know.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
@@ -46,6 +49,13 @@ pub enum Warning {
         least: f64,
         /// Greatest load [N].
         most: f64,
+    },
+    /// Rows of a wheel that brakes, whose stresses turn somewhere under it.
+    Braking {
+        /// How many.
+        rows: usize,
+        /// The least slip ratio [-].
+        slip: f64,
     },
     /// The fit did not end at a minimum.
     NotAMinimum(Termination),
@@ -87,6 +97,11 @@ impl fmt::Display for Warning {
                 "loads from {least:.1} to {most:.1} N share one sinkage on ground that lugs do \
                  not enter: k_s z^N is their mean; identify each load alone"
             ),
+            Self::Braking { rows, slip } => write!(
+                f,
+                "{rows} rows brake (slip down to {slip:.3}): (62)-(69) are of a driven wheel, whose \
+                 shear has one direction; leave them out where the errors are theirs"
+            ),
             Self::NotAMinimum(termination) => {
                 write!(f, "the fit did not end at a minimum: {termination}")
             }
@@ -113,6 +128,7 @@ pub(super) fn all(
         warnings.push(Warning::NoFreedom);
     }
     warnings.extend(loads_differ(model, rows));
+    warnings.extend(braking(rows));
     if !best.termination.is_minimum() {
         warnings.push(Warning::NotAMinimum(best.termination));
     }
@@ -161,6 +177,16 @@ fn peak_outside(
         })
 }
 
+fn braking(rows: &[SteadyLoad]) -> Option<Warning> {
+    let braking = rows
+        .iter()
+        .map(|row| row.slip)
+        .filter(|slip| *slip < ROLLING);
+    let slip = braking.clone().reduce(f64::min)?;
+    let rows = braking.count();
+    Some(Warning::Braking { rows, slip })
+}
+
 fn loads_differ(model: &Model, rows: &[SteadyLoad]) -> Option<Warning> {
     let loads = || rows.iter().map(|row| row.load);
     let (least, most) = (
@@ -178,6 +204,24 @@ mod tests {
     use crate::identification::Setting;
     use crate::soil::closed_form::Rim;
     use crate::terrain::class::Wtic;
+
+    #[test]
+    fn a_wheel_that_brakes_is_told_and_one_that_rolls_is_not() {
+        let row = |slip| SteadyLoad {
+            slip,
+            sinkage: 0.01,
+            drawbar_pull: 10.0,
+            load: 60.0,
+            driving_torque: 1.0,
+            uncertainty: None,
+        };
+        assert_eq!(braking(&[row(-0.01), row(0.2)]), None);
+        let told = braking(&[row(-0.4), row(-0.1), row(0.2)]).unwrap();
+        assert!(
+            told.to_string()
+                .starts_with("2 rows brake (slip down to -0.400)")
+        );
+    }
 
     #[test]
     fn loads_that_one_sinkage_cannot_carry_are_told_where_the_class_sets_it() {

@@ -453,6 +453,10 @@ fn warning(warning: &Warning) -> WarningTold {
             "loads_differ",
             "k_s and what is told of k_s z^n0 belong to none of the loads",
         ),
+        Warning::Braking { .. } => (
+            "braking",
+            "these rows pull the parameters to where a driven wheel's forces would have to be theirs",
+        ),
         Warning::NotAMinimum(_) => (
             "not_a_minimum",
             "no value and no interval below is an estimate: do not use them",

@@ -194,6 +194,12 @@ impl Report {
         write_error(f, "load W", given.load, table_7[1])?;
         write_error(f, "driving torque T_D", given.driving_torque, table_7[2])?;
         writeln!(f, "error by slip and load")?;
+        if predicted.drawbar_pull.is_none() {
+            writeln!(
+                f,
+                "  none: these parameters foretell no row, or not all of them are told"
+            )?;
+        }
         if self.class == Wtic::Leis {
             write_error(f, "sinkage z", predicted.sinkage, None)?;
         }
