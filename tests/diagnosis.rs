@@ -397,7 +397,8 @@ fn a_simulated_run_has_the_channels_rates_and_means_that_were_measured() {
     assert_eq!(case.scenario.sensors.output_rate.whole(), 400);
     assert_eq!(case.scenario.sensors.vision.frame_rate, 25.0);
     let trace = measured(&case.scenario, 0);
-    let run = case.read_simulated(&mut statistician().unwrap(), &trace);
+    let rng = &mut Seed(1).rng("reading", 0);
+    let run = case.read_simulated(&mut statistician().unwrap(), &trace, rng);
     let channels: std::collections::BTreeSet<&str> = run
         .readings
         .iter()

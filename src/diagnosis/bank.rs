@@ -390,7 +390,8 @@ impl Work<'_> {
         let case = &self.bank.cases[request.case];
         let read = || {
             let trace = traces.trace(request, case, self)?;
-            Ok(case.read_simulated(statistician, &trace))
+            let mut rng = self.bank.seed.rng("reading", self.bank.run(request));
+            Ok(case.read_simulated(statistician, &trace, &mut rng))
         };
         let outcome = match caught(read) {
             Ok(run) => Ok(run),

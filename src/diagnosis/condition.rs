@@ -15,6 +15,7 @@ use crate::simulation::rig::Drive;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::{RunAttributes, Trace, unit_of, unwrapped};
 use crate::wheel::Wheel;
+use rand::Rng;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -248,9 +249,16 @@ impl Case {
         Run::read(statistician, &trace)
     }
 
-    /// Reads a simulated run of this case, cut to what was measured.
-    pub fn read_simulated(&self, statistician: &mut Statistician, simulated: &Trace) -> Run {
+    /// Reads a simulated run of this case, cut to what was measured; means are as uncertain as those,
+    /// by draws of `rng`.
+    pub fn read_simulated(
+        &self,
+        statistician: &mut Statistician,
+        simulated: &Trace,
+        rng: &mut impl Rng,
+    ) -> Run {
         let mut trace = self.imitate(simulated);
+        self.layout.blur(&mut trace, rng);
         trace.attributes = self.attributes.clone();
         Run::read(statistician, &trace)
     }

@@ -5,6 +5,8 @@
 //! latched instead, as they are on a rig.
 
 use crate::trace::{Channel, Mean, Trace, unit_of};
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 
@@ -42,6 +44,9 @@ struct Averaged {
     has_sd: bool,
     /// Number of samples behind it.
     n: u64,
+    /// Its standard uncertainty, in its unit: of so many samples, or of one where they were not
+    /// counted; 0 where nothing tells it.
+    error: f64,
 }
 
 /// What a run has of the channels that a simulation makes.
@@ -84,6 +89,10 @@ impl Layout {
                 name: mean.name.clone(),
                 has_sd: mean.sd.is_finite(),
                 n: mean.n,
+                error: match mean.sd > 0.0 && mean.sd.is_finite() {
+                    true => mean.sd / libm::sqrt(mean.n.max(1) as f64),
+                    false => 0.0,
+                },
             })
             .collect();
         means.sort_by(|a, b| a.name.cmp(&b.name));
@@ -118,10 +127,24 @@ impl Layout {
         ends.fold(0.0, f64::max)
     }
 
-    /// No longer than another of the same kind.
+    /// No longer than another of the same kind, and known no better.
     pub fn shorten(&mut self, other: &Self) {
         for (mine, its) in self.series.iter_mut().zip(&other.series) {
             mine.count = mine.count.min(its.count);
+        }
+        for (mine, its) in self.means.iter_mut().zip(&other.means) {
+            mine.error = mine.error.max(its.error);
+        }
+    }
+
+    /// Makes means as uncertain as those measured.
+    pub fn blur(&self, imitated: &mut Trace, rng: &mut impl Rng) {
+        for averaged in &self.means {
+            let error: f64 = StandardNormal.sample(rng);
+            let of = imitated.means.iter_mut();
+            for mean in of.filter(|mean| mean.name == averaged.name) {
+                mean.value += averaged.error * error;
+            }
         }
     }
 
@@ -194,8 +217,14 @@ impl fmt::Display for Layout {
         {
             writeln!(f, "channel {name} {rate:?} {offset:?} {count}")?;
         }
-        for Averaged { name, has_sd, n } in &self.means {
-            writeln!(f, "mean {name} {has_sd} {n}")?;
+        for Averaged {
+            name,
+            has_sd,
+            n,
+            error,
+        } in &self.means
+        {
+            writeln!(f, "mean {name} {has_sd} {n} {error:?}")?;
         }
         Ok(())
     }
@@ -285,6 +314,7 @@ fn sinc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Seed;
     use std::f64::consts::TAU;
 
     fn channel(name: &str, rate: f64, start: f64, value: impl Fn(f64) -> f64) -> Channel {
@@ -382,6 +412,30 @@ mod tests {
         assert_eq!(long(0), long(1));
         assert_eq!(long(0).to_string(), long(2).to_string());
         assert_eq!(long(0).duration(), 10.0);
+    }
+
+    #[test]
+    fn a_mean_that_was_read_to_half_a_millimetre_is_simulated_no_surer() {
+        let mut measured = run(Vec::new());
+        measured.means.push(Mean {
+            name: "sinkage".to_owned(),
+            unit: "m".to_owned(),
+            value: 0.01,
+            sd: 0.001,
+            n: 4,
+        });
+        let layout = Layout::of(&measured, 9.0);
+        let exact = layout.imitate(&run(vec![channel("sinkage", 10.0, 0.0, |_| 0.012)]));
+        let mut rng = Seed(1).rng("reading", 0);
+        let square = |_| {
+            let mut blurred = exact.clone();
+            layout.blur(&mut blurred, &mut rng);
+            let off = blurred.means[0].value - 0.012;
+            off * off
+        };
+        let rms = libm::sqrt((0..400).map(square).sum::<f64>() / 400.0);
+        // Of 400 draws the root mean square is known to 3.5 %.
+        assert!((rms - 0.0005).abs() < 0.00006, "{rms}");
     }
 
     #[test]
