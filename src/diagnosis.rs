@@ -14,9 +14,9 @@
 //!
 //! A [`Library`] holds what came of it: replicates, changes by parameters, changes by effects of
 //! several magnitudes. An [`Emulator`] makes functions of them, an [`Observation`] sets measured runs
-//! beside; where fits end is simulated, which pins the emulator there. [`screen()`] tells what could be seen at all, and a [`Verdict`] weighs nothing, parameters,
-//! every effect, pairs of them and the unknown by what each says of conditions that it has not seen; a
-//! [`Forest`] gives a second opinion. From the library on, all works on numbers alone.
+//! beside; where fits end is simulated, which pins the emulator there. [`screen()`] tells what could
+//! be seen at all, and a [`Verdict`] weighs nothing, parameters, every effect, pairs of them and the
+//! unknown by what each says of conditions that it has not seen; a [`Forest`] gives a second opinion. From the library on, all works on numbers alone.
 
 mod again;
 pub mod arm;

@@ -157,7 +157,14 @@ impl Emulated {
         self.add_bends(offsets, sums);
     }
 
-    /// Adds that part of it which is not straight.
+    /// Adds the change that effects of these strengths make to `sums`.
+    pub fn add_effects(&self, effects: &[(usize, f64)], sums: &mut [f64]) {
+        for &(effect, strength) in effects {
+            self.shapes[effect].add(strength, 1.0, sums);
+        }
+    }
+
+    /// Adds that part of the parameters' change which is not straight.
     pub fn add_bends(&self, offsets: &[f64], sums: &mut [f64]) {
         for (bend, offset) in self.bend.iter().zip(offsets) {
             let bent = offset.clamp(-BENT, BENT);
@@ -186,9 +193,7 @@ impl Emulated {
         let (mut change, error) = mean(&corrected.collect::<Vec<_>>());
         let mut told = vec![0.0; self.cells.len()];
         self.add_parameters(&point.offsets, &mut told);
-        for &(effect, strength) in &point.effects {
-            self.shapes[effect].add(strength, 1.0, &mut told);
-        }
+        self.add_effects(&point.effects, &mut told);
         super::product::add(&mut change, -1.0, &told);
         drawn_to_zero(&mut change, &error);
         Defect {

@@ -148,12 +148,10 @@ impl Fit {
         // A pin draws the fit to it, and its defect changes a little on the way.
         let rounds = ROUNDS + problem.emulator.pins.len().min(PINNED);
         for _ in 1..rounds {
-            let Point { offsets, effects } = posterior.best();
-            let strengths: Vec<f64> = effects.iter().map(|(_, strength)| *strength).collect();
-            defects = problem.emulator.defects(&posterior.best());
+            let best = posterior.best();
+            defects = problem.emulator.defects(&best);
             for (number, (emulated, observed)) in problem.conditions().enumerate() {
-                let effects = hypothesis.effects();
-                let model = Model::new(emulated, effects, (&strengths, &offsets), &defects[number]);
+                let model = Model::new(emulated, &best, &defects[number]);
                 variances[number] = model.variance(emulated, observed, problem.calibration);
                 precisions[number] = model.precision(
                     (emulated, observed),
@@ -161,7 +159,7 @@ impl Fit {
                     problem.calibration.freedom,
                 );
             }
-            let about = Local::all(problem, &offsets, &defects);
+            let about = Local::all(problem, &best.offsets, &defects);
             let axes = Some(posterior.axes);
             posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), axes);
         }
@@ -191,31 +189,20 @@ impl Fit {
 
 /// Changes by effects and by parameters.
 struct Model<'a> {
-    effects: &'a [usize],
-    strengths: &'a [f64],
-    offsets: &'a [f64],
+    point: &'a Point,
     by_effects: Vec<f64>,
     by_parameters: Vec<f64>,
     defect: &'a Defect,
 }
 
 impl<'a> Model<'a> {
-    fn new(
-        emulated: &Emulated,
-        effects: &'a [usize],
-        (strengths, offsets): (&'a [f64], &'a [f64]),
-        defect: &'a Defect,
-    ) -> Self {
+    fn new(emulated: &Emulated, point: &'a Point, defect: &'a Defect) -> Self {
         let mut by_effects = vec![0.0; emulated.cells.len()];
         let mut by_parameters = by_effects.clone();
-        for (&effect, &strength) in effects.iter().zip(strengths) {
-            emulated.shapes[effect].add(strength, 1.0, &mut by_effects);
-        }
-        emulated.add_parameters(offsets, &mut by_parameters);
+        emulated.add_effects(&point.effects, &mut by_effects);
+        emulated.add_parameters(&point.offsets, &mut by_parameters);
         Self {
-            effects,
-            strengths,
-            offsets,
+            point,
             by_effects,
             by_parameters,
             defect,
@@ -243,10 +230,10 @@ impl<'a> Model<'a> {
         calibration: &Calibration,
     ) -> Vec<f64> {
         let mut of_emulator = vec![0.0; observed.variance.len()];
-        for (&effect, &strength) in self.effects.iter().zip(self.strengths) {
+        for &(effect, strength) in &self.point.effects {
             emulated.shapes[effect].add_error(strength, &mut of_emulator);
         }
-        for (error, offset) in emulated.jacobian_error.iter().zip(self.offsets) {
+        for (error, offset) in emulated.jacobian_error.iter().zip(&self.point.offsets) {
             add(&mut of_emulator, offset * offset, error);
         }
         let relative = calibration.relative_error * calibration.relative_error;
@@ -584,22 +571,22 @@ impl Posterior {
         places
     }
 
-    fn strengths(&self, point: usize) -> Vec<f64> {
+    /// A point of the grid with these parameters.
+    fn at(&self, point: usize, offsets: &DVector<f64>) -> Point {
         let places = self.axes.iter().zip(self.places(point));
-        places
-            .map(|((_, axis), place)| axis.strengths[place])
-            .collect()
+        Point {
+            offsets: offsets.iter().copied().collect(),
+            effects: places
+                .map(|((effect, axis), place)| (*effect, axis.strengths[place]))
+                .collect(),
+        }
     }
 
     /// The best fit.
     fn best(&self) -> Point {
         let fold = self.fold(None);
         let (scale, point) = fold.best();
-        let effects = self.effects.iter().copied();
-        Point {
-            offsets: fold.offsets(scale, point).iter().copied().collect(),
-            effects: effects.zip(self.strengths(point)).collect(),
-        }
+        self.at(point, &fold.offsets(scale, point))
     }
 
     fn occam(&self) -> f64 {
@@ -693,7 +680,6 @@ impl Posterior {
         let mut logs = Vec::new();
         for (scale, point, log_weight) in fold.predicting() {
             let offsets = fold.offsets(scale, point);
-            let strengths = self.strengths(point);
             let mut adapted = offsets.clone();
             let (mut penalty, mut adapts) = (0.0, 0.0);
             if let Some(precision) = &fold.precisions[scale] {
@@ -708,22 +694,20 @@ impl Posterior {
                     adapted += step;
                 }
             }
-            let model =
-                |offsets| Model::new(emulated, &self.effects, (&strengths, offsets), defect);
-            let of_others = model(offsets.as_slice());
-            let model = model(adapted.as_slice());
-            let departure = model.departure(observed);
+            let adapted = self.at(point, &adapted);
+            let departure = Model::new(emulated, &adapted, defect).departure(observed);
             let log_density = emulated.independent() * log_density(&departure, variance, freedom);
             logs.push(log_weight + log_density - penalty);
             if best.is_none() {
                 let deviations = departure.iter().zip(variance);
+                let of_others = self.at(point, &offsets);
                 best = Some(HeldOut {
                     log_density: 0.0,
                     scores: deviations.map(|(e, v)| e / libm::sqrt(*v)).collect(),
                     log_spread: variance.iter().map(|v| 0.5 * libm::log(*v)).sum(),
                     independent: emulated.independent(),
                     freedom: (departure.len() as f64 - adapts).max(1.0),
-                    shift: of_others.change(),
+                    shift: Model::new(emulated, &of_others, defect).change(),
                 });
             }
         }

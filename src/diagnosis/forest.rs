@@ -109,10 +109,10 @@ fn draw(problem: Problem, hypothesis: &Hypothesis, rng: &mut impl Rng) -> Vec<Ve
     let normal = |rng: &mut _| -> f64 { StandardNormal.sample(rng) };
     let offsets: Vec<f64> = spreads.iter().map(|spread| spread * normal(rng)).collect();
     let candidates = &problem.emulator.candidates;
-    let strengths: Vec<f64> = hypothesis
+    let effects: Vec<(usize, f64)> = hypothesis
         .effects()
         .iter()
-        .map(|&e| candidates[e].strength(candidates[e].seat.draw(rng)))
+        .map(|&e| (e, candidates[e].strength(candidates[e].seat.draw(rng))))
         .collect();
     // Unknown: some cells of all conditions are off, by far or by little.
     let unknown = *hypothesis == Hypothesis::Unknown;
@@ -135,9 +135,7 @@ fn draw(problem: Problem, hypothesis: &Hypothesis, rng: &mut impl Rng) -> Vec<Ve
                 })
                 .collect();
             emulated.add_parameters(&offsets, &mut row);
-            for (&effect, strength) in hypothesis.effects().iter().zip(&strengths) {
-                emulated.shapes[effect].add(*strength, 1.0, &mut row);
-            }
+            emulated.add_effects(&effects, &mut row);
             row
         })
         .collect()

@@ -145,11 +145,6 @@ impl Emulator {
         }
         self.pins.push(point);
     }
-
-    /// Whether a point rests on a pin.
-    fn is_near(&self, point: &Point) -> bool {
-        self.pins.iter().any(|pin| self.apart(pin, point) < NEAR)
-    }
 }
 
 /// Where fits end.
@@ -177,19 +172,17 @@ pub(super) fn ends(problem: Problem) -> Ends {
         .iter()
         .filter(is_recalibrated)
         .chain(near.take(RIVALS.0));
-    let mut points: Vec<Point> = Vec::new();
+    let emulator = problem.emulator;
+    let mut unpinned: Vec<Point> = Vec::new();
     for Fit { best, .. } in ends {
-        let emulator = problem.emulator;
-        let known = points
-            .iter()
-            .any(|known| emulator.apart(known, best) < NEAR);
-        if !known && !emulator.is_near(best) {
-            points.push(best.clone());
+        let mut pins = emulator.pins.iter().chain(&unpinned);
+        if pins.all(|pin| emulator.apart(pin, best) >= NEAR) {
+            unpinned.push(best.clone());
         }
     }
     let best = fits.iter().max_by(|a, b| score(a).total_cmp(&score(b)));
     Ends {
         best: best.map(|fit| fit.best.clone()),
-        unpinned: points,
+        unpinned,
     }
 }

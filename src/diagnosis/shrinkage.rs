@@ -141,7 +141,10 @@ pub(super) fn floor(emulated: &Emulated, observed: &Observed) -> (f64, bool) {
 pub(super) fn reach(emulated: &Emulated, observed: &Observed, made: &[Vec<f64>]) -> f64 {
     let square = |runs: &[Vec<f64>]| match runs.len() {
         1 => 1.0,
-        _ => 0.5 * emulated.among(runs) * emulated.among(runs),
+        _ => {
+            let among = emulated.among(runs);
+            0.5 * among * among
+        }
     };
     libm::sqrt(square(made) + square(&observed.runs))
 }

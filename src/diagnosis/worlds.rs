@@ -263,6 +263,13 @@ impl Bench {
         Self::of(world, library, repeats, seed)
     }
 
+    /// A small world in which two parameters do more than each by itself.
+    fn entangled(seed: u64) -> Self {
+        let world = World::entangled(SMALL, seed);
+        let library = world.library(seed);
+        Self::of(world, library, 2, seed)
+    }
+
     fn of(world: World, library: Library, repeats: usize, seed: u64) -> Self {
         // These worlds obey the model: nothing of it is to be doubted.
         let calibration = Calibration {
@@ -604,9 +611,7 @@ fn one_condition_or_one_channel_or_no_repeats_never_give_a_confident_verdict() {
 
 #[test]
 fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
-    let world = World::entangled(SMALL, 1);
-    let library = world.library(1);
-    let bench = Bench::of(world, library, 2, 1);
+    let bench = Bench::entangled(1);
     let truth = Truth {
         offsets: vec![1.5, -1.5, 0.0],
         ..Truth::default()
@@ -638,9 +643,7 @@ fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
 
 #[test]
 fn an_effect_and_its_magnitude_are_found_beside_parameters_that_do_more_together() {
-    let world = World::entangled(SMALL, 2);
-    let library = world.library(2);
-    let bench = Bench::of(world, library, 2, 2);
+    let bench = Bench::entangled(2);
     let truth = Truth {
         offsets: vec![1.2, 1.2, 0.0],
         effects: vec![(5, 1.4)],
