@@ -16,8 +16,11 @@
 //! several magnitudes. An [`Emulator`] makes functions of them, an [`Observation`] sets measured runs
 //! beside; where fits end is simulated, which pins the emulator there. [`screen()`] tells what could
 //! be seen at all, and a [`Verdict`] weighs nothing, parameters, every effect, pairs of them and the
-//! unknown by what each says of conditions that it has not seen; a [`Forest`] gives a second opinion. From the library on, all works on numbers alone.
+//! unknown by what each says of conditions that it has not seen; a [`Forest`] gives a second opinion.
+//! From the library on, all works on numbers alone. An [`Ablation`] leaves out a part of this, to tell
+//! what it is worth.
 
+mod ablation;
 mod again;
 pub mod arm;
 mod arm_traces;
@@ -51,6 +54,7 @@ mod verdict;
 #[cfg(test)]
 mod worlds;
 
+pub use ablation::{Ablation, NoSuchPart};
 pub use again::{InUnits, SimulatedAgain};
 pub use arm_traces::ArmTraces;
 pub use calibration::Calibration;

@@ -275,6 +275,7 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             1 => vec![("slip_sinkage".to_owned(), 0.97)],
             _ => Vec::new(),
         },
+        alarm: None,
     };
     let cosine = |a: usize, b: usize| match (a.min(b), a.max(b)) {
         (a, b) if a == b => 1.0,
@@ -333,6 +334,7 @@ fn settings() -> Settings {
         without: vec!["slope".to_owned()],
         seed: SEED,
         calibration: Calibration::default(),
+        ablation: None,
     }
 }
 

@@ -64,6 +64,7 @@ fn settings(tried: &[&str]) -> Settings {
         without: others.map(str::to_owned).collect(),
         seed: Seed(5),
         calibration: Calibration::default(),
+        ablation: None,
     }
 }
 

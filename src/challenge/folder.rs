@@ -8,6 +8,7 @@
 
 use super::ChallengeError;
 use super::truth::{Truth, sha256};
+use crate::diagnosis::Ablation;
 use crate::whole_file;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -128,8 +129,12 @@ pub(super) fn truth(folder: &Path) -> PathBuf {
     folder.join("truth")
 }
 
-pub(super) fn answers(folder: &Path) -> PathBuf {
-    folder.join("answers")
+/// Answers by the whole method, or by it without a part.
+pub(super) fn answers(folder: &Path, ablation: Option<Ablation>) -> PathBuf {
+    folder.join(match ablation {
+        None => "answers".to_owned(),
+        Some(part) => format!("answers_without_{part}"),
+    })
 }
 
 /// Whether there is nothing at `path`, or an empty folder.

@@ -35,6 +35,7 @@ use super::answering::{has_failed, known, seconds};
 use super::folder::{self, Campaigns};
 use super::order::{Family, Set};
 use super::truth::{Level, Rig};
+use crate::diagnosis::Ablation;
 use interval::mean;
 use judged::Judged;
 use serde::Serialize;
@@ -171,14 +172,15 @@ pub struct Scores {
     pub effects: Vec<OfEffect>,
 }
 
-/// Opens the truth of the trial in `folder` and counts.
+/// Opens the truth of the trial in `folder` and counts the answers by the whole method, or by it
+/// without a part.
 ///
 /// # Errors
 /// `TruthAltered` where a truth is not the one sealed, `CampaignAltered` where a run file is not the
 /// one published, `File` and `Content` where something cannot be read.
-pub fn score(folder: &Path) -> Result<Scores, ChallengeError> {
+pub fn score(folder: &Path, ablation: Option<Ablation>) -> Result<Scores, ChallengeError> {
     let campaigns = Campaigns::open(folder)?;
-    let answers = folder::answers(folder);
+    let answers = folder::answers(folder, ablation);
     let mut judged = Vec::new();
     for posed in &campaigns.manifest.cases {
         campaigns.check(posed)?;

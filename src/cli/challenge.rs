@@ -10,6 +10,7 @@ use asking::Asking;
 use clap::{Args, Subcommand};
 use lugwheel::challenge::score::Scores;
 use lugwheel::challenge::{self, ChallengeError, GROUNDS, Order, Selection};
+use lugwheel::diagnosis::Ablation;
 use lugwheel::quantity::Seed;
 use lugwheel::report::{Entries, matrix_figure, power_figure};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -96,6 +97,10 @@ struct Run {
     /// Folder of simulated statistics [default: DIR/bank]
     #[arg(long, value_name = "DIR")]
     bank: Option<PathBuf>,
+    /// A part of the method to do without, to see what it is worth: recalibration, held-out or
+    /// forest; the answers stand apart from those of the whole
+    #[arg(long, value_name = "PART")]
+    ablate: Option<Ablation>,
 }
 
 /// Open the truth and score the answers
@@ -104,6 +109,9 @@ struct Score {
     /// Folder of the trial
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// Score the answers of `challenge run --ablate PART`
+    #[arg(long, value_name = "PART")]
+    ablate: Option<Ablation>,
 }
 
 /// Some cases could not be made or diagnosed.
@@ -185,6 +193,7 @@ impl Run {
                 .clone()
                 .unwrap_or_else(|| self.folder.join("bank")),
             budget: self.budget,
+            ablation: self.ablate,
             cores: (Jobs::ALL.count() / self.jobs).max(1),
         };
         let progress = OnceLock::new();
@@ -200,7 +209,14 @@ impl Run {
             go_on()
         };
         let answered = pool(self.jobs.get())?
-            .install(|| challenge::answer(&self.folder, &|question| asking.ask(question), &hear))
+            .install(|| {
+                challenge::answer(
+                    &self.folder,
+                    self.ablate,
+                    &|question| asking.ask(question),
+                    &hear,
+                )
+            })
             .map_err(interrupted)?;
         drop(progress);
         output.print(&RunSummary {
@@ -214,8 +230,11 @@ impl Run {
 
 impl Score {
     fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let scores = challenge::score(&self.folder)?;
-        let folder = self.folder.join("score");
+        let scores = challenge::score(&self.folder, self.ablate)?;
+        let folder = self.folder.join(match self.ablate {
+            None => "score".to_owned(),
+            Some(part) => format!("score_without_{part}"),
+        });
         output::make_folder(&folder)?;
         draw(&scores, &folder)?;
         let json = serde_json::to_string_pretty(&scores)?;

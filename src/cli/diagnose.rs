@@ -11,11 +11,12 @@ use super::series::Jobs;
 use anyhow::Context;
 use clap::Args;
 use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::diagnosis::arm::Arm;
 use lugwheel::diagnosis::bank::BankError;
 use lugwheel::diagnosis::condition::LONGEST;
 use lugwheel::diagnosis::{
-    ArmTraces, Arms, BUDGET, Calibration, Diagnosis, Investigation, InvestigationError, Settings,
-    bank,
+    Ablation, ArmTraces, Arms, BUDGET, Calibration, Diagnosis, Investigation, InvestigationError,
+    Settings, bank,
 };
 use lugwheel::gap::GapMap;
 use lugwheel::quantity::Seed;
@@ -67,6 +68,10 @@ pub struct Diagnose {
     /// Seed of the simulations; the same seed gives the same answer
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
+    /// A part of the method to do without, to see what it is worth: recalibration, held-out or
+    /// forest
+    #[arg(long, value_name = "PART", hide_short_help = true)]
+    ablate: Option<Ablation>,
     #[command(flatten)]
     jobs: Jobs,
 }
@@ -77,10 +82,10 @@ Examples:
   lugwheel diagnose --measured rig.h5 --scenario my_rig.toml --without slope --out output/rig
   lugwheel diagnose --measured rig.h5 --scenario single_wheel_st --budget 50000 --json
 
-The folder holds diagnosis.html (the answer, what it rests on, figures), diagnosis.json (all numbers)
-and gap_map.svg. Simulated statistics are kept in
---bank: a stopped diagnosis goes on with the same command, and one of other runs at the same
-conditions takes a minute.";
+The folder holds diagnosis.html (the answer, what it rests on, figures), diagnosis.json (all numbers),
+gap_map.svg, the scenario recalibrated (recalibrated.toml) and, where effects are named, with them
+(with_effect.toml). Simulated statistics are kept in --bank: a stopped diagnosis goes on with the same
+command, and one of other runs at the same conditions takes a minute.";
 
 impl Diagnose {
     /// Diagnoses the runs and says what came of it.
@@ -94,17 +99,18 @@ impl Diagnose {
             without: self.without.clone(),
             seed: Seed(self.seed),
             calibration: Calibration::default(),
+            ablation: self.ablate,
         };
+        let version = env!("CARGO_PKG_VERSION");
         let inputs = Inputs {
             measured: Input::of(&self.measured)?,
             scenario: Input::of_text(&self.scenario, &scenario.to_toml()),
             runs: self.run.clone(),
             without: self.without.clone(),
             seed: self.seed,
-            version: env!("CARGO_PKG_VERSION"),
+            version,
         };
         output::make_folder(&self.out)?;
-        let version = env!("CARGO_PKG_VERSION");
         let investigation =
             Investigation::new(&measured, &scenario, &settings, (&self.bank, version))?;
         let (diagnosis, arms) = self.diagnose(output, &investigation)?;
@@ -129,11 +135,27 @@ impl Diagnose {
         self.write("diagnosis.json", &serde_json::to_string_pretty(&summary)?)?;
         self.write("gap_map.svg", &drawn_map(&summary.diagnosis))?;
         self.write("diagnosis.html", &report::page(&page))?;
+        let lugs = investigation.cases()[0].attributes.lug_count;
+        let edited = |arm: &Arm| arm.of(&scenario, lugs).ok();
+        self.write_or_remove("recalibrated.toml", edited(&arms.recalibrated))?;
+        self.write_or_remove(
+            "with_effect.toml",
+            arms.with_effect.as_ref().and_then(edited),
+        )?;
         output.print(&summary)
     }
 
     fn write(&self, name: &str, content: &str) -> anyhow::Result<()> {
         output::write_file(&self.out.join(name), content)
+    }
+
+    /// Writes a scenario that the diagnosis ends with; where there is none, one of an earlier
+    /// diagnosis must not stay.
+    fn write_or_remove(&self, name: &str, scenario: Option<Scenario>) -> anyhow::Result<()> {
+        match scenario {
+            Some(scenario) => self.write(name, &scenario.to_toml()),
+            None => output::remove_file(&self.out.join(name)),
+        }
     }
 
     /// The command that makes the same diagnosis again.
@@ -144,7 +166,7 @@ impl Diagnose {
             words.map(|value| path(option, Path::new(value))).collect()
         };
         format!(
-            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --longest {} --seed {}",
+            "lugwheel diagnose{}{}{}{}{}{}{}{} --budget {} --longest {} --seed {}",
             path("--measured", &self.measured),
             path("--scenario", &self.scenario),
             several("--set", &self.set),
@@ -152,6 +174,8 @@ impl Diagnose {
             several("--run", &self.run),
             path("--out", &self.out),
             path("--bank", &self.bank),
+            self.ablate
+                .map_or_else(String::new, |part| format!(" --ablate {part}")),
             self.budget,
             self.longest,
             self.seed

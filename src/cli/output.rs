@@ -58,6 +58,16 @@ pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
     })
 }
 
+/// Removes a file, if it is there.
+pub fn remove_file(path: &Path) -> anyhow::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("cannot remove {}", path.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Writes a whole file or nothing.
 pub fn write_file(path: &Path, content: &str) -> anyhow::Result<()> {
     whole_file::write(path, content.as_bytes()).map_err(|error| {

@@ -76,20 +76,28 @@ impl Arm {
         &self.effects
     }
 
-    /// The scenario of a case with these departures; an effect that the scenario has gets the
-    /// arm's magnitude.
-    ///
-    /// Lugs that an effect puts on a smooth wheel are as many as the measured wheel has.
+    /// The scenario of a case with these departures.
     ///
     /// # Errors
     /// `OutOfRange` where a parameter leaves its physical range.
     pub fn scenario(&self, case: &Case) -> Result<Scenario, OutOfRange> {
-        let mut scenario = case.scenario.clone();
+        self.of(&case.scenario, case.attributes.lug_count)
+    }
+
+    /// A scenario with these departures; an effect that the scenario has gets the arm's magnitude.
+    ///
+    /// Lugs that an effect puts on a smooth wheel are as many as the measured wheel has, where it
+    /// has any.
+    ///
+    /// # Errors
+    /// `OutOfRange` where a parameter leaves its physical range.
+    pub fn of(&self, scenario: &Scenario, measured_lugs: u32) -> Result<Scenario, OutOfRange> {
+        let mut scenario = scenario.clone();
         self.offsets.apply(&mut scenario);
         scenario.check()?;
         let named = |name: String| move |known: &Application| known.name() == name;
         for effect in &self.effects {
-            if let Some(lugs) = new_lugs(effect, case) {
+            if let Some(lugs) = new_lugs(effect, &scenario, measured_lugs) {
                 scenario.wheel.lugs = Some(lugs);
             } else if let Some(at) = scenario.effects.iter().position(named(effect.name())) {
                 scenario.effects[at] = *effect;
@@ -102,13 +110,12 @@ impl Arm {
 }
 
 /// Lugs of the measured wheel's number where the effect would put its own on a smooth wheel.
-fn new_lugs(effect: &Application, case: &Case) -> Option<Lugs> {
-    let count = case.attributes.lug_count;
+fn new_lugs(effect: &Application, scenario: &Scenario, count: u32) -> Option<Lugs> {
     let is_it = effect.effect().name == "lug_action" && effect.form() == Form::Own;
-    if !is_it || count == 0 || case.scenario.wheel.lugs.is_some() {
+    if !is_it || count == 0 || scenario.wheel.lugs.is_some() {
         return None;
     }
-    let mut lugged = case.scenario.clone();
+    let mut lugged = scenario.clone();
     lugged.effects = vec![*effect];
     let lugs = lugged.experiment().ok()?.wheel.lugs?;
     Some(Lugs { count, ..lugs })

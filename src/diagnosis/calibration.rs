@@ -34,6 +34,8 @@ pub struct Calibration {
     pub left_over: f64,
     /// p-value [-], before correction for their number, of a structural alarm.
     pub alarm: f64,
+    /// Whether explanations are ranked on conditions that their fits have not seen.
+    pub held_out: bool,
     /// Largest probability [-] of anything named from one condition, from runs without repeats,
     /// and from one channel.
     pub scarce: [f64; 3],
@@ -53,6 +55,7 @@ impl Default for Calibration {
             failed: 0.01,
             left_over: 0.2,
             alarm: 0.01,
+            held_out: true,
             scarce: [0.45, 0.9, 0.8],
         }
     }

@@ -176,9 +176,9 @@ impl Fit {
             offsets: posterior.offsets(),
             occam: posterior.occam(),
             // What is not held out has not paid.
-            determined: match posterior.terms.len() {
-                1 => 0.0,
-                _ => posterior.determined(),
+            determined: match posterior.holds_out(problem) {
+                true => posterior.determined(),
+                false => 0.0,
             },
             held_out,
             variances,
@@ -582,6 +582,12 @@ impl Posterior {
         }
     }
 
+    /// Whether conditions are predicted from the others. One condition cannot be predicted from none:
+    /// its own fit stands for that.
+    fn holds_out(&self, problem: Problem) -> bool {
+        problem.calibration.held_out && self.terms.len() > 1
+    }
+
     /// The best fit.
     fn best(&self) -> Point {
         let fold = self.fold(None);
@@ -671,8 +677,7 @@ impl Posterior {
         number: usize,
         (variance, defect): (&[f64], &Defect),
     ) -> HeldOut {
-        // One condition cannot be predicted from none: its own fit stands for that.
-        let fold = self.fold((self.terms.len() > 1).then_some(number));
+        let fold = self.fold(self.holds_out(problem).then_some(number));
         let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
         let terms = &self.terms[number];
         let freedom = problem.calibration.freedom;

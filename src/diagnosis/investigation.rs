@@ -1,5 +1,6 @@
 //! A whole diagnosis: from measured runs and a scenario to a verdict and what backs it.
 
+use super::ablation::Ablation;
 use super::again::{self, InUnits, SimulatedAgain};
 use super::arm::Arm;
 use super::bank::{Bank, BankError, Progress, Request};
@@ -60,6 +61,19 @@ pub struct Settings {
     pub seed: Seed,
     /// The constants.
     pub calibration: Calibration,
+    /// A part of the method to do without.
+    pub ablation: Option<Ablation>,
+}
+
+impl Settings {
+    /// The constants, less what is done without.
+    fn constants(&self) -> Calibration {
+        let mut calibration = self.calibration;
+        if let Some(ablation) = self.ablation {
+            ablation.of_calibration(&mut calibration);
+        }
+        calibration
+    }
 }
 
 /// Why there is no diagnosis.
@@ -230,8 +244,12 @@ impl<'a> Investigation<'a> {
                 .collect()
         };
         let runs: Vec<Vec<Run>> = cases.cases.iter().map(read).collect();
+        let mut plan = Plan::within(settings.budget, &cases.cases, &settings.without)?;
+        if let Some(ablation) = settings.ablation {
+            ablation.of_plan(&mut plan);
+        }
         Ok(Self {
-            plan: Plan::within(settings.budget, &cases.cases, &settings.without)?,
+            plan,
             caveats: cases.caveats.iter().map(ToString::to_string).collect(),
             cases: cases.cases,
             measured: runs,
@@ -257,7 +275,7 @@ impl<'a> Investigation<'a> {
         ask(&bank, self.plan.requests(), hear, &mut answers)?;
         let gathered = answers.gather(&self.plan, &self.cases, &self.measured);
         let map = self.map(&answers)?;
-        let calibration = &self.settings.calibration;
+        let calibration = &self.settings.constants();
         let library = &gathered.library;
         let mut emulator = Emulator::new(library)?;
         let observation = Observation::new(&emulator, library, &gathered.measured, calibration)?;

@@ -34,6 +34,8 @@ pub struct Screened {
     /// Effects that these conditions cannot tell from it, and the cosine of their projected
     /// signatures [-].
     pub equivalent: Vec<(String, f64)>,
+    /// Strongest alarm that its typical magnitude would raise were only parameters recalibrated.
+    pub alarm: Option<Alarm>,
 }
 
 /// Products of all projected signatures with each other.
@@ -69,9 +71,13 @@ pub(super) struct Projected {
 impl Screen {
     /// Of measured conditions.
     pub fn new(problem: Problem) -> Self {
+        Self::of(problem, &problem.straightened())
+    }
+
+    /// Of these departures, a row a condition.
+    fn of(problem: Problem, residuals: &[Vec<f64>]) -> Self {
         let mut screen = Self::empty(problem.emulator);
-        let residuals = problem.straightened();
-        for ((emulated, observed), residual) in problem.conditions().zip(&residuals) {
+        for ((emulated, observed), residual) in problem.conditions().zip(residuals) {
             screen.include(emulated, &observed.variance, residual);
         }
         screen
@@ -213,7 +219,7 @@ impl Projected {
         cosine > least || (turned && cosine < -least)
     }
 
-    /// What the screen says of every candidate.
+    /// What the screen says of every candidate, but for alarms.
     pub fn table(&self, emulator: &Emulator, equivalent: f64) -> Vec<Screened> {
         let of = |number: usize| {
             let candidate = &emulator.candidates[number];
@@ -235,6 +241,7 @@ impl Projected {
                 detectable: candidate.detectable(3.0 * typical.abs() / libm::sqrt(square.max(0.0))),
                 absorbed: self.absorbed(number),
                 equivalent: alike.collect(),
+                alarm: None,
             }
         };
         (0..emulator.candidates.len()).map(of).collect()
@@ -272,8 +279,13 @@ pub(super) const END: f64 = 3.0;
 /// Parameters at the end of their prior, and those that conditions would have drift: a change in
 /// proportion to slip, load or speed explains more than chance would.
 pub(super) fn alarms(problem: Problem) -> Vec<Alarm> {
+    raised(problem, &problem.straightened())
+}
+
+/// Alarms of these departures, a row a condition.
+fn raised(problem: Problem, residuals: &[Vec<f64>]) -> Vec<Alarm> {
     use statrs::distribution::{ChiSquared, ContinuousCDF};
-    let screen = Screen::new(problem);
+    let screen = Screen::of(problem, residuals);
     let offsets = screen.projected().offsets;
     let names = &problem.emulator.parameters;
     let mut alarms: Vec<Alarm> = names
@@ -295,7 +307,7 @@ pub(super) fn alarms(problem: Problem) -> Vec<Alarm> {
     let one = ChiSquared::new(1.0).expect("one degree of freedom");
     for (place, name) in names.iter().enumerate() {
         for (covariate, what) in kinds.into_iter().enumerate() {
-            let square = drift(problem, &screen, place, covariate);
+            let square = drift(problem, residuals, &screen, (place, covariate));
             if one.sf(square) * tests < problem.calibration.alarm {
                 alarms.push(Alarm {
                     parameter: name.clone(),
@@ -309,7 +321,12 @@ pub(super) fn alarms(problem: Problem) -> Vec<Alarm> {
 }
 
 /// χ² of a parameter's change in proportion to a covariate, the parameters free as ever.
-fn drift(problem: Problem, screen: &Screen, place: usize, covariate: usize) -> f64 {
+fn drift(
+    problem: Problem,
+    residuals: &[Vec<f64>],
+    screen: &Screen,
+    (place, covariate): (usize, usize),
+) -> f64 {
     let values: Vec<f64> = problem
         .conditions()
         .map(|(e, _)| e.covariates[covariate])
@@ -330,8 +347,7 @@ fn drift(problem: Problem, screen: &Screen, place: usize, covariate: usize) -> f
         with_residual: DVector::zeros(1),
         ..screen.clone()
     };
-    let residuals = problem.straightened();
-    let conditions = problem.conditions().zip(&residuals);
+    let conditions = problem.conditions().zip(residuals);
     for (((emulated, observed), residual), value) in conditions.zip(values) {
         let factor = (value - mean) / deviation;
         let mut variance = observed.variance.clone();
@@ -367,5 +383,22 @@ pub fn isolability(problem: Problem) -> Vec<Vec<f64>> {
 /// What a linear look at these conditions says of every candidate.
 pub fn screen(problem: Problem) -> Vec<Screened> {
     let projected = Screen::new(problem).projected();
-    projected.table(problem.emulator, problem.calibration.equivalent)
+    let mut table = projected.table(problem.emulator, problem.calibration.equivalent);
+    for (number, screened) in table.iter_mut().enumerate() {
+        let raised = raised(problem, &signature(problem.emulator, number));
+        let size = |alarm: &Alarm| alarm.deviations.abs();
+        screened.alarm = raised
+            .into_iter()
+            .max_by(|a, b| size(a).total_cmp(&size(b)));
+    }
+    table
+}
+
+/// What a candidate changes at its typical level, a row a condition.
+fn signature(emulator: &Emulator, number: usize) -> Vec<Vec<f64>> {
+    let [_, typical, _] = emulator.candidates[number].levels();
+    let conditions = emulator.conditions.iter();
+    conditions
+        .map(|emulated| emulated.shapes[number].at(typical))
+        .collect()
 }

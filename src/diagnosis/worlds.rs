@@ -4,6 +4,8 @@
 //! condition to condition; effects saturate a little. Effect 1 shows as effect 0 does, effect 2 as
 //! the first parameter; all else is drawn.
 
+use super::fit::Fit;
+use super::hypothesis::Hypothesis;
 use super::library::Beside;
 use super::pins::ends;
 use super::ranking::Ranking;
@@ -607,6 +609,41 @@ fn one_condition_or_one_channel_or_no_repeats_never_give_a_confident_verdict() {
                 .any(|why| why.starts_with("no repeats"))
         );
     }
+}
+
+#[test]
+fn an_effect_like_a_parameter_that_drifts_raises_that_alarm_and_one_like_a_parameter_none() {
+    let mut world = World::new(SMALL, 1);
+    for condition in 0..SMALL.conditions {
+        let drift = condition as f64 - 0.5 * (SMALL.conditions - 1) as f64;
+        let slope = &world.jacobian[condition][1];
+        world.signatures[condition][3] = slope.iter().map(|x| drift * x).collect();
+    }
+    let library = world.library(1);
+    let bench = Bench::of(world, library, 2, 1);
+    let observation = bench.observe(&bench.world.measured(&Truth::default(), 2, 7));
+    let told = screen(bench.problem(&observation));
+    // Effect 2 is the first parameter by another name: nothing is left to betray it.
+    assert!(told[2].absorbed > 0.8 && told[2].alarm.is_none());
+    let alarm = told[3].alarm.as_ref().unwrap();
+    assert_eq!(
+        (&*alarm.parameter, alarm.what),
+        ("p1", Suspicion::DriftsWithSlip)
+    );
+}
+
+#[test]
+fn a_fit_says_more_of_what_it_has_seen_than_of_what_it_has_not() {
+    let mut bench = Bench::new(SMALL, 2, 1);
+    let measured = bench.world.measured(&Truth::effect(2, 1.0), 2, 3);
+    let density = |bench: &Bench| -> f64 {
+        let observation = bench.observe(&measured);
+        let fit = Fit::new(bench.problem(&observation), Hypothesis::Effects(vec![2]));
+        fit.held_out.iter().map(|it| it.log_density).sum()
+    };
+    let unseen = density(&bench);
+    Ablation::HeldOut.of_calibration(&mut bench.calibration);
+    assert!(density(&bench) > unseen);
 }
 
 #[test]

@@ -113,6 +113,8 @@ fn steps(shrinkage: &Shrinkage, added: &str) -> Vec<Step> {
 
 /// Place of the effect's bar.
 const EFFECT: f64 = 2.0;
+/// The whisker stands beside the bar's number, which is above its middle [columns].
+const BESIDE: f64 = 0.24;
 
 fn draw_step(canvas: &mut Canvas, panel: &Panel, place: f64, step: &Step) {
     if !(step.from.is_finite() && step.to.is_finite()) {
@@ -164,7 +166,7 @@ fn score(recalibrated: f64, floor: f64, share: f64) -> f64 {
 }
 
 fn draw_closed(canvas: &mut Canvas, panel: &Panel, shrinkage: &Shrinkage) {
-    let x = panel.x.pixel(EFFECT + 0.5);
+    let x = panel.x.pixel(EFFECT + 0.5 + BESIDE);
     let stroke = Stroke::solid(INK, 1.8);
     if let [low, high] = interval(shrinkage)[..] {
         let ends = [low, high].map(|score| [x, panel.y.pixel(score)]);

@@ -2,6 +2,7 @@
 
 use crate::cli::interrupt;
 use lugwheel::challenge::{Question, Unanswered};
+use lugwheel::diagnosis::Ablation;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -15,6 +16,8 @@ pub struct Asking<'a> {
     pub bank: PathBuf,
     /// Driving that a diagnosis may simulate [s]; its own default where not given.
     pub budget: Option<f64>,
+    /// A part of the method to do without.
+    pub ablation: Option<Ablation>,
     /// Cores for each.
     pub cores: usize,
 }
@@ -44,6 +47,14 @@ impl Asking<'_> {
         Err(Unanswered::Failed(reason))
     }
 
+    /// Folder of what diagnoses write.
+    fn diagnoses(&self) -> PathBuf {
+        self.folder.join(match self.ablation {
+            None => "diagnoses".to_owned(),
+            Some(part) => format!("diagnoses_without_{part}"),
+        })
+    }
+
     fn command(&self, program: &Path, question: &Question) -> Command {
         let mut command = Command::new(program);
         command
@@ -52,7 +63,7 @@ impl Asking<'_> {
             .arg("--scenario")
             .arg(&question.scenario)
             .arg("--out")
-            .arg(self.folder.join("diagnoses").join(question.case))
+            .arg(self.diagnoses().join(question.case))
             .arg("--bank")
             .arg(&self.bank)
             .args(["--jobs", &self.cores.to_string()]);
@@ -61,6 +72,9 @@ impl Asking<'_> {
         }
         if let Some(budget) = self.budget {
             command.args(["--budget", &budget.to_string()]);
+        }
+        if let Some(part) = self.ablation {
+            command.args(["--ablate", &part.to_string()]);
         }
         command
     }

@@ -2,7 +2,7 @@
 
 use super::ToldDiagnosis;
 use super::words::{self, listed, p_value, percent};
-use crate::diagnosis::{Answer, Diagnosis, Suspect, Suspicion, Verdict};
+use crate::diagnosis::{Answer, Diagnosis, Suspect, Verdict};
 use crate::report::page::{Section, four_digits};
 
 /// The answer with its probability.
@@ -159,7 +159,7 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             .map(|it| told("less sure because", it)),
     );
     facts.extend(verdict.alarms.iter().map(|alarm| {
-        let what = suspicion(alarm.what);
+        let what = words::suspicion(alarm.what);
         let text = format!(
             "{} {what} ({:.1} deviations): it may stand for something that is missing",
             alarm.parameter, alarm.deviations
@@ -168,16 +168,6 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
     }));
     facts.extend(caveats.iter().map(|it| told("keep in mind", it)));
     Section::new("What does the answer rest on?").facts(facts)
-}
-
-/// Why a parameter is suspicious.
-pub fn suspicion(what: Suspicion) -> &'static str {
-    match what {
-        Suspicion::AtItsEnd => "is at the end of what is known of it",
-        Suspicion::DriftsWithSlip => "would have to change with slip",
-        Suspicion::DriftsWithLoad => "would have to change with load",
-        Suspicion::DriftsWithSpeed => "would have to change with speed",
-    }
 }
 
 /// Which run would tell most.

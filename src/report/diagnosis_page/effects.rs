@@ -178,11 +178,13 @@ fn all(screen: &[Screened]) -> Table {
             limit(screened.detectable),
             Cell::text(unit),
             percent(screened.absorbed),
+            Cell::text(screened.alarm.as_ref().map_or(String::new(), words::alarm)),
         ]
     });
     Table {
-        caption: "All effects tried: the χ² that each alone would explain, and from which magnitude on it \
-                  shows"
+        caption: "All effects tried: the χ² that each alone would explain, from which magnitude on it shows, \
+                  and the strongest alarm by which its typical magnitude would betray itself to a mere \
+                  recalibration"
             .to_owned(),
         columns: vec![
             Column::new("effect", ""),
@@ -190,6 +192,7 @@ fn all(screen: &[Screened]) -> Table {
             Column::new("detection limit", ""),
             Column::new("unit", ""),
             Column::new("absorbed by parameters", "%"),
+            Column::new("alarm", ""),
         ],
         rows: rows.collect(),
     }

@@ -1,7 +1,6 @@
 //! What recalibration moved.
 
 use super::ToldDiagnosis;
-use super::answer::suspicion;
 use super::words;
 use crate::diagnosis::parameter::{Coordinate, Parameter};
 use crate::diagnosis::{Recalibrated, Verdict};
@@ -140,15 +139,7 @@ fn alarms(verdict: &Verdict) -> String {
                 with slip, load or speed."
             .to_owned();
     }
-    let told = verdict.alarms.iter().map(|alarm| {
-        format!(
-            "{} {} ({:.1} standard deviations)",
-            alarm.parameter,
-            suspicion(alarm.what),
-            alarm.deviations
-        )
-    });
-    let told: Vec<String> = told.collect();
+    let told: Vec<String> = verdict.alarms.iter().map(words::alarm).collect();
     format!(
         "Alarms, each a sign that something else is missing: {}.",
         told.join("; ")

@@ -1,5 +1,6 @@
 //! Names of a diagnosis as a reader says them.
 
+use crate::diagnosis::{Alarm, Suspicion};
 use crate::effects::{self, Effect};
 use crate::gap::{Cell, Statistic};
 
@@ -11,6 +12,26 @@ pub fn percent(share: f64) -> String {
         share if share < 1.0 && share > 0.999 => "more than 99.9 %".to_owned(),
         share if (0.0995..0.95).contains(&share) => format!("{:.0} %", 100.0 * share),
         share => format!("{:.1} %", 100.0 * share).replace('-', "−"),
+    }
+}
+
+/// A parameter that looks like something else.
+pub fn alarm(alarm: &Alarm) -> String {
+    format!(
+        "{} {} ({:.1} standard deviations)",
+        alarm.parameter,
+        suspicion(alarm.what),
+        alarm.deviations.abs()
+    )
+}
+
+/// Why a parameter is suspicious.
+pub fn suspicion(what: Suspicion) -> &'static str {
+    match what {
+        Suspicion::AtItsEnd => "is at the end of what is known of it",
+        Suspicion::DriftsWithSlip => "would have to change with slip",
+        Suspicion::DriftsWithLoad => "would have to change with load",
+        Suspicion::DriftsWithSpeed => "would have to change with speed",
     }
 }
 
