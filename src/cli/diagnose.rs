@@ -138,10 +138,9 @@ impl Diagnose {
         let lugs = investigation.cases()[0].attributes.lug_count;
         let edited = |arm: &Arm| arm.of(&scenario, lugs).ok();
         self.write_or_remove("recalibrated.toml", edited(&arms.recalibrated))?;
-        self.write_or_remove(
-            "with_effect.toml",
-            arms.with_effect.as_ref().and_then(edited),
-        )?;
+        let is_named = !summary.diagnosis.verdict.named.is_empty();
+        let with_effect = arms.with_effect.as_ref().filter(|_| is_named);
+        self.write_or_remove("with_effect.toml", with_effect.and_then(edited))?;
         output.print(&summary)
     }
 

@@ -318,12 +318,17 @@ impl<'a> Investigation<'a> {
         let predicted = gap.map_or([f64::INFINITY; 2], |gap| {
             [gap.recalibrated, gap.with_effect]
         });
-        let again = requests
+        let again: Vec<SimulatedAgain> = requests
             .into_iter()
             .zip(predicted)
             .filter_map(|(arm, predicted)| {
                 again::simulated(problem, &answers, (arm?, &places), predicted)
-            });
+            })
+            .collect();
+        let verdict = match &again[..] {
+            [recalibrated, with_effect] => verdict.tried([recalibrated.gap, with_effect.gap]),
+            _ => verdict,
+        };
         let diagnosis = Diagnosis {
             gap,
             closed: verdict.shrinkage.as_ref().and_then(|it| it.closed),
@@ -331,7 +336,7 @@ impl<'a> Investigation<'a> {
             map: map.entries,
             screen: screen(problem),
             isolability: isolability(problem),
-            again: again.collect(),
+            again,
             in_units: again::in_units(problem, &answers, &gathered.measured, requests, &places),
             compared: self.compared(&gathered),
             caveats: self.told(&gathered, &answers, &map.caveats),

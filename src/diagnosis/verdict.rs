@@ -26,6 +26,8 @@ const STRONG: f64 = 4.0;
 const NOTICEABLE: f64 = 0.2;
 /// Share [-] that the unknown keeps where a refit explains the gap.
 const DOUBT: f64 = 0.1;
+/// Share [-] that stays decided where the simulator refutes the answer.
+const REFUTED: f64 = 0.4;
 
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -181,6 +183,33 @@ impl Verdict {
         }
     }
 
+    /// With the gaps simulated without its effects and with them: effects that leave no narrower one
+    /// are not named, and little is decided.
+    pub(super) fn tried(mut self, [recalibrated, with_effects]: [f64; 2]) -> Self {
+        if self.named.is_empty() || with_effects < recalibrated {
+            return self;
+        }
+        self.reasons.push(format!(
+            "simulated with {} the gap is {with_effects:.2}, without it {recalibrated:.2}",
+            self.named[0][0]
+        ));
+        let mut undecided = 0.0;
+        for (name, probability) in &mut self.probabilities {
+            if name != "unknown" && name != "undecided" {
+                undecided += (1.0 - REFUTED) * *probability;
+                *probability *= REFUTED;
+            }
+        }
+        let known = self.probabilities.entry("undecided".to_owned());
+        *known.or_default() += undecided;
+        for suspect in &mut self.effects {
+            suspect.probability *= REFUTED;
+        }
+        self.named.clear();
+        self.verdict = Answer::Undecided;
+        self
+    }
+
     /// With the one of further runs that would tell them apart.
     pub fn with_next_run(mut self, problem: Problem, further: &FurtherRuns) -> Self {
         self.next_run = self
@@ -208,6 +237,8 @@ struct Weighing {
     undecided: f64,
     /// Effects for which parameters within their priors may stand.
     absorbed: Vec<usize>,
+    /// Whether what is left without any effect may be chance, or is little of the gap.
+    cleared: bool,
     reasons: Vec<String>,
 }
 
@@ -220,6 +251,7 @@ impl Weighing {
                 .collect(),
             undecided: 0.0,
             absorbed: absorbed(problem, healthy(ranking), projected),
+            cleared: true,
             reasons: Vec::new(),
         };
         weighing.check(problem, ranking);
@@ -228,6 +260,10 @@ impl Weighing {
         for (most, why) in &problem.observation.scarce {
             weighing.keep(*most);
             weighing.reasons.push((*why).to_owned());
+        }
+        if !weighing.cleared {
+            let why = "recalibration alone leaves more than chance would on held-out conditions";
+            weighing.reasons.push(why.to_owned());
         }
         weighing
     }
@@ -271,6 +307,12 @@ impl Weighing {
                 _ => (1.0 - of_unknown) * libm::exp(ranked.log_probability - all),
             };
         }
+        let healthy = &healthy(ranking).hypothesis;
+        let check = checks
+            .clone()
+            .find(|(hypothesis, _)| *hypothesis == healthy)
+            .map(|(_, check)| check);
+        self.cleared = check.is_none_or(|check| check.p >= calibration.failed || explains(&check));
     }
 
     /// Says which effects are not named because parameters may stand for them.
@@ -328,7 +370,7 @@ impl Weighing {
             return (Answer::Undecided, Vec::new());
         }
         let absorbed = self.mass(|h| h.effects().iter().any(|e| self.absorbed.contains(e)));
-        if none + parameter + absorbed >= problem.calibration.presumed {
+        if self.cleared && none + parameter + absorbed >= problem.calibration.presumed {
             let answer = match none >= parameter + absorbed {
                 true => Answer::None,
                 false => Answer::Parameter,

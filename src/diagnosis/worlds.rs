@@ -633,6 +633,41 @@ fn an_effect_like_a_parameter_that_drifts_raises_that_alarm_and_one_like_a_param
 }
 
 #[test]
+fn what_the_simulator_refutes_is_not_named() {
+    let bench = Bench::new(SMALL, 2, 1);
+    let named = bench.verdict(&Truth::effect(5, 2.0), 3);
+    assert_eq!(named.named, [["e5"]]);
+    assert_eq!(named.clone().tried([1.5, 1.1]), named);
+    let refuted = named.tried([1.1, 1.5]);
+    assert_eq!(refuted.verdict, Answer::Undecided);
+    assert!(refuted.named.is_empty() && refuted.effects[0].probability < 0.5);
+    let sum: f64 = refuted.probabilities.values().sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+}
+
+#[test]
+fn parameters_are_not_answered_where_recalibration_fails_its_check() {
+    let bench = Bench::new(SMALL, 2, 1);
+    let Calibration {
+        failed, left_over, ..
+    } = bench.calibration;
+    let mut rng = Seed(11).rng("truths", 0);
+    for seed in 0..40 {
+        let (_, truth) = drawn(&bench, &mut rng);
+        let verdict = bench.verdict(&truth, seed);
+        if verdict.verdict != Answer::Parameter {
+            continue;
+        }
+        let told = |name: &str| {
+            let mut all = verdict.explanations.iter();
+            all.find(|it| it.name == name).unwrap()
+        };
+        let [left, all] = ["parameter", "none"].map(|name| told(name).excess.unwrap());
+        assert!(told("parameter").p.unwrap() >= failed || left < left_over * all);
+    }
+}
+
+#[test]
 fn a_fit_says_more_of_what_it_has_seen_than_of_what_it_has_not() {
     let mut bench = Bench::new(SMALL, 2, 1);
     let measured = bench.world.measured(&Truth::effect(2, 1.0), 2, 3);
