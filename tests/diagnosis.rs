@@ -554,6 +554,36 @@ fn repeats_whose_load_was_measured_and_not_told_are_still_repeats() {
 }
 
 #[test]
+fn a_run_whose_slip_contradicts_its_label_is_repeated_at_the_slip_measured() {
+    let runs: Vec<Trace> = [0.2, 0.2002, 0.2311]
+        .map(|slip| {
+            let measured = Mean {
+                value: slip,
+                ..mean("slip_ratio")
+            };
+            let mut trace = rig_run(0, 0.0);
+            trace.attributes.slip_ratio = 0.2;
+            trace.channels.clear();
+            trace.means = vec![mean("drawbar_pull"), measured];
+            trace
+        })
+        .into();
+    let found = cases(&scenario("single_wheel_st"), &runs);
+    let slips: Vec<f64> = found
+        .cases
+        .iter()
+        .map(|c| c.attributes.slip_ratio)
+        .collect();
+    assert_eq!(slips, [0.2, 0.2311]);
+    let text = "run 2 ran at another slip than told: the measured one is taken";
+    assert!(
+        texts(&found).iter().any(|it| it == text),
+        "{:?}",
+        texts(&found)
+    );
+}
+
+#[test]
 fn a_plan_asks_for_what_can_be_on_this_ground_and_can_be_seen_in_these_channels() {
     let plan = |name: &str, without: &[&str]| {
         let case = one_case(&scenario(name), rig_run(2000, 2000.0));

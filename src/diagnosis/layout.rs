@@ -20,6 +20,9 @@ const ZEROS: f64 = 16.0;
 /// gives a sample more or less; simulations of the one length serve the other too.
 const STEP: (f64, f64) = (0.5, 2.0);
 
+/// Uncertainty [-] of a slip, and part of any other mean, where nothing tells it.
+const UNTOLD: f64 = 0.01;
+
 /// Part of a sample [-] within which instants are the same.
 const SAME: f64 = 1.0e-6;
 
@@ -45,7 +48,7 @@ struct Averaged {
     /// Number of samples behind it.
     n: u64,
     /// Its standard uncertainty, in its unit: of so many samples, or of one where they were not
-    /// counted; 0 where nothing tells it.
+    /// counted; what is usual where nothing tells it.
     error: f64,
 }
 
@@ -55,6 +58,15 @@ pub(super) struct Layout {
     /// Time series by name.
     pub series: Vec<Series>,
     means: Vec<Averaged>,
+}
+
+/// Uncertainty of a mean whose own nobody told, in its unit. No simulation misses its slip, and without
+/// any uncertainty a thousandth would be a gap.
+fn untold(mean: &Mean) -> f64 {
+    match &*mean.name {
+        "slip_ratio" => UNTOLD,
+        _ => UNTOLD * mean.value.abs(),
+    }
 }
 
 impl Layout {
@@ -91,7 +103,7 @@ impl Layout {
                 n: mean.n,
                 error: match mean.sd > 0.0 && mean.sd.is_finite() {
                     true => mean.sd / libm::sqrt(mean.n.max(1) as f64),
-                    false => 0.0,
+                    false => untold(mean),
                 },
             })
             .collect();

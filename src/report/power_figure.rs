@@ -12,8 +12,8 @@ const ENDS: [f64; 2] = [0.25, 32.0];
 type Series = (&'static str, fn(&Power) -> Score);
 
 /// Share of cases whose effect is named, up to equivalence, against its magnitude over the least
-/// that could be detected, in the catalogue's form and in another, with 95 % intervals. One SVG
-/// 820 px wide.
+/// that could be detected, in the catalogue's form and in another, with 95 % intervals and numbers of
+/// cases. One SVG 820 px wide.
 pub fn power_figure(classes: &[Power], title: &str) -> String {
     let mut canvas = Canvas::new(SIZE, title);
     let text = Font::TITLE.fit(title, SIZE[0] - 32.0);
@@ -87,7 +87,13 @@ fn draw_series(
             canvas.polyline(&[[x, bottom], [x, top]], stroke);
         }
         let count = format!("{}", score.n);
-        canvas.text([x + 5.0, y - 6.0], Anchor::Start, Font::SMALL, &count);
+        // Away from the other series and from the frame.
+        let (away, anchor) = match beside < 0.0 {
+            true => (-5.0, Anchor::End),
+            false => (5.0, Anchor::Start),
+        };
+        let below_frame = (y - 6.0).max(panel.area.top + 16.0);
+        canvas.text([x + away, below_frame], anchor, Font::SMALL, &count);
     }
     canvas.polyline(&points, stroke);
 }
