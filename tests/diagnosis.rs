@@ -527,6 +527,25 @@ fn the_measured_points_of_ding_are_cases_of_a_scenario_with_their_wheel() {
 }
 
 #[test]
+fn every_smooth_wheel_among_the_data_has_a_scenario_that_can_repeat_it() {
+    let sets = [
+        ("ding2011", "points", 12),
+        ("cmu-single-wheel", "smooth_wheel_runs", 27),
+        ("chrono-scm", "means", 24),
+    ];
+    for (set, campaign, count) in sets {
+        let folder = format!("{}/tests/data/{set}", env!("CARGO_MANIFEST_DIR"));
+        let campaign = Campaign::load(format!("{folder}/{campaign}.toml")).unwrap();
+        let runs: Vec<Trace> = campaign.runs().map(|run| run.unwrap().1).collect();
+        let scenario = Scenario::load(format!("{folder}/smooth_wheel.toml")).unwrap();
+        assert_eq!(scenario.wheel.lug_count(), 0, "{set}");
+        let found = cases(&scenario, &runs);
+        let repeated: usize = found.cases.iter().map(|case| case.runs.len()).sum();
+        assert_eq!(repeated, count, "{set}: {:?}", texts(&found));
+    }
+}
+
+#[test]
 fn repeats_whose_load_was_measured_and_not_told_are_still_repeats() {
     let file = format!(
         "{}/tests/data/cmu-single-wheel/smooth_wheel_runs.toml",
