@@ -82,7 +82,8 @@ pub struct WheelState {
 pub enum SimulationError {
     /// The wheel sank to its axle.
     #[error(
-        "at {time:.3} s the wheel had sunk {sinkage:.4} m, to its axle at {radius} m: the ground does not carry {load} N; lower the load or the slip"
+        "at {time:.3} s the wheel had sunk {sinkage:.4} m, to its axle at {radius} m: the ground does not carry {} N; lower the load or the slip",
+        (1.0e3 * load).round() / 1.0e3
     )]
     Sunk {
         /// When [s].

@@ -392,7 +392,7 @@ impl<'a> Investigation<'a> {
         let comparison = Comparison::new(&measured, &simulated);
         let comparison = comparison.map_err(|error| InvestigationError::Gap {
             error,
-            failures: answers.failures().cloned().collect(),
+            failures: answers.failures().collect(),
         })?;
         let seed = self.settings.seed;
         Ok(comparison.map(&Margins::default(), &ParameterSpread::default(), seed))

@@ -12,7 +12,8 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug, Default)]
 pub(super) struct Answers {
     runs: BTreeMap<(String, usize, u64), Run>,
-    failures: BTreeSet<String>,
+    /// Reasons by arm.
+    failures: BTreeMap<String, BTreeSet<String>>,
 }
 
 /// Cells of two runs on the same ground with the same noise.
@@ -38,15 +39,22 @@ impl Answers {
                     self.runs.insert((arm, request.case, request.stream), run);
                 }
                 Err(failure) => {
-                    self.failures.insert(format!("{arm}: {failure}"));
+                    let own = self.failures.entry(arm).or_default();
+                    own.insert(failure.to_string());
                 }
             }
         }
     }
 
-    /// Why arms have no run, each reason once.
-    pub fn failures(&self) -> impl Iterator<Item = &String> {
-        self.failures.iter()
+    /// Why arms have no run: one reason each, and how many others there are.
+    pub fn failures(&self) -> impl Iterator<Item = String> {
+        self.failures.iter().filter_map(|(arm, reasons)| {
+            let first = reasons.first()?;
+            Some(match reasons.len() - 1 {
+                0 => format!("{arm}: {first}"),
+                others => format!("{arm}: {first} ({others} more of the kind)"),
+            })
+        })
     }
 
     /// Runs of an arm in a case, by stream.
