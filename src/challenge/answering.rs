@@ -42,8 +42,9 @@ pub struct Answered {
 }
 
 /// Puts every case in `folder` that has no answer to `diagnose`, which returns the text of a JSON
-/// document as [`Answer`] reads it, without a part of its method where one is named, on the threads of the pool in which this is called. `progress`
-/// hears of every case, first of those answered before, and may stop it.
+/// document as [`Answer`] reads it, without a part of its method where one is named, on the threads
+/// of the pool in which this is called. `progress` hears of every case, first of those answered
+/// before, and may stop it.
 ///
 /// # Errors
 /// `File` and `Content` where there are no campaigns, `CampaignAltered` for one that was changed,

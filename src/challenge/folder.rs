@@ -129,11 +129,15 @@ pub(super) fn truth(folder: &Path) -> PathBuf {
     folder.join("truth")
 }
 
-/// Answers by the whole method, or by it without a part.
 pub(super) fn answers(folder: &Path, ablation: Option<Ablation>) -> PathBuf {
+    by_method(folder, "answers", ablation)
+}
+
+/// Folder in a trial of what came of the whole method, or of it without a part.
+pub fn by_method(folder: &Path, name: &str, ablation: Option<Ablation>) -> PathBuf {
     folder.join(match ablation {
-        None => "answers".to_owned(),
-        Some(part) => format!("answers_without_{part}"),
+        None => name.to_owned(),
+        Some(part) => format!("{name}_without_{part}"),
     })
 }
 

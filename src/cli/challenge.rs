@@ -231,10 +231,7 @@ impl Run {
 impl Score {
     fn run(&self, output: &Output) -> anyhow::Result<()> {
         let scores = challenge::score(&self.folder, self.ablate)?;
-        let folder = self.folder.join(match self.ablate {
-            None => "score".to_owned(),
-            Some(part) => format!("score_without_{part}"),
-        });
+        let folder = challenge::by_method(&self.folder, "score", self.ablate);
         output::make_folder(&folder)?;
         draw(&scores, &folder)?;
         let json = serde_json::to_string_pretty(&scores)?;

@@ -8,6 +8,8 @@ mod labels;
 mod offsets;
 pub(crate) mod samples;
 
+pub use labels::SLIP_TOLERANCE;
+
 use super::hdf5::RunFile;
 use crate::quantity::Seed;
 use crate::terrain::class::{TerrainLabel, Wtic};

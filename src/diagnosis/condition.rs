@@ -5,6 +5,7 @@
 //! as a mean only, the simulated one has as a mean only.
 
 use super::layout::Layout;
+use crate::dataset::inspection::SLIP_TOLERANCE;
 use crate::features::Settings;
 use crate::features::reference::Reference;
 use crate::gap::{self, Condition, Run, Statistician};
@@ -34,10 +35,6 @@ const BROKE_OFF: f64 = 0.5;
 const SAME_LOAD: f64 = 0.15;
 const SAME_SPEED: f64 = 0.05;
 const SAME_SLIP: f64 = 0.02;
-
-/// Slip [-] by which a run may miss its command before its label is held to be wrong, as `inspect` has
-/// it; a measured campaign of 24 runs held 0.0015.
-const WRONG_SLIP: f64 = 0.03;
 
 /// Lug passes [-] in the middle half of a run of means only.
 const STEADY_PASSES: f64 = 4.0;
@@ -380,7 +377,7 @@ impl Record {
         check_wheel(&attributes, wheel).map_err(Refusal::Wheel)?;
         let mut caveats = Vec::new();
         let mut told = told(&attributes);
-        if (trace.slip() - attributes.slip_ratio).abs() > WRONG_SLIP {
+        if (trace.slip() - attributes.slip_ratio).abs() > SLIP_TOLERANCE {
             attributes.slip_ratio = trace.slip();
             told.slip_ratio = 0.0;
             caveats.push(Caveat::WrongSlip { run });

@@ -1,7 +1,7 @@
 //! A case put to `diagnose`.
 
 use crate::cli::interrupt;
-use lugwheel::challenge::{Question, Unanswered};
+use lugwheel::challenge::{Question, Unanswered, by_method};
 use lugwheel::diagnosis::Ablation;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -47,15 +47,8 @@ impl Asking<'_> {
         Err(Unanswered::Failed(reason))
     }
 
-    /// Folder of what diagnoses write.
-    fn diagnoses(&self) -> PathBuf {
-        self.folder.join(match self.ablation {
-            None => "diagnoses".to_owned(),
-            Some(part) => format!("diagnoses_without_{part}"),
-        })
-    }
-
     fn command(&self, program: &Path, question: &Question) -> Command {
+        let diagnoses = by_method(self.folder, "diagnoses", self.ablation);
         let mut command = Command::new(program);
         command
             .args(["diagnose", "--json", "--quiet", "--measured"])
@@ -63,7 +56,7 @@ impl Asking<'_> {
             .arg("--scenario")
             .arg(&question.scenario)
             .arg("--out")
-            .arg(self.diagnoses().join(question.case))
+            .arg(diagnoses.join(question.case))
             .arg("--bank")
             .arg(&self.bank)
             .args(["--jobs", &self.cores.to_string()]);

@@ -16,7 +16,7 @@ const LOAD_TOLERANCE: f64 = 0.1;
 const SPEED_TOLERANCE: f64 = 0.05;
 
 /// How far the slip may lie off the command [-]; a measured campaign of 24 runs held 0.0015.
-const SLIP_TOLERANCE: f64 = 0.03;
+pub const SLIP_TOLERANCE: f64 = 0.03;
 
 /// Slip [-] above which the motor drives: with less, a slope or the carriage may drag the wheel.
 const DRIVING_SLIP: f64 = 0.05;
