@@ -202,17 +202,21 @@ pub enum Measure {
     Own,
     /// In decibels.
     Level,
+    /// In decibels of a share of samples.
+    Share,
     /// Without unit.
     Number,
 }
 
 impl Measure {
     /// Difference below which nothing is said, however still replicates are, for a value of this
-    /// size: 1 % of it (other steps in time change means by as much), 0.1 dB, 0.01.
+    /// size: 1 % of it (other steps in time change means by as much), 0.1 dB, 1 dB of a share (a sample more or
+    /// less in a short record), 0.01.
     pub fn resolution(self, size: f64) -> f64 {
         match self {
             Self::Own => 0.01 * size,
             Self::Level => 0.1,
+            Self::Share => 1.0,
             Self::Number => 0.01,
         }
     }
@@ -242,8 +246,9 @@ impl Statistic {
         match self {
             Mean | Drift | Transient | OrderCosine(_) | OrderSine(_) | Lag | SteadyMean
             | PerLoad | TurningSpeed | PerMetre | Slope(_) | Curvature(_) => Measure::Own,
-            Deviation | Crest | Step | Held | Rails | OrderLevel(_) | LugAverage | LugResidue
-            | Band(_) | Line(_) | ApparentMass | Growth | Misfit => Measure::Level,
+            Held | Rails => Measure::Share,
+            Deviation | Crest | Step | OrderLevel(_) | LugAverage | LugResidue | Band(_)
+            | Line(_) | ApparentMass | Growth | Misfit => Measure::Level,
             Skewness | Kurtosis | Correlation | Coherence | Feature(_) | ClassShare(_)
             | Identified(_) => Measure::Number,
         }
@@ -333,7 +338,7 @@ impl Cell {
     pub fn unit(&self) -> String {
         let own = unit_of(&self.channel).unwrap_or("");
         match (self.statistic.measure(), self.statistic) {
-            (Measure::Level, _) => "dB".to_owned(),
+            (Measure::Level | Measure::Share, _) => "dB".to_owned(),
             (Measure::Number, _) => "1".to_owned(),
             (Measure::Own, Statistic::Lag) => "s".to_owned(),
             (Measure::Own, Statistic::PerLoad) => "1".to_owned(),

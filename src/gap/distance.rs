@@ -239,7 +239,9 @@ fn spreads(cells: &[Cell], replicates: &[&Readings]) -> (Vec<f64>, Vec<f64>) {
     let priors = Priors::of(places().map(|(cell, (_, variance, _))| (cell, *variance, freedom)));
     let spreads = places().map(|(cell, (_, variance, scale))| {
         let (moderated, _) = priors.moderate(cell, *variance, freedom);
-        scale * libm::sqrt(moderated).max(LEAST_SPREAD)
+        // What hardly varies is still known no better than to its resolution.
+        let resolution = cell.statistic.measure().resolution(*scale);
+        (scale * libm::sqrt(moderated)).max(resolution)
     });
     (
         told.iter().map(|(mean, ..)| *mean).collect(),

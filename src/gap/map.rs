@@ -160,7 +160,7 @@ fn entry(
     let z = value / error;
     let margin = match cell.statistic.measure() {
         Measure::Own => margins.relative * table.sizes[place],
-        Measure::Level => margins.level,
+        Measure::Level | Measure::Share => margins.level,
         Measure::Number => margins.number,
     };
     let within = tail.beyond((margin - value.abs()) / error, freedom) < LEVEL;

@@ -91,7 +91,8 @@ struct Shown {
 
 impl Shown {
     fn of(row: &InUnits) -> Self {
-        let is_level = row.cell.statistic.measure() == Measure::Level;
+        let measure = row.cell.statistic.measure();
+        let is_level = matches!(measure, Measure::Level | Measure::Share);
         let own = match is_level {
             true => crate::trace::unit_of(&row.cell.channel).unwrap_or(""),
             false => &row.unit,
