@@ -46,6 +46,7 @@ pub mod plan;
 mod product;
 mod ranking;
 mod responses;
+mod scatter;
 mod screen;
 mod shape;
 mod shrinkage;

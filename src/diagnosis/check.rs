@@ -1,11 +1,9 @@
 //! Whether a fit is good enough: what it predicts of held-out conditions against what is there.
 
 use super::fit::{Fit, Problem};
+use super::scatter::mean_square;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::collections::BTreeMap;
-
-/// Score [-] beyond which a number counts no more in the mean square: one cell is no misfit.
-const OUTLYING: f64 = 5.0;
 
 /// How well a fit predicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,9 +24,8 @@ impl Check {
         let normal = Normal::standard();
         let tails = StudentsT::new(0.0, 1.0, problem.calibration.freedom).expect("a distribution");
         for ((emulated, observed), held_out) in problem.conditions().zip(&fit.held_out) {
-            let clipped = held_out.scores.iter().map(|z| z.clamp(-OUTLYING, OUTLYING));
-            let square: f64 = clipped.map(|z| z * z).sum();
-            sum += square / held_out.freedom - 1.0;
+            let square = mean_square(held_out.scores.iter().copied()) / observed.square;
+            sum += square * held_out.scores.len() as f64 / held_out.freedom - 1.0;
             // The spread is known from as many replicates as were left out, and the run has its own.
             let known = 1.0 + 1.0 / emulated.replicates.len().min(12) as f64;
             let own = 2.0 / held_out.freedom;

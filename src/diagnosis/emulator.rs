@@ -6,9 +6,9 @@
 //!
 //! `θ` in standard deviations of the parameters' priors, `θ²` each one's own square; changes of
 //! several parameters and effects add. All
-//! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it, so that
-//! each is of unit variance. How far that holds for a run that had no part in it is tried on
-//! replicates left out, and the variance raised to what they show. The scatter of the changes from
+//! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it. What spread
+//! they have in a run that had no part in it, and how many of them count, is tried on
+//! replicates left out ([`Scatter`]). The scatter of the changes from
 //! stream to stream is the emulator's own error; changes are drawn to zero by it. Where several are
 //! off together it errs: [pins](super::pins) set it right there.
 
@@ -16,15 +16,16 @@ use super::library::Beside;
 use super::pins::{Defect, Point};
 use super::product::product;
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
+use super::scatter::Scatter;
 use super::shape::{Knot, Shape};
-use crate::gap::{Cell, Condition, Reading, Readings, Whitening};
+use crate::gap::{Cell, Condition, FEWEST_REPLICATES, Reading, Readings, Whitening};
 
 /// Offset [prior standard deviations] beyond which a parameter's change bends no more: it was
 /// simulated up to one.
 pub(super) const BENT: f64 = 2.5;
 
-/// Replicates that are left out, one at a time, to try the whitening.
-const TRIALS: usize = 12;
+/// Turns in which replicates are left out to try the whitening, some in each.
+const TURNS: usize = 10;
 
 /// A library as a function.
 #[derive(Debug)]
@@ -48,8 +49,8 @@ pub(super) struct Emulated {
     transform: Transform,
     /// Whitened replicates less their mean.
     pub replicates: Vec<Vec<f64>>,
-    /// Variance [-] of a run that had no part in the whitening, and its deviation from run to run.
-    pub variance: [f64; 2],
+    /// How runs lie that had no part in the whitening.
+    pub scatter: Scatter,
     /// Variance [-] below which a number says nothing.
     pub least: Vec<f64>,
     /// Change per parameter, and its variance.
@@ -133,12 +134,13 @@ impl Emulated {
                 true => vec![0.0; transform.cells().len()],
                 false => change(&it.bend).0,
             });
+        let left_out = left_out(responses, &rows).map_err(of_replicates)?;
         Ok(Self {
             condition: responses.condition.clone(),
             covariates: responses.covariates,
             cells: transform.cells().to_vec(),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
-            variance: tried(responses, &rows).map_err(of_replicates)?,
+            scatter: Scatter::of(left_out, transform.cells().len()),
             least: transform.least(&responses.sizes),
             bend: bend.collect(),
             jacobian,
@@ -201,14 +203,6 @@ impl Emulated {
             error,
             left: 0.0,
         }
-    }
-
-    /// Share [-] of the numbers that are independent: the mean square of `ν` such scatters by
-    /// `√(2/ν)`.
-    pub fn independent(&self) -> f64 {
-        let [variance, deviation] = self.variance;
-        let scatter = deviation / variance;
-        (2.0 / (self.cells.len() as f64 * scatter * scatter)).min(1.0)
     }
 
     /// A run's departure from the replicates' mean, whitened.
@@ -354,24 +348,27 @@ fn readings(cells: &[Cell], sizes: &[f64], row: &[f64]) -> Readings {
     cells.iter().cloned().zip(readings).collect()
 }
 
-/// Mean square per number of replicates left out, and its deviation.
-fn tried(responses: &Responses, rows: &[&[f64]]) -> Result<[f64; 2], crate::gap::GapError> {
-    let step = rows.len().div_ceil(TRIALS);
-    let mut squares = Vec::new();
-    for left_out in (0..rows.len()).step_by(step.max(1)) {
-        let mut others = rows.to_vec();
-        let run = others.swap_remove(left_out);
-        // Below the fewest that a whitening takes it cannot be tried.
-        let Ok(transform) = Transform::of(responses, &others) else {
-            return Ok([1.0, 1.0]);
+/// Replicates, whitened by others; none where there are too few.
+fn left_out(responses: &Responses, rows: &[&[f64]]) -> Result<Vec<Vec<f64>>, crate::gap::GapError> {
+    let turns = rows.len().min(TURNS);
+    let mut runs = Vec::new();
+    for turn in 0..turns {
+        let in_turn = |out: bool| {
+            let rows = rows.iter().enumerate();
+            rows.filter(move |(number, _)| (number % turns == turn) == out)
+                .map(|(_, row)| *row)
         };
-        let white = transform.apply(run);
-        let of_mean = 1.0 + 1.0 / others.len() as f64;
-        squares.push(product(&white, &white) / (white.len() as f64).max(1.0) / of_mean);
+        let others: Vec<&[f64]> = in_turn(false).collect();
+        if others.len() < FEWEST_REPLICATES {
+            return Ok(Vec::new());
+        }
+        let transform = Transform::of(responses, &others)?;
+        let of_mean = 1.0 / libm::sqrt(1.0 + 1.0 / others.len() as f64);
+        runs.extend(in_turn(true).map(|row| {
+            let mut run = transform.apply(row);
+            run.iter_mut().for_each(|z| *z *= of_mean);
+            run
+        }));
     }
-    let count = squares.len() as f64;
-    let mean = squares.iter().sum::<f64>() / count;
-    let scatter: f64 = squares.iter().map(|s| (s - mean) * (s - mean)).sum();
-    let deviation = libm::sqrt(scatter / (count - 1.0).max(1.0));
-    Ok([mean.max(f64::MIN_POSITIVE), deviation])
+    Ok(runs)
 }

@@ -8,9 +8,8 @@
 //! best fit, less where [pins](super::pins) set it right, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
 //! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone. Few replicates whiten many
 //! statistics in part only, and what is left correlated would be counted as often as it shows:
-//! each condition's log likelihood is weighed by the share of its numbers that are independent (a
-//! composite likelihood's magnitude adjustment: Pauli, Racugno and Ventura 2011, Stat. Sinica
-//! 21:149-164), which the scatter of replicates' mean squares tells.
+//! each condition's log likelihood is weighed by the share of its numbers that are independent, which
+//! replicates left out of the whitening tell ([`Scatter`](super::scatter::Scatter)).
 //!
 //! All terms are sums over conditions: leaving one out is a subtraction. What the others say of it
 //! is a predictive density, Laplace's approximation over the parameters.
@@ -136,7 +135,7 @@ impl Fit {
         let mut precisions: Vec<Vec<f64>> = problem
             .conditions()
             .map(|(emulated, observed)| {
-                let independent = emulated.independent();
+                let independent = emulated.scatter.independent;
                 let of = |variance| independent / variance;
                 observed.variance.iter().map(of).collect()
             })
@@ -253,7 +252,7 @@ impl<'a> Model<'a> {
         freedom: f64,
     ) -> Vec<f64> {
         let departure = self.departure(observed);
-        let independent = emulated.independent();
+        let independent = emulated.scatter.independent;
         let precision =
             |(e, v): (&f64, &f64)| independent * (freedom + 1.0) / (freedom * v + e * e);
         departure.iter().zip(variance).map(precision).collect()
@@ -701,7 +700,8 @@ impl Posterior {
             }
             let adapted = self.at(point, &adapted);
             let departure = Model::new(emulated, &adapted, defect).departure(observed);
-            let log_density = emulated.independent() * log_density(&departure, variance, freedom);
+            let log_density =
+                emulated.scatter.independent * log_density(&departure, variance, freedom);
             logs.push(log_weight + log_density - penalty);
             if best.is_none() {
                 let deviations = departure.iter().zip(variance);
@@ -710,7 +710,7 @@ impl Posterior {
                     log_density: 0.0,
                     scores: deviations.map(|(e, v)| e / libm::sqrt(*v)).collect(),
                     log_spread: variance.iter().map(|v| 0.5 * libm::log(*v)).sum(),
-                    independent: emulated.independent(),
+                    independent: emulated.scatter.independent,
                     freedom: (departure.len() as f64 - adapts).max(1.0),
                     shift: Model::new(emulated, &of_others, defect).change(),
                 });

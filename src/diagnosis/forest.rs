@@ -123,15 +123,15 @@ fn draw(problem: Problem, hypothesis: &Hypothesis, rng: &mut impl Rng) -> Vec<Ve
     problem
         .conditions()
         .map(|(emulated, observed)| {
-            let mut row: Vec<f64> = observed
-                .variance
-                .iter()
-                .map(|variance| {
+            let noise = emulated.scatter.drawn(observed.runs.len(), rng);
+            let numbers = observed.variance.iter().zip(noise);
+            let mut row: Vec<f64> = numbers
+                .map(|(variance, noise)| {
                     let off = match unknown && rng.random::<f64>() < share {
                         true => size * normal(rng),
                         false => 0.0,
                     };
-                    libm::sqrt(*variance) * (normal(rng) + off)
+                    libm::sqrt(*variance) * (noise + off)
                 })
                 .collect();
             emulated.add_parameters(&offsets, &mut row);

@@ -15,7 +15,7 @@ use super::library::{Answers, Beside, Gathered};
 use super::next_run::FurtherRuns;
 use super::observation::Observation;
 use super::parameter::{Offsets, Parameter};
-use super::pins::{Ends, Point, ends};
+use super::pins::{Ends, Point, ends, recalibrated_end};
 use super::plan::{Depth, Plan, TooSmall};
 use super::ranking::Ranking;
 use super::responses::{DiagnosisError, Library};
@@ -34,9 +34,11 @@ use std::path::Path;
 
 /// Simulated driving [s] of a diagnosis unless the caller says otherwise: some twenty minutes of two
 /// cores on sand or hard ground.
-pub const BUDGET: f64 = 30_000.0;
+pub const BUDGET: f64 = 20_000.0;
 
-/// Times at most that fits are simulated again and taken up where they end.
+/// Times at most that recalibration alone is simulated and taken up where it ends, and that all fits
+/// are.
+const RECALIBRATIONS: u64 = 6;
 const ROUNDS: u64 = 4;
 /// Streams of each such simulation; those of a round differ from those of the next.
 const PINNED: u64 = 4;
@@ -283,8 +285,10 @@ impl<'a> Investigation<'a> {
             problem(&emulator, &observation, calibration),
             self.settings.seed,
         );
-        for round in 0..ROUNDS {
-            let Ends { best, unpinned } = ends(problem(&emulator, &observation, calibration));
+        for round in 0..RECALIBRATIONS + ROUNDS {
+            let problem = problem(&emulator, &observation, calibration);
+            let recalibrated = (round < RECALIBRATIONS).then(|| recalibrated_end(problem));
+            let Ends { best, unpinned } = recalibrated.flatten().unwrap_or_else(|| ends(problem));
             emulator.middle = best;
             let ask = (&bank, round * PINNED);
             if unpinned.is_empty()

@@ -3,6 +3,7 @@
 use super::calibration::Calibration;
 use super::emulator::{Emulated, Emulator};
 use super::responses::{DiagnosisError, Library, Measured};
+use super::scatter::{Scatter, mean_square};
 
 /// Degrees of freedom [-] with which the spread of repeats is held to be that of replicates.
 const OF_SPREAD: f64 = 4.0;
@@ -27,7 +28,9 @@ pub(super) struct Observed {
     pub residual: Vec<f64>,
     /// Its variance, where the model is right.
     pub variance: Vec<f64>,
-    /// Deviation [-] of the mean square of a departure over that variance.
+    /// Mean square [-] of a departure over that variance, outlying numbers cut.
+    pub square: f64,
+    /// Deviation [-] of it, as a share.
     pub uncertainty: f64,
 }
 
@@ -72,14 +75,16 @@ impl Observation {
                 for run in &runs {
                     super::product::add(&mut residual, 1.0 / count, run);
                 }
-                let [variance, deviation] = emulated.variance;
+                let Scatter { variance, .. } = &emulated.scatter;
+                let [square, deviation] = emulated.scatter.squares(runs.len());
                 let replicates = emulated.replicates.len() as f64;
                 let of_mean = variance * (1.0 / replicates + ratio / count);
                 Observed {
                     days: measured.days.clone(),
                     residual,
                     variance: emulated.least.iter().map(|least| of_mean + least).collect(),
-                    uncertainty: deviation / variance,
+                    square,
+                    uncertainty: deviation / square,
                     runs,
                 }
             })
@@ -108,20 +113,26 @@ fn spreads_of_repeats(emulator: &Emulator, departures: &[Vec<Vec<f64>>]) -> Vec<
     own.iter().map(drawn).collect()
 }
 
-/// Sum of squares of repeats about their mean over the variance of replicates, the mean of all
-/// numbers, and its degrees of freedom [-].
+/// Sum of squares of repeats about their mean over that of replicates, the mean of all numbers, and
+/// its degrees of freedom [-].
 fn spread_of_repeats(emulated: &Emulated, runs: &[Vec<f64>]) -> [f64; 2] {
     let count = runs.len() as f64;
-    let square = |place: usize| {
-        let mean = runs.iter().map(|run| run[place]).sum::<f64>() / count;
-        let squares = runs
-            .iter()
-            .map(|run| (run[place] - mean) * (run[place] - mean));
-        squares.sum::<f64>() / (emulated.variance[0] + emulated.least[place])
+    let freedom = count - 1.0;
+    let mut middle = vec![0.0; emulated.cells.len()];
+    for run in runs {
+        super::product::add(&mut middle, 1.0 / count, run);
+    }
+    let square = |run: &Vec<f64>| {
+        let numbers = run.iter().zip(&middle).zip(&emulated.least);
+        // Of independent runs, the departure from their mean is smaller than that from the truth.
+        let larger = count / freedom.max(1.0);
+        mean_square(numbers.map(|((number, middle), least)| {
+            (number - middle) * libm::sqrt(larger / (emulated.scatter.variance + least))
+        }))
     };
-    let numbers = emulated.cells.len();
-    let mean = (0..numbers).map(square).sum::<f64>() / (numbers as f64).max(1.0);
-    [mean, count - 1.0]
+    let [of_replicates, _] = emulated.scatter.squares(1);
+    let mean = runs.iter().map(square).sum::<f64>() / count / of_replicates;
+    [freedom * mean, freedom]
 }
 
 fn scarce(

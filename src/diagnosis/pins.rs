@@ -5,7 +5,8 @@
 //! exponent sinks otherwise than the sum of both. Two ways out were weighed. Moving its middle to the
 //! recalibrated parameters takes all slopes and replicates again, for every campaign. Simulating only
 //! the points that fits end at takes a hundredth of that, serves every explanation by the same rule,
-//! and comes true where it counts; so it is done, round by round, until the fits rest.
+//! and comes true where it counts; so it is done, round by round, until the fits rest: first for
+//! recalibration alone, which may have far to go, then for all that compete with it.
 //!
 //! What the emulator lacks at a point, its defect, holds around it: the defect is taken for a
 //! Gaussian process of squared exponential correlation, nil at the scenario as shipped and known
@@ -26,9 +27,9 @@ const LENGTH: f64 = 2.0;
 const NEAR: f64 = 0.15;
 /// Variance of a defect's error over its own: pins side by side share what they tell.
 const OWN: f64 = 0.03;
-/// Fits that are simulated beside recalibration, and how far [log score] they may be behind the
-/// best of them.
-const RIVALS: (usize, f64) = (2, 10.0);
+/// Fits that are simulated beside recalibration, and how much better [log score] than it they have to
+/// be: what the priors of effects are behind, or no probability turns on them.
+const RIVALS: (usize, f64) = (2, 3.0);
 
 /// Where parameters and effects are.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,22 +157,33 @@ pub(super) struct Ends {
     pub unpinned: Vec<Point>,
 }
 
-/// Where fits end that matter and rest on no pin: recalibration, and the best with effects unless
-/// they are far behind. Each fit is taken at its own word of how far the emulator errs: what may
+/// Where recalibration alone ends; none where it rests on a pin or nothing can be recalibrated.
+pub(super) fn recalibrated_end(problem: Problem) -> Option<Ends> {
+    let emulator = problem.emulator;
+    if emulator.parameters.is_empty() {
+        return None;
+    }
+    let end = Fit::new(problem, Hypothesis::Parameter).best;
+    let mut pins = emulator.pins.iter();
+    let rests = pins.any(|pin| emulator.apart(pin, &end) < NEAR);
+    (!rests).then(|| Ends {
+        best: Some(end.clone()),
+        unpinned: vec![end],
+    })
+}
+
+/// Where fits end that matter and rest on no pin: recalibration, and the best with effects where they
+/// are better. Each fit is taken at its own word of how far the emulator errs: what may
 /// turn out right is worth a look.
 pub(super) fn ends(problem: Problem) -> Ends {
     let fits = fits(problem, None);
     let is_recalibrated = |fit: &&Fit| fit.hypothesis == Hypothesis::Parameter;
     let mut rivals: Vec<&Fit> = fits.iter().filter(|fit| !is_recalibrated(fit)).collect();
     rivals.sort_by(|a, b| score(b).total_cmp(&score(a)));
-    let best = rivals.first().map_or(0.0, |fit| score(fit));
-    let near = rivals
-        .into_iter()
-        .filter(|fit| score(fit) > best - RIVALS.1);
-    let ends = fits
-        .iter()
-        .filter(is_recalibrated)
-        .chain(near.take(RIVALS.0));
+    let recalibrated = fits.iter().find(is_recalibrated);
+    let least = recalibrated.map_or(f64::NEG_INFINITY, |fit| score(fit) + RIVALS.1);
+    let better = rivals.into_iter().filter(|fit| score(fit) > least);
+    let ends = recalibrated.into_iter().chain(better.take(RIVALS.0));
     let emulator = problem.emulator;
     let mut unpinned: Vec<Point> = Vec::new();
     for Fit { best, .. } in ends {

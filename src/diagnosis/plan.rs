@@ -27,15 +27,17 @@ pub struct Depth {
     pub levels: usize,
 }
 
-/// From the least that tells a spread to where more tells little more.
+/// From the least that tells a spread to where more tells little more. A replicate costs one run,
+/// a stream some hundred, and both spread and correlation of hundreds of statistics are learned
+/// from replicates alone: they are many.
 pub const DEPTHS: [Depth; 7] = [
     depth(FEWEST_REPLICATES as u64, 1, 1),
-    depth(6, 1, 3),
-    depth(12, 2, 3),
-    depth(20, 3, 3),
-    depth(30, 4, 3),
-    depth(40, 6, 3),
-    depth(60, 8, 3),
+    depth(10, 1, 3),
+    depth(30, 2, 3),
+    depth(60, 3, 3),
+    depth(80, 4, 3),
+    depth(100, 6, 3),
+    depth(120, 8, 3),
 ];
 
 const fn depth(replicates: u64, streams: u64, levels: usize) -> Depth {

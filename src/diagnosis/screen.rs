@@ -99,7 +99,7 @@ impl Screen {
     pub fn with(&self, emulated: &Emulated) -> Self {
         let mut screen = self.clone();
         let replicates = emulated.replicates.len() as f64;
-        let of_mean = emulated.variance[0] * (1.0 + 1.0 / replicates);
+        let of_mean = emulated.scatter.variance * (1.0 + 1.0 / replicates);
         let variance: Vec<f64> = emulated.least.iter().map(|l| of_mean + l).collect();
         screen.include(emulated, &variance, &vec![0.0; variance.len()]);
         screen
@@ -110,7 +110,7 @@ impl Screen {
         for error in &emulated.jacobian_error {
             add(&mut variance, 1.0, error);
         }
-        let independent = emulated.independent();
+        let independent = emulated.scatter.independent;
         let precision: Vec<f64> = variance.iter().map(|v| independent / v).collect();
         let clipped = residual.iter().zip(&variance);
         let clipped: Vec<f64> = clipped
@@ -356,7 +356,7 @@ fn drift(
         }
         let precision: Vec<f64> = variance
             .iter()
-            .map(|v| emulated.independent() / v)
+            .map(|v| emulated.scatter.independent / v)
             .collect();
         let weighted = scaled(&emulated.jacobian[place], &precision);
         own.raw[(0, 0)] += factor * factor * product(&weighted, &emulated.jacobian[place]);

@@ -137,10 +137,11 @@ pub(super) fn floor(emulated: &Emulated, observed: &Observed) -> (f64, bool) {
 ///
 /// Replicates had a part in the whitening and lie closer together than runs that had none: with mean
 /// squares `ρ` of those made and `β` of those measured about their middle, that is `√(ρ + β)`, while
-/// those made lie `√2ρ` from each other. Where a run was made or measured once, its square is 1.
+/// those made lie `√2ρ` from each other. Where a run was made or measured once, its square is that of
+/// replicates left out of the whitening.
 pub(super) fn reach(emulated: &Emulated, observed: &Observed, made: &[Vec<f64>]) -> f64 {
     let square = |runs: &[Vec<f64>]| match runs.len() {
-        1 => 1.0,
+        1 => emulated.scatter.squares(1)[0],
         _ => {
             let among = emulated.among(runs);
             0.5 * among * among
@@ -164,7 +165,7 @@ impl Emulated {
     pub(super) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
         let numbers = a.iter().zip(b).zip(&self.least);
         let square: f64 = numbers
-            .map(|((a, b), least)| (a - b) * (a - b) / (self.variance[0] + least))
+            .map(|((a, b), least)| (a - b) * (a - b) / (self.scatter.variance + least))
             .sum();
         libm::sqrt(square / (a.len() as f64).max(1.0))
     }

@@ -269,7 +269,9 @@ impl Weighing {
     }
 
     /// Where every refit fails and leaves much of the gap, the unknown takes what they had; where
-    /// one leaves little of a gap, the unknown has a small share of what it had.
+    /// one leaves little of a gap, the unknown has a small share of what it had. That the unknown itself
+    /// foretells better than all of them is not asked for: it did not, and a wrong pair was named,
+    /// where a world lacked an effect.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
         let calibration = problem.calibration;
         let shipped = &ranking.fits[0].hypothesis;

@@ -708,8 +708,14 @@ fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
             "{:?}",
             added.probabilities
         );
-        assert!(farthest(&pinned) < 0.2, "{:?}", pinned.recalibration);
-        assert!(farthest(&added) > 0.2, "{:?}", added.recalibration);
+        for (it, told) in pinned.recalibration.iter().zip(&truth.offsets) {
+            assert!((it.offset - told).abs() < 2.5 * it.deviation, "{it:?}");
+        }
+        assert!(
+            farthest(&pinned) < farthest(&added),
+            "{:?}",
+            added.recalibration
+        );
     }
 }
 
@@ -721,12 +727,16 @@ fn an_effect_and_its_magnitude_are_found_beside_parameters_that_do_more_together
         effects: vec![(5, 1.4)],
         ..Truth::default()
     };
-    for seed in 0..4 {
+    let mut held = 0;
+    for seed in 0..8 {
         let verdict = bench.pinned(&truth, seed);
         assert_eq!(verdict.named, [["e5"]], "{:?}", verdict.probabilities);
         let [low, high] = verdict.effects[0].ci95;
-        assert!(low < 1.4 && 1.4 < high && high - low < 1.2, "{low} {high}");
+        assert!(high - low < 1.2, "{low} {high}");
+        held += usize::from(low < 1.4 && 1.4 < high);
     }
+    // Of eight 95 % intervals two miss in one of twenty tries.
+    assert!(held >= 6, "{held} of 8");
 }
 
 #[test]
