@@ -16,10 +16,11 @@ use tempfile::TempDir;
 /// Effects that are tried; all others are held to be impossible.
 const TRIED: [&str; 4] = ["gain_error", "bias_drift", "quantization", "added_noise"];
 
-/// A second on slate, with the noise of a real sensor.
+/// A second on sand, with the noise of a real sensor. On slate a second meets a joint or does not, runs differ
+/// in all statistics alike, and the same gain is not found.
 fn rig() -> Scenario {
     let folder = env!("CARGO_MANIFEST_DIR");
-    let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_ht.toml")).unwrap();
+    let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_st.toml")).unwrap();
     let edits = [
         "duration=1.0",
         "physics_rate=8000",

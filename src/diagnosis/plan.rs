@@ -30,9 +30,10 @@ pub struct Depth {
 /// From the least that tells a spread to where more tells little more. A replicate costs one run,
 /// a stream some hundred, and both spread and correlation of hundreds of statistics are learned
 /// from replicates alone: they are many.
-pub const DEPTHS: [Depth; 7] = [
+pub const DEPTHS: [Depth; 8] = [
     depth(FEWEST_REPLICATES as u64, 1, 1),
-    depth(10, 1, 3),
+    depth(6, 1, 3),
+    depth(12, 2, 3),
     depth(30, 2, 3),
     depth(60, 3, 3),
     depth(80, 4, 3),
