@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 /// The temperature was set on ten blind campaigns on sand and hard ground of the calibration family
 /// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses. Where
 /// recalibration ended at the rig's own parameters, the best of some sixty wrong effects beat it by 0.8
-/// to 2.9, as chance has it, and effects above their limit by 5 to 51; emulators err a little beyond
-/// that. The other defaults are what a world that obeys the model needs.
+/// to 2.9, as chance has it, and true effects above their limit by 5 to 51, but for one that parameters
+/// took up; where it did not, a wrong effect beat it by 59, which no temperature mends. The other defaults are what a world that obeys the model needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
