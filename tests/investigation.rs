@@ -16,8 +16,8 @@ use tempfile::TempDir;
 /// Effects that are tried; all others are held to be impossible.
 const TRIED: [&str; 4] = ["gain_error", "bias_drift", "quantization", "added_noise"];
 
-/// A second on sand, with the noise of a real sensor. On slate a second meets a joint or does not, runs differ
-/// in all statistics alike, and the same gain is not found.
+/// A second on sand, with the noise of a real sensor. On slate a second meets a joint or does not, runs
+/// differ in all statistics alike, and the same gain is not found.
 fn rig() -> Scenario {
     let folder = env!("CARGO_MANIFEST_DIR");
     let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_st.toml")).unwrap();
@@ -60,7 +60,6 @@ fn settings(tried: &[&str]) -> Settings {
     let others = others.filter(|name| !tried.contains(name));
     Settings {
         longest: 20.0,
-        // Seven replicates and two streams of seven parameters.
         budget: 400.0,
         without: others.map(str::to_owned).collect(),
         seed: Seed(5),

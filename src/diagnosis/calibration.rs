@@ -2,13 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Degrees of freedom [-] of the tails of a cell: replicates' spread is told with the same.
+pub(super) const FREEDOM: f64 = 6.0;
+
 /// Temperatures, priors and thresholds of a verdict, in one table.
 ///
 /// The temperature was set on ten blind campaigns on sand and hard ground of the calibration family
 /// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses. Where
 /// recalibration ended at the rig's own parameters, the best of some sixty wrong effects beat it by 0.8
 /// to 2.9, as chance has it, and true effects above their limit by 5 to 51, but for one that parameters
-/// took up; where it did not, a wrong effect beat it by 59, which no temperature mends. The other defaults are what a world that obeys the model needs.
+/// took up; where it did not, a wrong effect beat it by 59, which no temperature mends. The other
+/// defaults are what a world that obeys the model needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
@@ -48,7 +52,7 @@ impl Default for Calibration {
             temperature: 1.5,
             forest_share: 0.15,
             priors: [0.25, 0.25, 0.4, 0.05, 0.05],
-            freedom: 6.0,
+            freedom: FREEDOM,
             relative_error: 0.1,
             equivalent: 0.95,
             confident: 0.5,

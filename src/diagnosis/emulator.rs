@@ -14,7 +14,7 @@
 
 use super::library::Beside;
 use super::pins::{Defect, Point};
-use super::product::product;
+use super::product::{middle, product};
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::scatter::Scatter;
 use super::shape::{Knot, Shape};
@@ -230,15 +230,11 @@ impl Transform {
             .map(|row| readings(&cells, &sizes, row))
             .collect();
         let whitening = Whitening::of(&readings.iter().collect::<Vec<_>>())?;
-        let mut mean = vec![0.0; cells.len()];
-        for row in rows {
-            super::product::add(&mut mean, 1.0 / rows.len() as f64, row);
-        }
         let mut transform = Self {
             centre: vec![0.0; cells.len()],
             whitening,
             cells,
-            mean,
+            mean: middle(rows),
             sizes,
         };
         transform.centre = transform.apply(&transform.mean);
@@ -317,10 +313,7 @@ fn mean(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
 /// Share [-] of the scatter of `without` that `with` has too, over all streams and numbers.
 fn shared(with: &[Vec<f64>], without: &[Vec<f64>]) -> f64 {
     let centred = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        let mut middle = vec![0.0; rows.first().map_or(0, Vec::len)];
-        for row in rows {
-            super::product::add(&mut middle, 1.0 / rows.len() as f64, row);
-        }
+        let middle = middle(rows);
         let rows = rows.iter().cloned();
         rows.map(|mut row| {
             super::product::add(&mut row, -1.0, &middle);

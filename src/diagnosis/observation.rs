@@ -2,8 +2,9 @@
 
 use super::calibration::Calibration;
 use super::emulator::{Emulated, Emulator};
+use super::product::middle;
 use super::responses::{DiagnosisError, Library, Measured};
-use super::scatter::{Scatter, mean_square};
+use super::scatter::mean_square;
 
 /// Degrees of freedom [-] with which the spread of repeats is held to be that of replicates.
 const OF_SPREAD: f64 = 4.0;
@@ -71,17 +72,12 @@ impl Observation {
         let conditions = conditions
             .map(|(((runs, measured), emulated), ratio)| {
                 let count = runs.len() as f64;
-                let mut residual = vec![0.0; emulated.cells.len()];
-                for run in &runs {
-                    super::product::add(&mut residual, 1.0 / count, run);
-                }
-                let Scatter { variance, .. } = &emulated.scatter;
                 let [square, deviation] = emulated.scatter.squares(runs.len());
                 let replicates = emulated.replicates.len() as f64;
-                let of_mean = variance * (1.0 / replicates + ratio / count);
+                let of_mean = emulated.scatter.variance * (1.0 / replicates + ratio / count);
                 Observed {
                     days: measured.days.clone(),
-                    residual,
+                    residual: middle(&runs),
                     variance: emulated.least.iter().map(|least| of_mean + least).collect(),
                     square,
                     uncertainty: deviation / square,
@@ -118,10 +114,7 @@ fn spreads_of_repeats(emulator: &Emulator, departures: &[Vec<Vec<f64>>]) -> Vec<
 fn spread_of_repeats(emulated: &Emulated, runs: &[Vec<f64>]) -> [f64; 2] {
     let count = runs.len() as f64;
     let freedom = count - 1.0;
-    let mut middle = vec![0.0; emulated.cells.len()];
-    for run in runs {
-        super::product::add(&mut middle, 1.0 / count, run);
-    }
+    let middle = middle(runs);
     let square = |run: &Vec<f64>| {
         let numbers = run.iter().zip(&middle).zip(&emulated.least);
         // Of independent runs, the departure from their mean is smaller than that from the truth.

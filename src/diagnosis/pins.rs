@@ -122,6 +122,12 @@ impl Emulator {
         libm::sqrt(square)
     }
 
+    /// Whether a point rests on one of these pins.
+    fn rests<'p>(&self, point: &Point, pins: impl IntoIterator<Item = &'p Point>) -> bool {
+        let mut pins = pins.into_iter();
+        pins.any(|pin| self.apart(pin, point) < NEAR)
+    }
+
     /// What is lacking at a point, condition by condition.
     pub(super) fn defects(&self, point: &Point) -> Vec<Defect> {
         let weights = self.weights(point);
@@ -164,8 +170,7 @@ pub(super) fn recalibrated_end(problem: Problem) -> Option<Ends> {
         return None;
     }
     let end = Fit::new(problem, Hypothesis::Parameter).best;
-    let mut pins = emulator.pins.iter();
-    let rests = pins.any(|pin| emulator.apart(pin, &end) < NEAR);
+    let rests = emulator.rests(&end, &emulator.pins);
     (!rests).then(|| Ends {
         best: Some(end.clone()),
         unpinned: vec![end],
@@ -187,8 +192,7 @@ pub(super) fn ends(problem: Problem) -> Ends {
     let emulator = problem.emulator;
     let mut unpinned: Vec<Point> = Vec::new();
     for Fit { best, .. } in ends {
-        let mut pins = emulator.pins.iter().chain(&unpinned);
-        if pins.all(|pin| emulator.apart(pin, best) >= NEAR) {
+        if !emulator.rests(best, emulator.pins.iter().chain(&unpinned)) {
             unpinned.push(best.clone());
         }
     }

@@ -28,6 +28,15 @@ pub(super) fn add(sums: &mut [f64], factor: f64, a: &[f64]) {
     }
 }
 
+/// Mean of rows of one length, number by number.
+pub(super) fn middle(rows: &[impl AsRef<[f64]>]) -> Vec<f64> {
+    let mut sums = vec![0.0; rows.first().map_or(0, |row| row.as_ref().len())];
+    for row in rows {
+        add(&mut sums, 1.0 / rows.len() as f64, row.as_ref());
+    }
+    sums
+}
+
 /// `ln Σ exp`.
 pub(super) fn log_sum(logs: impl Iterator<Item = f64> + Clone) -> f64 {
     let largest = logs.clone().fold(f64::NEG_INFINITY, f64::max);

@@ -19,14 +19,12 @@
 //! correlated too, counts as often as it shows, and a rig with nothing but other parameters was
 //! called unknown by 290. Log densities leave 3 to 70.
 
+use super::calibration::FREEDOM;
 use super::product::add;
+use crate::gap::{moments, student_scale};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-/// Degrees of freedom [-] of Student's t.
-const FREEDOM: f64 = 6.0;
-/// Steps in which its scale settles.
-const STEPS: usize = 100;
 /// Score [-] beyond which a number counts no more in a mean square: one cell is no misfit.
 const OUTLYING: f64 = 5.0;
 
@@ -49,7 +47,9 @@ impl Scatter {
             // Nothing tells it: all of a run's numbers are as good as two.
             true => (1.0, (2.0 / numbers as f64).min(1.0)),
             false => {
-                let variance = scale(&runs);
+                let numbers: Vec<f64> = runs.iter().flatten().copied().collect();
+                let scale = student_scale(&numbers, FREEDOM).max(f64::MIN_POSITIVE);
+                let variance = scale * scale;
                 (variance, independent(&runs, variance))
             }
         };
@@ -92,10 +92,8 @@ impl Scatter {
                 mean_square(sum.into_iter())
             })
             .collect();
-        let mean = squares.iter().sum::<f64>() / count as f64;
-        let scatter = squares.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>();
-        let deviation = libm::sqrt(scatter / (count as f64 - 1.0));
-        [mean.max(f64::MIN_POSITIVE), deviation]
+        let [mean, variance] = moments(&squares);
+        [mean.max(f64::MIN_POSITIVE), libm::sqrt(variance)]
     }
 }
 
@@ -110,29 +108,16 @@ pub(super) fn mean_square(scores: impl Iterator<Item = f64>) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Squared scale of Student's t, the likeliest (Lange, Little and Taylor 1989, J. Am. Stat. Assoc.
-/// 84:881-896). It begins at the median square, from which outlying numbers do not lead astray.
-fn scale(runs: &[Vec<f64>]) -> f64 {
-    let mut squares: Vec<f64> = runs.iter().flatten().map(|z| z * z).collect();
-    squares.sort_by(f64::total_cmp);
-    let count = squares.len() as f64;
-    let mut variance = squares[squares.len() / 2].max(f64::MIN_POSITIVE);
-    for _ in 0..STEPS {
-        let weighed = |square: &f64| (FREEDOM + 1.0) * square / (FREEDOM + square / variance);
-        variance = (squares.iter().map(weighed).sum::<f64>() / count).max(f64::MIN_POSITIVE);
-    }
-    variance
-}
-
 /// Variance that a run's log density would have were its numbers independent, over that which it
 /// has; at most 1.
 fn independent(runs: &[Vec<f64>], variance: f64) -> f64 {
     let log = |z: f64| libm::log1p(z * z / (FREEDOM * variance));
     let of_runs = runs.iter().map(|run| run.iter().map(|z| log(*z)).sum());
-    let together = sample_variance(&of_runs.collect::<Vec<f64>>());
+    let [_, together] = moments(&of_runs.collect::<Vec<f64>>());
     let alone = (0..runs[0].len()).map(|place| {
         let of_number = runs.iter().map(|run| log(run[place]));
-        sample_variance(&of_number.collect::<Vec<f64>>())
+        let [_, variance] = moments(&of_number.collect::<Vec<f64>>());
+        variance
     });
     let alone: f64 = alone.sum();
     if together <= alone {
@@ -140,13 +125,6 @@ fn independent(runs: &[Vec<f64>], variance: f64) -> f64 {
     } else {
         alone / together
     }
-}
-
-fn sample_variance(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let scatter: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-    scatter / (count - 1.0).max(1.0)
 }
 
 #[cfg(test)]

@@ -711,6 +711,7 @@ fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
         for (it, told) in pinned.recalibration.iter().zip(&truth.offsets) {
             assert!((it.offset - told).abs() < 2.5 * it.deviation, "{it:?}");
         }
+        assert!(farthest(&added) > 0.2, "{:?}", added.recalibration);
         assert!(
             farthest(&pinned) < farthest(&added),
             "{:?}",

@@ -144,7 +144,7 @@ fn column(runs: &[Vec<f64>], place: usize) -> Vec<f64> {
 }
 
 /// Mean and variance; the variance of one value is 0.
-pub(super) fn moments(values: &[f64]) -> [f64; 2] {
+pub(crate) fn moments(values: &[f64]) -> [f64; 2] {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let square: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();

@@ -49,7 +49,7 @@ impl Tail {
             return None;
         }
         let fits = FREEDOMS.map(|freedom| {
-            let scale = scale(scores, freedom);
+            let scale = scale(scores, freedom).max(LEAST);
             let tail = Self { scale, freedom };
             (tail, tail.log_likelihood(scores))
         });
@@ -77,10 +77,10 @@ fn student(freedom: f64) -> Option<StudentsT> {
     StudentsT::new(0.0, 1.0, freedom).ok()
 }
 
-/// The likeliest scale for a number of degrees of freedom: each score weighs less the farther out
-/// it lies (the expectation-maximisation of Lange, Little and Taylor 1989, J. Am. Stat. Assoc.
-/// 84:881-896).
-fn scale(scores: &[f64], freedom: f64) -> f64 {
+/// The likeliest scale of Student's t for a number of degrees of freedom: each score weighs less the
+/// farther out it lies (the expectation-maximisation of Lange, Little and Taylor 1989, J. Am. Stat.
+/// Assoc. 84:881-896).
+pub(crate) fn scale(scores: &[f64], freedom: f64) -> f64 {
     let count = scores.len() as f64;
     let mut square = scores.iter().map(|w| w * w).sum::<f64>() / count;
     for _ in 0..STEPS {
@@ -90,7 +90,7 @@ fn scale(scores: &[f64], freedom: f64) -> f64 {
         });
         square = (weighted.sum::<f64>() / count).max(f64::MIN_POSITIVE);
     }
-    libm::sqrt(square).max(LEAST)
+    libm::sqrt(square)
 }
 
 #[cfg(test)]
