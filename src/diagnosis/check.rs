@@ -1,7 +1,6 @@
 //! Whether a fit is good enough: what it predicts of held-out conditions against what is there.
 
 use super::fit::{Fit, Problem};
-use super::scatter::mean_square;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::collections::BTreeMap;
 
@@ -15,21 +14,23 @@ pub(super) struct Check {
 }
 
 impl Check {
-    /// Two tests of held-out departures, the smaller p-value doubled: their mean square, against
-    /// what replicates left out show; and the largest mean departure of a cell over conditions, each
-    /// of Student's t as the fit has it.
+    /// Two tests of held-out departures, the smaller p-value doubled: their loudness, against that of
+    /// replicates left out; and the largest mean departure of a cell over conditions, that loudness
+    /// taken out, each of Student's t as the fit has it.
     pub fn of(problem: Problem, fit: &Fit) -> Self {
-        let [mut sum, mut uncertain] = [0.0, 0.0];
+        let [mut sum, mut uncertain, mut excess] = [0.0, 0.0, 0.0];
         let mut cells = BTreeMap::<_, (f64, f64)>::new();
         let normal = Normal::standard();
         let tails = StudentsT::new(0.0, 1.0, problem.calibration.freedom).expect("a distribution");
         for ((emulated, observed), held_out) in problem.conditions().zip(&fit.held_out) {
-            let square = mean_square(held_out.scores.iter().copied()) / observed.square;
-            sum += square * held_out.scores.len() as f64 / held_out.freedom - 1.0;
-            // The spread is known from as many replicates as were left out, and the run has its own.
-            let known = 1.0 + 1.0 / emulated.replicates.len().min(12) as f64;
+            let adapted = held_out.scores.len() as f64 / held_out.freedom;
+            excess += adapted * held_out.square / observed.square - 1.0;
+            let [mean, deviation] = observed.loudness.log;
+            sum += libm::log(adapted * held_out.loudness) - mean;
+            // The mean is known from as many replicates, and the run has its own.
+            let known = 1.0 + 1.0 / emulated.replicates.len() as f64;
             let own = 2.0 / held_out.freedom;
-            uncertain += known * (observed.uncertainty * observed.uncertainty).max(own);
+            uncertain += known * (deviation * deviation).max(own);
             for (cell, z) in emulated.cells.iter().zip(&held_out.scores) {
                 let (sum, count) = cells.entry(cell).or_default();
                 *sum += normal_score(&tails, *z);
@@ -44,7 +45,7 @@ impl Check {
         let local = (2.0 * normal.sf(largest) * cells.len() as f64).min(1.0);
         Self {
             p: (2.0 * overall.min(local)).min(1.0),
-            excess: (sum / fit.held_out.len() as f64).max(0.0),
+            excess: (excess / fit.held_out.len() as f64).max(0.0),
         }
     }
 }

@@ -51,8 +51,6 @@ pub(super) struct Emulated {
     pub replicates: Vec<Vec<f64>>,
     /// How runs lie that had no part in the whitening.
     pub scatter: Scatter,
-    /// Variance [-] below which a number says nothing.
-    pub least: Vec<f64>,
     /// Change per parameter, and its variance.
     pub jacobian: Vec<Vec<f64>>,
     pub jacobian_error: Vec<Vec<f64>>,
@@ -140,8 +138,11 @@ impl Emulated {
             covariates: responses.covariates,
             cells: transform.cells().to_vec(),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
-            scatter: Scatter::of(left_out, transform.cells().len()),
-            least: transform.least(&responses.sizes),
+            scatter: Scatter::of(
+                left_out,
+                transform.cells(),
+                transform.least(&responses.sizes),
+            ),
             bend: bend.collect(),
             jacobian,
             jacobian_error,

@@ -5,7 +5,8 @@
 //! change bends little, else taken about the best fit of the round before; its prior is normal of one
 //! of a few spreads; strengths are tried on a grid that closes in on where the
 //! posterior is. `Λ` holds the spread of measurements and replicates, the emulator's error at the
-//! best fit, less where [pins](super::pins) set it right, and less the farther a number lies from it (Student's t; Lange, Little and Taylor
+//! best fit, less where [pins](super::pins) set it right; is scaled by how loud the runs of a condition
+//! were; and is less the farther a number lies from the fit (Student's t; Lange, Little and Taylor
 //! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone. Few replicates whiten many
 //! statistics in part only, and what is left correlated would be counted as often as it shows:
 //! each condition's log likelihood is weighed by the share of its numbers that are independent, which
@@ -21,6 +22,7 @@ use super::hypothesis::{Hypothesis, Scale};
 use super::observation::{Observation, Observed};
 use super::pins::{Defect, Point};
 use super::product::{add, log_sum, product, scaled};
+use super::scatter::{Loudness, mean_square};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::function::gamma::ln_gamma;
 
@@ -98,8 +100,26 @@ pub(super) struct Fit {
     pub determined: f64,
     /// What the other conditions say of each.
     pub held_out: Vec<HeldOut>,
-    /// Variance of each condition's numbers, the emulator's error with them.
-    pub variances: Vec<Vec<f64>>,
+    /// Of each condition's numbers.
+    spreads: Vec<Spread>,
+}
+
+/// Variance of a condition's numbers, the emulator's error with it.
+#[derive(Debug)]
+struct Spread {
+    /// Were the runs of common loudness.
+    common: Vec<f64>,
+    /// As loud as they are.
+    own: Vec<f64>,
+}
+
+impl Spread {
+    fn of(variance: &[f64]) -> Self {
+        Self {
+            common: variance.to_vec(),
+            own: variance.to_vec(),
+        }
+    }
 }
 
 /// A condition predicted from the others.
@@ -109,6 +129,10 @@ pub(super) struct HeldOut {
     pub log_density: f64,
     /// Its numbers less the prediction, over their deviations [-].
     pub scores: Vec<f64>,
+    /// Loudness of that, and its mean square, outlying numbers cut [-]: over the deviations of runs of
+    /// common loudness.
+    pub loudness: f64,
+    pub square: f64,
     /// Log deviations [-], summed.
     pub log_spread: f64,
     /// Share of the numbers that are independent [-].
@@ -128,20 +152,17 @@ impl Fit {
     /// A fit whose predictions are held against the variances of `another`: of two explanations the
     /// one that claims less error would win by that alone.
     pub fn beside(problem: Problem, hypothesis: Hypothesis, another: Option<&Self>) -> Self {
-        let mut variances: Vec<Vec<f64>> = problem
+        let mut spreads: Vec<Spread> = problem
             .conditions()
-            .map(|(_, observed)| observed.variance.clone())
+            .map(|(_, observed)| Spread::of(&observed.variance))
             .collect();
         let mut precisions: Vec<Vec<f64>> = problem
             .conditions()
-            .map(|(emulated, observed)| {
-                let independent = emulated.scatter.independent;
-                let of = |variance| independent / variance;
-                observed.variance.iter().map(of).collect()
-            })
+            .map(|(emulated, observed)| emulated.scatter.precision(&observed.variance))
             .collect();
         let nowhere = vec![0.0; problem.emulator.parameters.len()];
-        let mut defects: Vec<Defect> = variances.iter().map(|v| Defect::none(v.len())).collect();
+        let none = |spread: &Spread| Defect::none(spread.common.len());
+        let mut defects: Vec<Defect> = spreads.iter().map(none).collect();
         let about = Local::all(problem, &nowhere, &defects);
         let mut posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), None);
         // A pin draws the fit to it, and its defect changes a little on the way.
@@ -151,10 +172,10 @@ impl Fit {
             defects = problem.emulator.defects(&best);
             for (number, (emulated, observed)) in problem.conditions().enumerate() {
                 let model = Model::new(emulated, &best, &defects[number]);
-                variances[number] = model.variance(emulated, observed, problem.calibration);
+                spreads[number] = model.spread(emulated, observed, problem.calibration);
                 precisions[number] = model.precision(
                     (emulated, observed),
-                    &variances[number],
+                    &spreads[number].own,
                     problem.calibration.freedom,
                 );
             }
@@ -165,8 +186,8 @@ impl Fit {
         let held_out = problem.conditions().enumerate();
         let held_out = held_out
             .map(|(number, _)| {
-                let variances = another.map_or(&variances, |another| &another.variances);
-                posterior.predict(problem, number, (&variances[number], &defects[number]))
+                let spreads = another.map_or(&spreads, |another| &another.spreads);
+                posterior.predict(problem, number, (&spreads[number], &defects[number]))
             })
             .collect();
         Self {
@@ -180,7 +201,7 @@ impl Fit {
                 false => 0.0,
             },
             held_out,
-            variances,
+            spreads,
             hypothesis,
         }
     }
@@ -222,12 +243,13 @@ impl<'a> Model<'a> {
         departure
     }
 
-    fn variance(
+    /// The loudness of the runs is what the fit leaves of them.
+    fn spread(
         &self,
         emulated: &Emulated,
         observed: &Observed,
         calibration: &Calibration,
-    ) -> Vec<f64> {
+    ) -> Spread {
         let mut of_emulator = vec![0.0; observed.variance.len()];
         for &(effect, strength) in &self.point.effects {
             emulated.shapes[effect].add_error(strength, &mut of_emulator);
@@ -239,10 +261,19 @@ impl<'a> Model<'a> {
         for part in [&self.by_effects, &self.by_parameters] {
             add(&mut of_emulator, relative, &scaled(part, part));
         }
-        let mut variance = observed.variance.clone();
-        add(&mut variance, self.defect.left, &of_emulator);
-        add(&mut variance, 1.0, &self.defect.error);
-        variance
+        let variance = |loudness: f64| {
+            let mut variance: Vec<f64> = observed.variance.iter().map(|v| loudness * v).collect();
+            add(&mut variance, self.defect.left, &of_emulator);
+            add(&mut variance, 1.0, &self.defect.error);
+            variance
+        };
+        let common = variance(1.0);
+        let departure = self.departure(observed);
+        let loudness = Loudness::of(departure.iter().zip(&common));
+        Spread {
+            own: variance(observed.loudness.possible(loudness)),
+            common,
+        }
     }
 
     fn precision(
@@ -674,7 +705,13 @@ impl Posterior {
         &self,
         problem: Problem,
         number: usize,
-        (variance, defect): (&[f64], &Defect),
+        (
+            Spread {
+                common,
+                own: variance,
+            },
+            defect,
+        ): (&Spread, &Defect),
     ) -> HeldOut {
         let fold = self.fold(self.holds_out(problem).then_some(number));
         let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
@@ -705,10 +742,13 @@ impl Posterior {
             logs.push(log_weight + log_density - penalty);
             if best.is_none() {
                 let deviations = departure.iter().zip(variance);
+                let of_common = departure.iter().zip(common);
                 let of_others = self.at(point, &offsets);
                 best = Some(HeldOut {
                     log_density: 0.0,
                     scores: deviations.map(|(e, v)| e / libm::sqrt(*v)).collect(),
+                    loudness: Loudness::of(departure.iter().zip(common)),
+                    square: mean_square(of_common.map(|(e, v)| e / libm::sqrt(*v))),
                     log_spread: variance.iter().map(|v| 0.5 * libm::log(*v)).sum(),
                     independent: emulated.scatter.independent,
                     freedom: (departure.len() as f64 - adapts).max(1.0),

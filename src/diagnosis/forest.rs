@@ -168,7 +168,7 @@ impl View {
         let mut along = DMatrix::zeros(parameters, candidates.len());
         let mut conditions = Vec::new();
         for (emulated, observed) in problem.conditions() {
-            let precision: Vec<f64> = observed.variance.iter().map(|v| 1.0 / v).collect();
+            let precision = emulated.scatter.precision(&observed.variance);
             let weighted: Vec<Vec<f64>> = emulated
                 .jacobian
                 .iter()
@@ -178,7 +178,7 @@ impl View {
                 .iter()
                 .enumerate()
                 .map(|(number, candidate)| {
-                    let mut signature = emulated.shapes[number].at(candidate.seat.levels[1]);
+                    let mut signature = emulated.shapes[number].at(candidate.levels()[1]);
                     let length = projected.products[(number, number)].max(1.0e-12);
                     let factor = 1.0 / libm::sqrt(length);
                     for (value, precision) in signature.iter_mut().zip(&precision) {

@@ -4,7 +4,7 @@ use super::calibration::Calibration;
 use super::emulator::{Emulated, Emulator};
 use super::product::middle;
 use super::responses::{DiagnosisError, Library, Measured};
-use super::scatter::mean_square;
+use super::scatter::{Loudness, mean_square};
 
 /// Degrees of freedom [-] with which the spread of repeats is held to be that of replicates.
 const OF_SPREAD: f64 = 4.0;
@@ -31,8 +31,8 @@ pub(super) struct Observed {
     pub variance: Vec<f64>,
     /// Mean square [-] of a departure over that variance, outlying numbers cut.
     pub square: f64,
-    /// Deviation [-] of it, as a share.
-    pub uncertainty: f64,
+    /// How loud such a departure is.
+    pub loudness: Loudness,
 }
 
 impl Observation {
@@ -72,15 +72,14 @@ impl Observation {
         let conditions = conditions
             .map(|(((runs, measured), emulated), ratio)| {
                 let count = runs.len() as f64;
-                let [square, deviation] = emulated.scatter.squares(runs.len());
                 let replicates = emulated.replicates.len() as f64;
-                let of_mean = emulated.scatter.variance * (1.0 / replicates + ratio / count);
+                let share = 1.0 / replicates + ratio / count;
                 Observed {
                     days: measured.days.clone(),
                     residual: middle(&runs),
-                    variance: emulated.least.iter().map(|least| of_mean + least).collect(),
-                    square,
-                    uncertainty: deviation / square,
+                    variance: emulated.scatter.variance(share),
+                    square: emulated.scatter.square(runs.len()),
+                    loudness: emulated.scatter.loudness(runs.len()),
                     runs,
                 }
             })
@@ -115,15 +114,17 @@ fn spread_of_repeats(emulated: &Emulated, runs: &[Vec<f64>]) -> [f64; 2] {
     let count = runs.len() as f64;
     let freedom = count - 1.0;
     let middle = middle(runs);
-    let square = |run: &Vec<f64>| {
-        let numbers = run.iter().zip(&middle).zip(&emulated.least);
-        // Of independent runs, the departure from their mean is smaller than that from the truth.
-        let larger = count / freedom.max(1.0);
-        mean_square(numbers.map(|((number, middle), least)| {
-            (number - middle) * libm::sqrt(larger / (emulated.scatter.variance + least))
-        }))
-    };
-    let [of_replicates, _] = emulated.scatter.squares(1);
+    let variance = emulated.scatter.variance(1.0);
+    let square =
+        |run: &Vec<f64>| {
+            let numbers = run.iter().zip(&middle).zip(&variance);
+            // Of independent runs, the departure from their mean is smaller than that from the truth.
+            let larger = count / freedom.max(1.0);
+            mean_square(numbers.map(|((number, middle), variance)| {
+                (number - middle) * libm::sqrt(larger / variance)
+            }))
+        };
+    let of_replicates = emulated.scatter.square(1);
     let mean = runs.iter().map(square).sum::<f64>() / count / of_replicates;
     [freedom * mean, freedom]
 }

@@ -23,13 +23,17 @@ use nalgebra::{DMatrix, DVector};
 
 /// Distance [prior standard deviations, typical magnitudes] over which a defect changes.
 const LENGTH: f64 = 2.0;
-/// Distance within which a fit rests on a pin.
-const NEAR: f64 = 0.15;
+/// Recalibration rests on a pin where each parameter is within its own deviation of it, but no less
+/// and no more than these distances [prior standard deviations]; fits with effects within the latter.
+const NEAR: [f64; 2] = [0.02, 0.15];
 /// Variance of a defect's error over its own: pins side by side share what they tell.
-const OWN: f64 = 0.03;
-/// Fits that are simulated beside recalibration, and how much better [log score] than it they have to
-/// be: what the priors of effects are behind, or no probability turns on them.
-const RIVALS: (usize, f64) = (2, 3.0);
+const OWN: f64 = 0.005;
+/// Fits that are simulated beside recalibration in one round, how much better [log score] than it, and
+/// a pair than each of its effects, they have to be, and how near to the best: what the priors of
+/// effects are behind, or no probability turns on them.
+const RIVALS: usize = 4;
+const BETTER: f64 = 3.0;
+const NEAR_BEST: f64 = 15.0;
 
 /// Where parameters and effects are.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,23 +113,54 @@ impl Emulator {
     /// Distance of two points [prior standard deviations, typical magnitudes].
     fn apart(&self, a: &Point, b: &Point) -> f64 {
         let offsets = a.offsets.iter().zip(&b.offsets);
-        let mut square: f64 = offsets.map(|(a, b)| (a - b) * (a - b)).sum();
+        let of_offsets: f64 = offsets.map(|(a, b)| (a - b) * (a - b)).sum();
+        libm::hypot(libm::sqrt(of_offsets), self.apart_in_effects(a, b))
+    }
+
+    /// Distance of their effects alone [typical magnitudes].
+    fn apart_in_effects(&self, a: &Point, b: &Point) -> f64 {
         let strength = |point: &Point, effect: usize| {
             let of = point.effects.iter().filter(|(own, _)| *own == effect);
             of.map(|(_, strength)| strength).sum::<f64>()
         };
-        for (effect, candidate) in self.candidates.iter().enumerate() {
+        let candidates = self.candidates.iter().enumerate();
+        let squares = candidates.map(|(effect, candidate)| {
             let [_, typical, _] = candidate.levels();
             let off = (strength(a, effect) - strength(b, effect)) / typical;
-            square += off * off;
-        }
-        libm::sqrt(square)
+            off * off
+        });
+        libm::sqrt(squares.sum())
     }
 
-    /// Whether a point rests on one of these pins.
-    fn rests<'p>(&self, point: &Point, pins: impl IntoIterator<Item = &'p Point>) -> bool {
-        let mut pins = pins.into_iter();
-        pins.any(|pin| self.apart(pin, point) < NEAR)
+    /// Whether a fit of parameters alone rests on a pin.
+    fn rests(&self, fit: &Fit) -> bool {
+        let [least, most] = NEAR;
+        let near = |pin: &&Point| {
+            let mut offsets = fit.offsets.iter().zip(&pin.offsets);
+            offsets.all(|([offset, deviation], pin)| {
+                (offset - pin).abs() < deviation.clamp(least, most)
+            })
+        };
+        let mut recalibrated = self.pins.iter().filter(|pin| pin.effects.is_empty());
+        recalibrated.any(|pin| near(&pin))
+    }
+
+    /// A point with the parameters of the nearest pin, where one is near: effects of sensors then see
+    /// the motion that was simulated there, and chance is the same with them as without.
+    fn beside_pin(&self, point: &Point) -> Point {
+        let apart = |pin: &Point| {
+            let offsets = pin.offsets.iter().zip(&point.offsets);
+            offsets.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let nearest = self
+            .pins
+            .iter()
+            .min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let near = nearest.filter(|pin| apart(pin) < NEAR[1]);
+        Point {
+            offsets: near.unwrap_or(point).offsets.clone(),
+            effects: point.effects.clone(),
+        }
     }
 
     /// What is lacking at a point, condition by condition.
@@ -169,11 +204,10 @@ pub(super) fn recalibrated_end(problem: Problem) -> Option<Ends> {
     if emulator.parameters.is_empty() {
         return None;
     }
-    let end = Fit::new(problem, Hypothesis::Parameter).best;
-    let rests = emulator.rests(&end, &emulator.pins);
-    (!rests).then(|| Ends {
-        best: Some(end.clone()),
-        unpinned: vec![end],
+    let fit = Fit::new(problem, Hypothesis::Parameter);
+    (!emulator.rests(&fit)).then(|| Ends {
+        best: Some(fit.best.clone()),
+        unpinned: vec![fit.best],
     })
 }
 
@@ -181,24 +215,35 @@ pub(super) fn recalibrated_end(problem: Problem) -> Option<Ends> {
 /// are better. Each fit is taken at its own word of how far the emulator errs: what may
 /// turn out right is worth a look.
 pub(super) fn ends(problem: Problem) -> Ends {
-    let fits = fits(problem, None);
-    let is_recalibrated = |fit: &&Fit| fit.hypothesis == Hypothesis::Parameter;
-    let mut rivals: Vec<&Fit> = fits.iter().filter(|fit| !is_recalibrated(fit)).collect();
-    rivals.sort_by(|a, b| score(b).total_cmp(&score(a)));
-    let recalibrated = fits.iter().find(is_recalibrated);
-    let least = recalibrated.map_or(f64::NEG_INFINITY, |fit| score(fit) + RIVALS.1);
-    let better = rivals.into_iter().filter(|fit| score(fit) > least);
-    let ends = recalibrated.into_iter().chain(better.take(RIVALS.0));
+    let mut fits = fits(problem, None);
+    fits.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    let recalibrated = fits
+        .iter()
+        .find(|fit| fit.hypothesis == Hypothesis::Parameter);
+    let rivals = fits.iter().filter(|fit| is_rival(fit, &fits)).take(RIVALS);
     let emulator = problem.emulator;
     let mut unpinned: Vec<Point> = Vec::new();
-    for Fit { best, .. } in ends {
-        if !emulator.rests(best, emulator.pins.iter().chain(&unpinned)) {
-            unpinned.push(best.clone());
+    for fit in recalibrated.into_iter().chain(rivals) {
+        let end = emulator.beside_pin(&fit.best);
+        let mut pins = emulator.pins.iter().chain(&unpinned);
+        if pins.all(|pin| emulator.apart(pin, &end) >= NEAR[1]) {
+            unpinned.push(end);
         }
     }
-    let best = fits.iter().max_by(|a, b| score(a).total_cmp(&score(b)));
     Ends {
-        best: best.map(|fit| fit.best.clone()),
+        best: fits.first().map(|fit| fit.best.clone()),
         unpinned,
     }
+}
+
+/// Whether a fit with effects, of these, best first, may come out likeliest.
+fn is_rival(fit: &Fit, fits: &[Fit]) -> bool {
+    let simpler = |other: &&Fit| {
+        let within = |effect| fit.hypothesis.effects().contains(effect);
+        other.hypothesis != fit.hypothesis && other.hypothesis.effects().iter().all(within)
+    };
+    let better = |other: &Fit| score(fit) > score(other) + BETTER;
+    !fit.hypothesis.effects().is_empty()
+        && score(fit) > score(&fits[0]) - NEAR_BEST
+        && fits.iter().filter(simpler).all(better)
 }

@@ -3,97 +3,203 @@
 //! Replicates are left out by turns and whitened by the others, as a measured run is. Two things are
 //! learned from them.
 //!
-//! Their spread. A wheel that slips off a joint's edge once shows in some numbers of one run, by
-//! tens of deviations, and a mean square would be that of this run. The spread is the scale of the
-//! Student's t that the fits use, which a few outlying numbers hardly move.
+//! Their spread, each drawn to that of its channel and domain. A wheel that slips off a joint's edge once shows in some
+//! numbers of one run, by tens of deviations, and a mean square would be that of this run. The spread
+//! is the scale of the Student's t that the fits use, which a few outlying numbers hardly move.
 //!
-//! How many numbers count. Replicates whiten many statistics in part only, and a run may be louder
-//! than others in all numbers alike; what is left correlated would be counted as often as it shows.
-//! Were the numbers independent, the log density of a left-out run had the sum of their variances.
-//! By as much as it scatters more, log likelihoods are scaled down (a magnitude adjustment of a
-//! composite likelihood, as by Pauli, Racugno and Ventura 2011, Stat. Sinica 21:149-164).
+//! Their loudness. On slate a wheel meets a joint or does not, and all numbers of a run are larger or
+//! smaller alike: mean squares of left-out runs range from 1 to 17. A run's loudness is the square of
+//! the scale of all its numbers; what a measured run may have is what left-out runs have.
 //!
-//! Two other measures were tried on slate. The scatter of mean squares leaves 0 to 30 of 450 numbers,
-//! since one outlying number makes it. The scatter along the signatures of parameters and effects,
-//! which is all that a fit sees of noise, leaves 350; but then what an emulator lacks, which is
-//! correlated too, counts as often as it shows, and a rig with nothing but other parameters was
-//! called unknown by 290. Log densities leave 3 to 70.
+//! How many numbers count. Replicates whiten many statistics in part only; what is left correlated
+//! would be counted as often as it shows. The product of two runs has, its numbers independent, the
+//! mean square `Σ vᵢ²`, their variances squared; else `tr C²` of their covariance (Chen and Qin 2010,
+//! Ann. Stat. 38:808-835). By as much as it is larger, log likelihoods are scaled down (a magnitude
+//! adjustment of a composite likelihood, as by Pauli, Racugno and Ventura 2011, Stat. Sinica
+//! 21:149-164), loudness taken out before: it makes all log densities rise and fall together, but
+//! hides nothing once it is known. Left in, 3 to 40 of 450 numbers counted on slate, and an effect on
+//! one precise mean was lost.
 
 use super::calibration::FREEDOM;
-use super::product::add;
-use crate::gap::{moments, student_scale};
+use super::product::{middle, product};
+use crate::gap::{Cell, moments, student_scale};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
+use std::collections::BTreeMap;
 
+/// Rounds in which spreads and loudness settle.
+const SETTLING: usize = 4;
+/// Runs that the spread of all numbers of a channel and domain counts as, beside a number's own.
+const OF_GROUP: f64 = 20.0;
 /// Score [-] beyond which a number counts no more in a mean square: one cell is no misfit.
 const OUTLYING: f64 = 5.0;
 
 /// Left-out runs of one condition.
 #[derive(Debug)]
 pub(super) struct Scatter {
-    /// Square of the scale [-].
-    pub variance: f64,
+    /// Square of the scale [-], by number, of a run of common loudness.
+    spread: Vec<f64>,
+    /// Variance [-] below which a number says nothing.
+    least: Vec<f64>,
     /// Share [-] of the numbers that are independent.
     pub independent: f64,
-    numbers: usize,
     /// The runs, whitened; none where there were too few to leave any out.
     runs: Vec<Vec<f64>>,
 }
 
+/// How loud runs of a condition are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Loudness {
+    /// Mean and deviation of its logarithm [-].
+    pub log: [f64; 2],
+    /// Least and largest.
+    range: [f64; 2],
+}
+
+impl Loudness {
+    /// Loudness of a departure in units of this variance.
+    pub fn of<'z>(numbers: impl Iterator<Item = (&'z f64, &'z f64)>) -> f64 {
+        let scores: Vec<f64> = numbers.map(|(z, v)| z / libm::sqrt(*v)).collect();
+        let scale = student_scale(&scores, FREEDOM).max(f64::MIN_POSITIVE);
+        scale * scale
+    }
+
+    /// The nearest to this that a run has had.
+    pub fn possible(&self, loudness: f64) -> f64 {
+        let [least, most] = self.range;
+        loudness.clamp(least, most)
+    }
+}
+
 impl Scatter {
-    /// Of these runs of so many numbers, whitened without them.
-    pub fn of(runs: Vec<Vec<f64>>, numbers: usize) -> Self {
-        let (variance, independent) = match runs.is_empty() {
-            // Nothing tells it: all of a run's numbers are as good as two.
-            true => (1.0, (2.0 / numbers as f64).min(1.0)),
-            false => {
-                let numbers: Vec<f64> = runs.iter().flatten().copied().collect();
-                let scale = student_scale(&numbers, FREEDOM).max(f64::MIN_POSITIVE);
-                let variance = scale * scale;
-                (variance, independent(&runs, variance))
-            }
-        };
-        Self {
-            variance,
-            independent,
-            numbers,
+    /// Of these runs, whitened without them, a number about each cell, none of which tells anything
+    /// below its `least` variance.
+    pub fn of(runs: Vec<Vec<f64>>, cells: &[Cell], least: Vec<f64>) -> Self {
+        let mut scatter = Self {
+            spread: vec![1.0; cells.len()],
+            // Where nothing tells it, all of a run's numbers are as good as two.
+            independent: (2.0 / cells.len() as f64).min(1.0),
+            least,
             runs,
+        };
+        if scatter.runs.is_empty() {
+            return scatter;
+        }
+        let groups = groups(cells);
+        let mut quiet = scatter.runs.clone();
+        for _ in 0..SETTLING {
+            groups
+                .iter()
+                .for_each(|group| scatter.spread_of(group, &quiet));
+            let loudness = scatter.loudnesses(1);
+            let common = scatter.loudness(1).log[0];
+            for ((run, quiet), loudness) in scatter.runs.iter().zip(&mut quiet).zip(loudness) {
+                let factor = libm::sqrt(libm::exp(common) / loudness);
+                *quiet = run.iter().map(|z| factor * z).collect();
+            }
+        }
+        let scores = quiet.iter().map(|run| scatter.scores(run, 1));
+        scatter.independent = independent(&scores.collect::<Vec<_>>());
+        scatter
+    }
+
+    /// Sets the spread of the numbers of these places to what runs show, each drawn to that of all.
+    fn spread_of(&mut self, group: &[usize], runs: &[Vec<f64>]) {
+        let square = |numbers: &[f64]| libm::pow(student_scale(numbers, FREEDOM), 2.0);
+        let numbers = |place: &usize| runs.iter().map(|run| run[*place]).collect::<Vec<_>>();
+        let numbers: Vec<Vec<f64>> = group.iter().map(numbers).collect();
+        let common = square(&numbers.concat());
+        let own = runs.len() as f64 / (runs.len() as f64 + OF_GROUP);
+        for (place, numbers) in group.iter().zip(numbers) {
+            let spread = own * square(&numbers) + (1.0 - own) * common;
+            self.spread[*place] = spread.max(f64::MIN_POSITIVE);
         }
     }
 
-    /// A departure [-] over the variance's root as the mean of so many runs has it, times the root
-    /// of their number: that of some of these runs.
-    pub fn drawn(&self, together: usize, rng: &mut impl Rng) -> Vec<f64> {
-        let mut sum = vec![0.0; self.numbers];
-        if self.runs.is_empty() {
-            return sum.iter().map(|_| StandardNormal.sample(rng)).collect();
-        }
-        let weight = 1.0 / libm::sqrt(together as f64 * self.variance);
-        for _ in 0..together {
-            let run = &self.runs[rng.random_range(0..self.runs.len())];
-            add(&mut sum, weight, run);
-        }
-        sum
+    /// Loudness of the means of so many runs each.
+    fn loudnesses(&self, together: usize) -> Vec<f64> {
+        let variance = self.variance(1.0 / together as f64);
+        let of = |mean: Vec<f64>| Loudness::of(mean.iter().zip(&variance));
+        self.means(together).map(of).collect()
     }
 
-    /// Mean square [-] over the variance, outlying numbers cut, of the mean of so many runs, times
-    /// their number; and its deviation.
-    pub fn squares(&self, together: usize) -> [f64; 2] {
+    /// How loud means of so many runs are; as they should be where nothing tells it.
+    pub fn loudness(&self, together: usize) -> Loudness {
+        if self.runs.len() <= together {
+            return Loudness {
+                log: [0.0, 1.0],
+                range: [1.0, 1.0],
+            };
+        }
+        let all = self.loudnesses(together);
+        let [mean, variance] = moments(&all.iter().map(|l| libm::log(*l)).collect::<Vec<_>>());
+        Loudness {
+            log: [mean, libm::sqrt(variance)],
+            range: [
+                all.iter().copied().fold(f64::INFINITY, f64::min),
+                all.iter().copied().fold(0.0, f64::max),
+            ],
+        }
+    }
+
+    /// Means of so many runs each, one after the other.
+    fn means(&self, together: usize) -> impl Iterator<Item = Vec<f64>> {
         let count = self.runs.len();
-        if count <= together {
-            return [1.0, 1.0];
+        (0..count).map(move |first| {
+            let runs = (0..together).map(|next| &self.runs[(first + next) % count]);
+            middle(&runs.collect::<Vec<_>>())
+        })
+    }
+
+    /// Variance of each number of a mean that has this share of the variance of a run of common
+    /// loudness. None is known better than its resolution.
+    pub fn variance(&self, share: f64) -> Vec<f64> {
+        let numbers = self.spread.iter().zip(&self.least);
+        numbers
+            .map(|(spread, least)| share * spread + least)
+            .collect()
+    }
+
+    /// Weights over variances, number by number.
+    pub fn precision(&self, variance: &[f64]) -> Vec<f64> {
+        variance.iter().map(|v| self.independent / v).collect()
+    }
+
+    /// A departure of a mean of so many runs over its deviations [-]: that of some of these runs.
+    pub fn drawn(&self, together: usize, rng: &mut impl Rng) -> Vec<f64> {
+        if self.runs.is_empty() {
+            return self
+                .spread
+                .iter()
+                .map(|_| StandardNormal.sample(rng))
+                .collect();
         }
-        let squares: Vec<f64> = (0..count)
-            .map(|first| {
-                let runs = (0..together).map(|next| &self.runs[(first + next) % count]);
-                let mut sum = vec![0.0; self.runs[0].len()];
-                let weight = 1.0 / libm::sqrt(together as f64 * self.variance);
-                runs.for_each(|run| add(&mut sum, weight, run));
-                mean_square(sum.into_iter())
-            })
+        let runs: Vec<&Vec<f64>> = (0..together)
+            .map(|_| &self.runs[rng.random_range(0..self.runs.len())])
             .collect();
-        let [mean, variance] = moments(&squares);
-        [mean.max(f64::MIN_POSITIVE), libm::sqrt(variance)]
+        self.scores(&middle(&runs), together)
+    }
+
+    /// Mean square [-] of the mean of so many runs over its deviations, outlying numbers cut.
+    pub fn square(&self, together: usize) -> f64 {
+        if self.runs.len() <= together {
+            return 1.0;
+        }
+        let squares: Vec<f64> = self
+            .means(together)
+            .map(|mean| mean_square(self.scores(&mean, together).into_iter()))
+            .collect();
+        let [mean, _] = moments(&squares);
+        mean.max(f64::MIN_POSITIVE)
+    }
+
+    /// A mean of so many runs over its deviations.
+    fn scores(&self, mean: &[f64], together: usize) -> Vec<f64> {
+        let variance = self.variance(1.0 / together as f64);
+        let numbers = mean.iter().zip(&variance);
+        numbers
+            .map(|(z, variance)| z / libm::sqrt(*variance))
+            .collect()
     }
 }
 
@@ -108,18 +214,30 @@ pub(super) fn mean_square(scores: impl Iterator<Item = f64>) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Variance that a run's log density would have were its numbers independent, over that which it
-/// has; at most 1.
-fn independent(runs: &[Vec<f64>], variance: f64) -> f64 {
-    let log = |z: f64| libm::log1p(z * z / (FREEDOM * variance));
-    let of_runs = runs.iter().map(|run| run.iter().map(|z| log(*z)).sum());
-    let [_, together] = moments(&of_runs.collect::<Vec<f64>>());
-    let alone = (0..runs[0].len()).map(|place| {
-        let of_number = runs.iter().map(|run| log(run[place]));
-        let [_, variance] = moments(&of_number.collect::<Vec<f64>>());
-        variance
-    });
-    let alone: f64 = alone.sum();
+/// Places of the numbers of each channel and domain.
+fn groups(cells: &[Cell]) -> Vec<Vec<usize>> {
+    let mut groups = BTreeMap::<_, Vec<usize>>::new();
+    for (place, cell) in cells.iter().enumerate() {
+        let group = (&*cell.channel, cell.statistic.domain());
+        groups.entry(group).or_default().push(place);
+    }
+    groups.into_values().collect()
+}
+
+/// Share [-] of the numbers of these runs, over their deviations, that are independent; at most 1.
+fn independent(runs: &[Vec<f64>]) -> f64 {
+    let cut = |run: &Vec<f64>| run.iter().map(|z| z.clamp(-OUTLYING, OUTLYING)).collect();
+    let runs: Vec<Vec<f64>> = runs.iter().map(cut).collect();
+    let count = runs.len() as f64;
+    let alone: f64 = (0..runs[0].len())
+        .map(|place| {
+            let square = runs.iter().map(|run| run[place] * run[place]).sum::<f64>() / count;
+            square * square
+        })
+        .sum();
+    let pairs = (0..runs.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let squares = pairs.map(|(a, b)| libm::pow(product(&runs[a], &runs[b]), 2.0));
+    let together = squares.sum::<f64>() / (0.5 * count * (count - 1.0)).max(1.0);
     if together <= alone {
         1.0
     } else {
@@ -130,48 +248,135 @@ fn independent(runs: &[Vec<f64>], variance: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::Statistic;
     use crate::quantity::Seed;
     use rand_distr::{Distribution, StandardNormal};
 
     const NUMBERS: usize = 200;
 
+    /// Half of them vibration, half mean forces.
+    fn cells() -> Vec<Cell> {
+        let of = |(channel, statistic): (&str, fn(usize) -> Statistic)| {
+            let channel = channel.to_owned();
+            (0..NUMBERS / 2).map(move |place| Cell::new(channel.as_str(), statistic(place)))
+        };
+        let vibration = of(("acceleration_y", |band| Statistic::Band(band as i16)));
+        vibration
+            .chain(of(("normal_force", |_| Statistic::Mean)))
+            .collect()
+    }
+
     /// Runs of independent normal numbers, each run louder or less by a factor of this spread.
-    fn runs(count: usize, loudness: f64) -> Vec<Vec<f64>> {
+    fn runs(count: usize, spread: f64) -> Vec<Vec<f64>> {
         let mut rng = Seed(5).rng("scatter", 0);
         let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
         (0..count)
             .map(|_| {
-                let factor = libm::exp(loudness * normal());
+                let factor = libm::exp(spread * normal());
                 (0..NUMBERS).map(|_| factor * normal()).collect()
             })
             .collect()
     }
 
-    #[test]
-    fn independent_numbers_all_count_and_one_that_went_astray_changes_neither_spread_nor_count() {
-        let mut runs = runs(80, 0.0);
-        let clean = Scatter::of(runs.clone(), NUMBERS);
-        assert!(clean.independent > 0.7, "{}", clean.independent);
-        runs[3][7] = 1.0e6;
-        let astray = Scatter::of(runs, NUMBERS);
-        assert!((astray.variance / clean.variance - 1.0).abs() < 0.01);
-        assert!(astray.independent > 0.5, "{}", astray.independent);
-        assert!((astray.squares(1)[0] / clean.squares(1)[0] - 1.0).abs() < 0.02);
+    /// Of runs whose numbers have no resolution.
+    fn scatter(runs: Vec<Vec<f64>>) -> Scatter {
+        Scatter::of(runs, &cells(), vec![0.0; NUMBERS])
     }
 
     #[test]
-    fn numbers_of_runs_that_are_louder_by_turns_count_less() {
-        let loud = Scatter::of(runs(80, 0.3), NUMBERS);
-        assert!(loud.independent < 0.15, "{}", loud.independent);
+    fn numbers_below_their_resolution_do_not_count_as_correlated() {
+        let mut runs = runs(80, 0.0);
+        let mut rng = Seed(6).rng("scatter", 1);
+        for run in &mut runs {
+            // All of them move together, by less than can be told.
+            let moved: f64 = StandardNormal.sample(&mut rng);
+            run[NUMBERS / 2..].fill(1.0e-3 * moved);
+        }
+        let told = Scatter::of(runs.clone(), &cells(), vec![0.0; NUMBERS]);
+        let least = (0..NUMBERS).map(|place| if place < NUMBERS / 2 { 0.0 } else { 1.0 });
+        let resolved = Scatter::of(runs, &cells(), least.collect());
+        assert!(told.independent < 0.2, "{}", told.independent);
+        assert!(resolved.independent > 0.7, "{}", resolved.independent);
+    }
+
+    #[test]
+    fn independent_numbers_all_count_and_one_that_went_astray_changes_neither_spread_nor_count() {
+        let mut runs = runs(80, 0.0);
+        let clean = scatter(runs.clone());
+        assert!(clean.independent > 0.7, "{}", clean.independent);
+        runs[3][7] = 1.0e6;
+        let astray = scatter(runs);
+        assert!((astray.spread[7] / clean.spread[7] - 1.0).abs() < 0.15);
+        assert!(astray.independent > 0.5, "{}", astray.independent);
+        assert!((astray.square(1) / clean.square(1) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn numbers_of_runs_that_are_louder_by_turns_count_once_the_loudness_is_taken_out() {
+        let clean = scatter(runs(80, 0.0));
+        let loud = scatter(runs(80, 0.3));
+        assert!(loud.independent > 0.7, "{}", loud.independent);
+        let [mean, deviation] = loud.loudness(1).log;
+        assert!(
+            mean.abs() < 0.1 && (deviation - 0.6).abs() < 0.15,
+            "{mean} {deviation}"
+        );
+        assert!(clean.loudness(1).log[1] < 0.2);
+        assert!((loud.spread[7] / clean.spread[7] - 1.0).abs() < 0.2);
+    }
+
+    #[test]
+    fn numbers_that_are_the_same_twice_count_half() {
+        let mut runs = runs(80, 0.0);
+        for run in &mut runs {
+            run.copy_within(..NUMBERS / 2, NUMBERS / 2);
+        }
+        let it = scatter(runs);
+        assert!((it.independent - 0.5).abs() < 0.15, "{}", it.independent);
+    }
+
+    #[test]
+    fn a_run_is_held_to_be_no_louder_than_any_that_was_left_out() {
+        let loudness = scatter(runs(80, 0.3)).loudness(1);
+        assert_eq!(loudness.possible(1.0), 1.0);
+        assert!(loudness.possible(1.0e6) < 20.0 && loudness.possible(0.0) > 0.05);
+    }
+
+    #[test]
+    fn channels_and_domains_have_spreads_of_their_own() {
+        let mut runs = runs(80, 0.0);
+        for run in &mut runs {
+            run[NUMBERS / 2..].iter_mut().for_each(|z| *z *= 0.1);
+        }
+        let it = scatter(runs);
+        let [vibration, forces] = [0, NUMBERS / 2].map(|first| {
+            let group = &it.spread[first..first + NUMBERS / 2];
+            group.iter().sum::<f64>() / group.len() as f64
+        });
+        assert!(
+            (forces / vibration / 0.01 - 1.0).abs() < 0.1,
+            "{forces} {vibration}"
+        );
+    }
+
+    #[test]
+    fn a_number_that_is_wider_than_its_fellows_is_held_to_be_so() {
+        let mut runs = runs(80, 0.0);
+        runs.iter_mut().for_each(|run| run[7] *= 10.0);
+        let it = scatter(runs);
+        let ratio = it.spread[7] / it.spread[8];
+        assert!((50.0..120.0).contains(&ratio), "{ratio}");
     }
 
     #[test]
     fn a_mean_of_runs_spreads_by_the_root_of_their_number_and_too_few_runs_tell_nothing() {
-        let scatter = Scatter::of(runs(30, 0.0), NUMBERS);
-        let [one, _] = scatter.squares(1);
-        let [two, _] = scatter.squares(2);
+        let it = scatter(runs(30, 0.0));
+        let (one, two) = (it.square(1), it.square(2));
         assert!((two / one - 1.0).abs() < 0.1, "{one} {two}");
-        assert_eq!(scatter.squares(30), [1.0, 1.0]);
-        assert_eq!(Scatter::of(Vec::new(), NUMBERS).variance, 1.0);
+        assert_eq!(it.square(30), 1.0);
+        let none = scatter(Vec::new());
+        assert!(none.spread.iter().all(|v| *v == 1.0));
+        assert_eq!(none.independent, 2.0 / NUMBERS as f64);
+        assert_eq!(none.loudness(1).possible(9.0), 1.0);
     }
 }

@@ -99,8 +99,7 @@ impl Screen {
     pub fn with(&self, emulated: &Emulated) -> Self {
         let mut screen = self.clone();
         let replicates = emulated.replicates.len() as f64;
-        let of_mean = emulated.scatter.variance * (1.0 + 1.0 / replicates);
-        let variance: Vec<f64> = emulated.least.iter().map(|l| of_mean + l).collect();
+        let variance = emulated.scatter.variance(1.0 + 1.0 / replicates);
         screen.include(emulated, &variance, &vec![0.0; variance.len()]);
         screen
     }
@@ -110,8 +109,7 @@ impl Screen {
         for error in &emulated.jacobian_error {
             add(&mut variance, 1.0, error);
         }
-        let independent = emulated.scatter.independent;
-        let precision: Vec<f64> = variance.iter().map(|v| independent / v).collect();
+        let precision = emulated.scatter.precision(&variance);
         let clipped = residual.iter().zip(&variance);
         let clipped: Vec<f64> = clipped
             .map(|(r, v)| r.clamp(-OUTLYING * libm::sqrt(*v), OUTLYING * libm::sqrt(*v)))
@@ -354,10 +352,7 @@ fn drift(
         for error in &emulated.jacobian_error {
             add(&mut variance, 1.0, error);
         }
-        let precision: Vec<f64> = variance
-            .iter()
-            .map(|v| emulated.scatter.independent / v)
-            .collect();
+        let precision = emulated.scatter.precision(&variance);
         let weighted = scaled(&emulated.jacobian[place], &precision);
         own.raw[(0, 0)] += factor * factor * product(&weighted, &emulated.jacobian[place]);
         for (other, column) in emulated.jacobian.iter().enumerate() {

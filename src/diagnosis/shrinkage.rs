@@ -141,7 +141,7 @@ pub(super) fn floor(emulated: &Emulated, observed: &Observed) -> (f64, bool) {
 /// replicates left out of the whitening.
 pub(super) fn reach(emulated: &Emulated, observed: &Observed, made: &[Vec<f64>]) -> f64 {
     let square = |runs: &[Vec<f64>]| match runs.len() {
-        1 => emulated.scatter.squares(1)[0],
+        1 => emulated.scatter.square(1),
         _ => {
             let among = emulated.among(runs);
             0.5 * among * among
@@ -163,9 +163,10 @@ impl Emulated {
     /// Distance per root of a number, each over the deviation of a run that had no part in the
     /// whitening.
     pub(super) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
-        let numbers = a.iter().zip(b).zip(&self.least);
+        let variance = self.scatter.variance(1.0);
+        let numbers = a.iter().zip(b).zip(&variance);
         let square: f64 = numbers
-            .map(|((a, b), least)| (a - b) * (a - b) / (self.scatter.variance + least))
+            .map(|((a, b), variance)| (a - b) * (a - b) / variance)
             .sum();
         libm::sqrt(square / (a.len() as f64).max(1.0))
     }

@@ -7,7 +7,7 @@
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
 use super::library::Beside;
-use super::pins::ends;
+use super::pins::{Ends, ends, recalibrated_end};
 use super::ranking::Ranking;
 use super::*;
 use crate::effects::{Prior, Seat};
@@ -325,14 +325,15 @@ impl Bench {
         let observation = self.observe(&measured);
         let mut emulator = Emulator::new(&self.library).unwrap();
         let mut rng = Seed(seed).rng("pins", 0);
-        for _ in 0..3 {
+        for _ in 0..6 {
             let problem = Problem {
                 emulator: &emulator,
                 ..self.problem(&observation)
             };
-            let found = ends(problem);
-            emulator.middle = found.best;
-            for point in found.unpinned {
+            let recalibrated = recalibrated_end(problem);
+            let Ends { best, unpinned } = recalibrated.unwrap_or_else(|| ends(problem));
+            emulator.middle = best;
+            for point in unpinned {
                 let there = Truth {
                     offsets: point.offsets.clone(),
                     effects: point.effects.clone(),

@@ -5,6 +5,8 @@ use crate::gap::cell::Statistic;
 use crate::gap::readings::Readings;
 use crate::trace::Trace;
 
+/// Samples that are the same, or at the rail, by chance.
+const CHANCE: usize = 5;
 /// Share of the range [-] within which a sample is at the rail.
 const RAIL: f64 = 0.01;
 /// Quantile of the steps that stands for the smallest: a single one is chance.
@@ -82,9 +84,10 @@ fn steps(signal: &Signal, readings: &mut Readings) {
     );
 }
 
-/// 10 lg of a share and a thousandth: below that a share is chance, and none is no infinity.
+/// 10 lg of a share, with a few samples and a thousandth added: fewer are chance, and none is no
+/// infinity.
 fn share_level(count: usize, of: usize) -> f64 {
-    10.0 * libm::log10(count as f64 / of as f64 + 1.0e-3)
+    10.0 * libm::log10((count + CHANCE) as f64 / of as f64 + 1.0e-3)
 }
 
 fn history(signal: &Signal, size: f64, trace: &Trace, readings: &mut Readings) {
