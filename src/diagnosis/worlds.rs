@@ -7,7 +7,7 @@
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
 use super::library::Beside;
-use super::pins::{Ends, ends, recalibrated_end};
+use super::pins::{Ends, Point, ends, recalibrated_end};
 use super::ranking::Ranking;
 use super::*;
 use crate::effects::{Prior, Seat};
@@ -719,6 +719,21 @@ fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
             added.recalibration
         );
     }
+}
+
+#[test]
+fn an_effect_is_simulated_where_recalibration_was_if_its_fit_ends_near_and_else_where_that_ends() {
+    let bench = Bench::entangled(2);
+    let mut emulator = Emulator::new(&bench.library).unwrap();
+    let at = |offsets: [f64; 3], effects: &[(usize, f64)]| Point {
+        offsets: offsets.to_vec(),
+        effects: effects.to_vec(),
+    };
+    emulator.pins.push(at([0.5, -0.2, 0.0], &[]));
+    let near = emulator.beside_pin(&at([0.55, -0.3, 0.1], &[(5, 1.0)]));
+    assert_eq!(near, at([0.5, -0.2, 0.0], &[(5, 1.0)]));
+    let far = at([0.5, -0.2, 0.2], &[(5, 1.0)]);
+    assert_eq!(emulator.beside_pin(&far), far);
 }
 
 #[test]

@@ -28,8 +28,12 @@ pub fn answer(conditions: &[Condition]) -> String {
 }
 
 fn place(condition: &Condition) -> String {
-    let values = condition.values.iter().map(|value| format!(", {value}"));
-    format!("{}{}", condition.scenario, values.collect::<String>())
+    let short = |value: &String| value.parse().map_or_else(|_| value.clone(), four_digits);
+    let values = condition.values.iter().map(short);
+    let all: Vec<String> = std::iter::once(condition.scenario.clone())
+        .chain(values)
+        .collect();
+    all.join(", ")
 }
 
 fn written(mean: &Mean) -> String {
