@@ -21,7 +21,7 @@ use super::grid::Axis;
 use super::hypothesis::{Hypothesis, Scale};
 use super::observation::{Observation, Observed};
 use super::pins::{Defect, Point};
-use super::product::{add, log_sum, product, scaled};
+use super::product::{add, log_sum, product, scaled, scores};
 use super::scatter::{Loudness, mean_square};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::function::gamma::ln_gamma;
@@ -113,15 +113,6 @@ struct Spread {
     own: Vec<f64>,
 }
 
-impl Spread {
-    fn of(variance: &[f64]) -> Self {
-        Self {
-            common: variance.to_vec(),
-            own: variance.to_vec(),
-        }
-    }
-}
-
 /// A condition predicted from the others.
 #[derive(Debug)]
 pub(super) struct HeldOut {
@@ -152,17 +143,14 @@ impl Fit {
     /// A fit whose predictions are held against the variances of `another`: of two explanations the
     /// one that claims less error would win by that alone.
     pub fn beside(problem: Problem, hypothesis: Hypothesis, another: Option<&Self>) -> Self {
-        let mut spreads: Vec<Spread> = problem
-            .conditions()
-            .map(|(_, observed)| Spread::of(&observed.variance))
-            .collect();
+        let mut spreads: Vec<Spread> = Vec::new();
         let mut precisions: Vec<Vec<f64>> = problem
             .conditions()
             .map(|(emulated, observed)| emulated.scatter.precision(&observed.variance))
             .collect();
         let nowhere = vec![0.0; problem.emulator.parameters.len()];
-        let none = |spread: &Spread| Defect::none(spread.common.len());
-        let mut defects: Vec<Defect> = spreads.iter().map(none).collect();
+        let none = |(emulated, _): (&Emulated, &Observed)| Defect::none(emulated.cells.len());
+        let mut defects: Vec<Defect> = problem.conditions().map(none).collect();
         let about = Local::all(problem, &nowhere, &defects);
         let mut posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), None);
         // A pin draws the fit to it, and its defect changes a little on the way.
@@ -170,15 +158,18 @@ impl Fit {
         for _ in 1..rounds {
             let best = posterior.best();
             defects = problem.emulator.defects(&best);
-            for (number, (emulated, observed)) in problem.conditions().enumerate() {
-                let model = Model::new(emulated, &best, &defects[number]);
-                spreads[number] = model.spread(emulated, observed, problem.calibration);
-                precisions[number] = model.precision(
-                    (emulated, observed),
-                    &spreads[number].own,
-                    problem.calibration.freedom,
-                );
-            }
+            let conditions = problem.conditions().zip(&defects);
+            (spreads, precisions) = conditions
+                .map(|((emulated, observed), defect)| {
+                    let model = Model::new(emulated, &best, defect);
+                    let departure = model.departure(observed);
+                    let spread =
+                        model.spread((emulated, observed), &departure, problem.calibration);
+                    let freedom = problem.calibration.freedom;
+                    let precision = precision(emulated, &departure, &spread.own, freedom);
+                    (spread, precision)
+                })
+                .unzip();
             let about = Local::all(problem, &best.offsets, &defects);
             let axes = Some(posterior.axes);
             posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), axes);
@@ -246,8 +237,8 @@ impl<'a> Model<'a> {
     /// The loudness of the runs is what the fit leaves of them.
     fn spread(
         &self,
-        emulated: &Emulated,
-        observed: &Observed,
+        (emulated, observed): (&Emulated, &Observed),
+        departure: &[f64],
         calibration: &Calibration,
     ) -> Spread {
         let mut of_emulator = vec![0.0; observed.variance.len()];
@@ -268,26 +259,19 @@ impl<'a> Model<'a> {
             variance
         };
         let common = variance(1.0);
-        let departure = self.departure(observed);
-        let loudness = Loudness::of(departure.iter().zip(&common));
+        let loudness = Loudness::of(&scores(departure, common.iter().copied()));
         Spread {
             own: variance(observed.loudness.possible(loudness)),
             common,
         }
     }
+}
 
-    fn precision(
-        &self,
-        (emulated, observed): (&Emulated, &Observed),
-        variance: &[f64],
-        freedom: f64,
-    ) -> Vec<f64> {
-        let departure = self.departure(observed);
-        let independent = emulated.scatter.independent;
-        let precision =
-            |(e, v): (&f64, &f64)| independent * (freedom + 1.0) / (freedom * v + e * e);
-        departure.iter().zip(variance).map(precision).collect()
-    }
+/// What a condition's numbers tell that lie so far from a fit, by Student's t.
+fn precision(emulated: &Emulated, departure: &[f64], variance: &[f64], freedom: f64) -> Vec<f64> {
+    let independent = emulated.scatter.independent;
+    let precision = |(e, v): (&f64, &f64)| independent * (freedom + 1.0) / (freedom * v + e * e);
+    departure.iter().zip(variance).map(precision).collect()
 }
 
 /// A condition about some parameters: `r − J θ − Q θ²` as a straight line in `θ`.
@@ -705,13 +689,7 @@ impl Posterior {
         &self,
         problem: Problem,
         number: usize,
-        (
-            Spread {
-                common,
-                own: variance,
-            },
-            defect,
-        ): (&Spread, &Defect),
+        (spread, defect): (&Spread, &Defect),
     ) -> HeldOut {
         let fold = self.fold(self.holds_out(problem).then_some(number));
         let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
@@ -738,18 +716,18 @@ impl Posterior {
             let adapted = self.at(point, &adapted);
             let departure = Model::new(emulated, &adapted, defect).departure(observed);
             let log_density =
-                emulated.scatter.independent * log_density(&departure, variance, freedom);
+                emulated.scatter.independent * log_density(&departure, &spread.own, freedom);
             logs.push(log_weight + log_density - penalty);
             if best.is_none() {
-                let deviations = departure.iter().zip(variance);
-                let of_common = departure.iter().zip(common);
+                let scores = |variance: &[f64]| scores(&departure, variance.iter().copied());
+                let of_common = scores(&spread.common);
                 let of_others = self.at(point, &offsets);
                 best = Some(HeldOut {
                     log_density: 0.0,
-                    scores: deviations.map(|(e, v)| e / libm::sqrt(*v)).collect(),
-                    loudness: Loudness::of(departure.iter().zip(common)),
-                    square: mean_square(of_common.map(|(e, v)| e / libm::sqrt(*v))),
-                    log_spread: variance.iter().map(|v| 0.5 * libm::log(*v)).sum(),
+                    scores: scores(&spread.own),
+                    loudness: Loudness::of(&of_common),
+                    square: mean_square(of_common.into_iter()),
+                    log_spread: spread.own.iter().map(|v| 0.5 * libm::log(*v)).sum(),
                     independent: emulated.scatter.independent,
                     freedom: (departure.len() as f64 - adapts).max(1.0),
                     shift: Model::new(emulated, &of_others, defect).change(),

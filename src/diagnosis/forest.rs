@@ -178,7 +178,7 @@ impl View {
                 .iter()
                 .enumerate()
                 .map(|(number, candidate)| {
-                    let mut signature = emulated.shapes[number].at(candidate.levels()[1]);
+                    let mut signature = emulated.shapes[number].at(candidate.typical());
                     let length = projected.products[(number, number)].max(1.0e-12);
                     let factor = 1.0 / libm::sqrt(length);
                     for (value, precision) in signature.iter_mut().zip(&precision) {

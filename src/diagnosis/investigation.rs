@@ -15,7 +15,7 @@ use super::library::{Answers, Beside, Gathered};
 use super::next_run::FurtherRuns;
 use super::observation::Observation;
 use super::parameter::{Offsets, Parameter};
-use super::pins::{Ends, Point, ends, recalibrated_end};
+use super::pins::{Ends, Point, ROUNDS, unpinned};
 use super::plan::{Depth, Plan, TooSmall};
 use super::ranking::Ranking;
 use super::responses::{DiagnosisError, Library};
@@ -36,12 +36,9 @@ use std::path::Path;
 /// cores on sand or hard ground.
 pub const BUDGET: f64 = 20_000.0;
 
-/// Times at most that recalibration alone is simulated and taken up where it ends, and that all fits
-/// are.
-const RECALIBRATIONS: u64 = 8;
-const ROUNDS: u64 = 6;
-/// Streams of each such simulation, the same in all: what their mean is off by chance is then common to
-/// all explanations. Drawn anew for each, it parted two that were the same by tens of log score.
+/// Streams of each simulation where fits end, the same in all: what their mean is off by chance is then
+/// common to all explanations. Drawn anew for each, it parted two that were the same by tens of log
+/// score.
 const PINNED: u64 = 4;
 
 /// Replicates of each run that could be made, and streams of what changes in it.
@@ -286,10 +283,9 @@ impl<'a> Investigation<'a> {
             problem(&emulator, &observation, calibration),
             self.settings.seed,
         );
-        for round in 0..RECALIBRATIONS + ROUNDS {
+        for round in 0..ROUNDS {
             let problem = problem(&emulator, &observation, calibration);
-            let recalibrated = (round < RECALIBRATIONS).then(|| recalibrated_end(problem));
-            let Ends { best, unpinned } = recalibrated.flatten().unwrap_or_else(|| ends(problem));
+            let Ends { best, unpinned } = unpinned(problem, round);
             emulator.middle = best;
             let ask = (&bank, hear);
             let pinned = !unpinned.is_empty()

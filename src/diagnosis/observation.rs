@@ -77,7 +77,7 @@ impl Observation {
                 Observed {
                     days: measured.days.clone(),
                     residual: middle(&runs),
-                    variance: emulated.scatter.variance(share),
+                    variance: emulated.scatter.variance(share).collect(),
                     square: emulated.scatter.square(runs.len()),
                     loudness: emulated.scatter.loudness(runs.len()),
                     runs,
@@ -114,12 +114,11 @@ fn spread_of_repeats(emulated: &Emulated, runs: &[Vec<f64>]) -> [f64; 2] {
     let count = runs.len() as f64;
     let freedom = count - 1.0;
     let middle = middle(runs);
-    let variance = emulated.scatter.variance(1.0);
+    // Of independent runs, the departure from their mean is smaller than that from the truth.
+    let larger = count / freedom.max(1.0);
     let square =
         |run: &Vec<f64>| {
-            let numbers = run.iter().zip(&middle).zip(&variance);
-            // Of independent runs, the departure from their mean is smaller than that from the truth.
-            let larger = count / freedom.max(1.0);
+            let numbers = run.iter().zip(&middle).zip(emulated.scatter.variance(1.0));
             mean_square(numbers.map(|((number, middle), variance)| {
                 (number - middle) * libm::sqrt(larger / variance)
             }))

@@ -28,6 +28,10 @@ const LENGTH: f64 = 2.0;
 const NEAR: [f64; 2] = [0.02, 0.15];
 /// Variance of a defect's error over its own: pins side by side share what they tell.
 const OWN: f64 = 0.005;
+/// Rounds at most in which recalibration alone is simulated and taken up where it ends, and with those
+/// in which all fits are.
+const RECALIBRATIONS: usize = 8;
+pub(super) const ROUNDS: usize = 14;
 /// Fits that are simulated beside recalibration in one round, how much better [log score] than it, and
 /// a pair than each of its effects, they have to be, and how near to the best: what the priors of
 /// effects are behind, or no probability turns on them.
@@ -125,7 +129,7 @@ impl Emulator {
         };
         let candidates = self.candidates.iter().enumerate();
         let squares = candidates.map(|(effect, candidate)| {
-            let [_, typical, _] = candidate.levels();
+            let typical = candidate.typical();
             let off = (strength(a, effect) - strength(b, effect)) / typical;
             off * off
         });
@@ -135,14 +139,14 @@ impl Emulator {
     /// Whether a fit of parameters alone rests on a pin.
     fn rests(&self, fit: &Fit) -> bool {
         let [least, most] = NEAR;
-        let near = |pin: &&Point| {
+        let near = |pin: &Point| {
             let mut offsets = fit.offsets.iter().zip(&pin.offsets);
             offsets.all(|([offset, deviation], pin)| {
                 (offset - pin).abs() < deviation.clamp(least, most)
             })
         };
-        let mut recalibrated = self.pins.iter().filter(|pin| pin.effects.is_empty());
-        recalibrated.any(|pin| near(&pin))
+        let mut pins = self.pins.iter();
+        pins.any(|pin| pin.effects.is_empty() && near(pin))
     }
 
     /// A point with the parameters of the nearest pin, where one is near: effects of sensors then see
@@ -198,8 +202,15 @@ pub(super) struct Ends {
     pub unpinned: Vec<Point>,
 }
 
+/// What is to be simulated in a round: where recalibration alone ends, until it rests or has had its
+/// rounds; then where all fits do.
+pub(super) fn unpinned(problem: Problem, round: usize) -> Ends {
+    let recalibrated = (round < RECALIBRATIONS).then(|| recalibrated_end(problem));
+    recalibrated.flatten().unwrap_or_else(|| ends(problem))
+}
+
 /// Where recalibration alone ends; none where it rests on a pin or nothing can be recalibrated.
-pub(super) fn recalibrated_end(problem: Problem) -> Option<Ends> {
+fn recalibrated_end(problem: Problem) -> Option<Ends> {
     let emulator = problem.emulator;
     if emulator.parameters.is_empty() {
         return None;
@@ -214,7 +225,7 @@ pub(super) fn recalibrated_end(problem: Problem) -> Option<Ends> {
 /// Where fits end that matter and rest on no pin: recalibration, and the best with effects where they
 /// are better. Each fit is taken at its own word of how far the emulator errs: what may
 /// turn out right is worth a look.
-pub(super) fn ends(problem: Problem) -> Ends {
+fn ends(problem: Problem) -> Ends {
     let mut fits = fits(problem, None);
     fits.sort_by(|a, b| score(b).total_cmp(&score(a)));
     let recalibrated = fits

@@ -28,6 +28,14 @@ pub(super) fn add(sums: &mut [f64], factor: f64, a: &[f64]) {
     }
 }
 
+/// Numbers over their deviations.
+pub(super) fn scores(numbers: &[f64], variance: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let numbers = numbers.iter().zip(variance);
+    numbers
+        .map(|(z, variance)| z / libm::sqrt(variance))
+        .collect()
+}
+
 /// Mean of rows of one length, number by number.
 pub(super) fn middle(rows: &[impl AsRef<[f64]>]) -> Vec<f64> {
     let mut sums = vec![0.0; rows.first().map_or(0, |row| row.as_ref().len())];

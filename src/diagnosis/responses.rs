@@ -72,6 +72,12 @@ impl Candidate {
         self.seat.levels.map(|level| self.strength(level))
     }
 
+    /// Strength of the typical level.
+    pub fn typical(&self) -> f64 {
+        let [_, typical, _] = self.levels();
+        typical
+    }
+
     /// What a strength is told as: the distance from the neutral magnitude, or the magnitude itself
     /// where the neutral one is infinite; none where it is infinite.
     pub(super) fn detectable(&self, strength: f64) -> Option<f64> {

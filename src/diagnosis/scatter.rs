@@ -22,7 +22,7 @@
 //! one precise mean was lost.
 
 use super::calibration::FREEDOM;
-use super::product::{middle, product};
+use super::product::{middle, product, scores};
 use crate::gap::{Cell, moments, student_scale};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
@@ -58,10 +58,22 @@ pub(super) struct Loudness {
 }
 
 impl Loudness {
-    /// Loudness of a departure in units of this variance.
-    pub fn of<'z>(numbers: impl Iterator<Item = (&'z f64, &'z f64)>) -> f64 {
-        let scores: Vec<f64> = numbers.map(|(z, v)| z / libm::sqrt(*v)).collect();
-        let scale = student_scale(&scores, FREEDOM).max(f64::MIN_POSITIVE);
+    /// What these runs have.
+    fn range(loudness: &[f64]) -> Self {
+        let logs: Vec<f64> = loudness.iter().map(|l| libm::log(*l)).collect();
+        let [mean, variance] = moments(&logs);
+        Self {
+            log: [mean, libm::sqrt(variance)],
+            range: [
+                loudness.iter().copied().fold(f64::INFINITY, f64::min),
+                loudness.iter().copied().fold(0.0, f64::max),
+            ],
+        }
+    }
+
+    /// Loudness of a departure over its deviations.
+    pub fn of(scores: &[f64]) -> f64 {
+        let scale = student_scale(scores, FREEDOM).max(f64::MIN_POSITIVE);
         scale * scale
     }
 
@@ -93,7 +105,7 @@ impl Scatter {
                 .iter()
                 .for_each(|group| scatter.spread_of(group, &quiet));
             let loudness = scatter.loudnesses(1);
-            let common = scatter.loudness(1).log[0];
+            let [common, _] = Loudness::range(&loudness).log;
             for ((run, quiet), loudness) in scatter.runs.iter().zip(&mut quiet).zip(loudness) {
                 let factor = libm::sqrt(libm::exp(common) / loudness);
                 *quiet = run.iter().map(|z| factor * z).collect();
@@ -119,8 +131,7 @@ impl Scatter {
 
     /// Loudness of the means of so many runs each.
     fn loudnesses(&self, together: usize) -> Vec<f64> {
-        let variance = self.variance(1.0 / together as f64);
-        let of = |mean: Vec<f64>| Loudness::of(mean.iter().zip(&variance));
+        let of = |mean: Vec<f64>| Loudness::of(&self.scores(&mean, together));
         self.means(together).map(of).collect()
     }
 
@@ -132,15 +143,7 @@ impl Scatter {
                 range: [1.0, 1.0],
             };
         }
-        let all = self.loudnesses(together);
-        let [mean, variance] = moments(&all.iter().map(|l| libm::log(*l)).collect::<Vec<_>>());
-        Loudness {
-            log: [mean, libm::sqrt(variance)],
-            range: [
-                all.iter().copied().fold(f64::INFINITY, f64::min),
-                all.iter().copied().fold(0.0, f64::max),
-            ],
-        }
+        Loudness::range(&self.loudnesses(together))
     }
 
     /// Means of so many runs each, one after the other.
@@ -154,11 +157,9 @@ impl Scatter {
 
     /// Variance of each number of a mean that has this share of the variance of a run of common
     /// loudness. None is known better than its resolution.
-    pub fn variance(&self, share: f64) -> Vec<f64> {
+    pub fn variance(&self, share: f64) -> impl Iterator<Item = f64> {
         let numbers = self.spread.iter().zip(&self.least);
-        numbers
-            .map(|(spread, least)| share * spread + least)
-            .collect()
+        numbers.map(move |(spread, least)| share * spread + least)
     }
 
     /// Weights over variances, number by number.
@@ -196,11 +197,7 @@ impl Scatter {
 
     /// A mean of so many runs over its deviations.
     fn scores(&self, mean: &[f64], together: usize) -> Vec<f64> {
-        let variance = self.variance(1.0 / together as f64);
-        let numbers = mean.iter().zip(&variance);
-        numbers
-            .map(|(z, variance)| z / libm::sqrt(*variance))
-            .collect()
+        scores(mean, self.variance(1.0 / together as f64))
     }
 }
 
@@ -219,7 +216,7 @@ pub(super) fn mean_square(scores: impl Iterator<Item = f64>) -> f64 {
 fn groups(cells: &[Cell]) -> Vec<Vec<usize>> {
     let mut groups = BTreeMap::<_, Vec<usize>>::new();
     for (place, cell) in cells.iter().enumerate() {
-        let group = (&*cell.channel, cell.statistic.domain());
+        let group = (&*cell.channel, cell.domain());
         groups.entry(group).or_default().push(place);
     }
     groups.into_values().collect()

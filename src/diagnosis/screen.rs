@@ -12,6 +12,7 @@
 use super::emulator::{Emulated, Emulator};
 use super::fit::Problem;
 use super::product::{add, product, scaled};
+use super::responses::Candidate;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 
@@ -86,7 +87,7 @@ impl Screen {
     fn empty(emulator: &Emulator) -> Self {
         let (candidates, parameters) = (emulator.candidates.len(), emulator.parameters.len());
         Self {
-            typical: emulator.candidates.iter().map(|c| c.levels()[1]).collect(),
+            typical: emulator.candidates.iter().map(Candidate::typical).collect(),
             raw: DMatrix::zeros(candidates, candidates),
             along: DMatrix::zeros(parameters, candidates),
             information: DMatrix::zeros(parameters, parameters),
@@ -100,6 +101,7 @@ impl Screen {
         let mut screen = self.clone();
         let replicates = emulated.replicates.len() as f64;
         let variance = emulated.scatter.variance(1.0 + 1.0 / replicates);
+        let variance: Vec<f64> = variance.collect();
         screen.include(emulated, &variance, &vec![0.0; variance.len()]);
         screen
     }
@@ -222,7 +224,7 @@ impl Projected {
         let of = |number: usize| {
             let candidate = &emulator.candidates[number];
             let square = self.products[(number, number)];
-            let [_, typical, _] = candidate.levels();
+            let typical = candidate.typical();
             let alike = (0..emulator.candidates.len())
                 .filter(|&other| {
                     other != number && self.equivalent(emulator, number, other, equivalent)
@@ -391,7 +393,7 @@ pub fn screen(problem: Problem) -> Vec<Screened> {
 
 /// What a candidate changes at its typical level, a row a condition.
 fn signature(emulator: &Emulator, number: usize) -> Vec<Vec<f64>> {
-    let [_, typical, _] = emulator.candidates[number].levels();
+    let typical = emulator.candidates[number].typical();
     let conditions = emulator.conditions.iter();
     conditions
         .map(|emulated| emulated.shapes[number].at(typical))

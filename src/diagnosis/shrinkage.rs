@@ -163,8 +163,7 @@ impl Emulated {
     /// Distance per root of a number, each over the deviation of a run that had no part in the
     /// whitening.
     pub(super) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
-        let variance = self.scatter.variance(1.0);
-        let numbers = a.iter().zip(b).zip(&variance);
+        let numbers = a.iter().zip(b).zip(self.scatter.variance(1.0));
         let square: f64 = numbers
             .map(|((a, b), variance)| (a - b) * (a - b) / variance)
             .sum();

@@ -584,7 +584,7 @@ fn next_run(
     let place = |suspect: &Suspect| emulator.candidates().position(|name| name == suspect.name);
     let (a, b) = (place(first)?, place(second)?);
     let candidate = &emulator.candidates[a];
-    let [_, typical, _] = candidate.levels();
+    let typical = candidate.typical();
     let strength = candidate.strength(first.magnitude) / typical;
     further.between(emulator, &Screen::new(problem), [a, b], strength.abs())
 }

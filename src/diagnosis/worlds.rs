@@ -7,7 +7,7 @@
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
 use super::library::Beside;
-use super::pins::{Ends, Point, ends, recalibrated_end};
+use super::pins::{Ends, Point, unpinned};
 use super::ranking::Ranking;
 use super::*;
 use crate::effects::{Prior, Seat};
@@ -325,13 +325,12 @@ impl Bench {
         let observation = self.observe(&measured);
         let mut emulator = Emulator::new(&self.library).unwrap();
         let mut rng = Seed(seed).rng("pins", 0);
-        for _ in 0..6 {
+        for round in 0..6 {
             let problem = Problem {
                 emulator: &emulator,
                 ..self.problem(&observation)
             };
-            let recalibrated = recalibrated_end(problem);
-            let Ends { best, unpinned } = recalibrated.unwrap_or_else(|| ends(problem));
+            let Ends { best, unpinned } = unpinned(problem, round);
             emulator.middle = best;
             for point in unpinned {
                 let there = Truth {

@@ -69,7 +69,8 @@ impl Cell {
         Self::Written(format!("{value:.1} % [{low:.1}, {high:.1}]"), share.value)
     }
 
-    pub(super) fn written(&self) -> String {
+    /// As it stands in the table.
+    pub(in crate::report) fn written(&self) -> String {
         match self {
             Self::Text(text) | Self::Code(text) | Self::Written(text, _) => text.clone(),
             Self::Count(count) => count.to_string(),

@@ -28,8 +28,7 @@ pub fn answer(conditions: &[Condition]) -> String {
 }
 
 fn place(condition: &Condition) -> String {
-    let short = |value: &String| value.parse().map_or_else(|_| value.clone(), four_digits);
-    let values = condition.values.iter().map(short);
+    let values = condition.values.iter().map(|v| value_cell(v).written());
     let all: Vec<String> = std::iter::once(condition.scenario.clone())
         .chain(values)
         .collect();
