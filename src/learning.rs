@@ -13,6 +13,7 @@
 //!
 //! Nothing in them tells when or where they were made: the same runs give the same bytes.
 
+pub mod balance;
 pub mod croissant;
 pub mod datasheet;
 pub mod splits;
@@ -116,7 +117,7 @@ pub struct Facts {
 }
 
 /// A data set: its windows, its runs and their parts.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DataSet {
     facts: Facts,
     /// A row a window, with the parts of its run.

@@ -7,6 +7,7 @@ use super::progress::Progress;
 use super::provenance::{self, quoted};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
+use lugwheel::learning::DataSet;
 use lugwheel::report::{self, FeaturePoint, Group, ToldStudy};
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
@@ -156,7 +157,7 @@ impl StudyCommand {
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
             identification: outcome.identification,
-            dataset: outcome.dataset,
+            dataset: outcome.dataset.as_ref().map(DataSet::runs),
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return Ok(());

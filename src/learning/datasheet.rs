@@ -1,7 +1,8 @@
 //! The datasheet of a data set, by the questions of Gebru et al. (2021), *Datasheets for Datasets*,
 //! Communications of the ACM 64(12).
 
-use super::splits::{GROUPINGS, Grouping, PARTS};
+use super::balance::OfPart;
+use super::splits::{GROUPINGS, Part};
 use super::{DataSet, FileFact, Kept, run_fields};
 use crate::recognition::confusion::CLASSES;
 use std::collections::{BTreeMap, BTreeSet};
@@ -95,14 +96,13 @@ impl DataSet {
         let mut text = "**How are classes balanced?** Windows by class; the weight makes every class count alike.\n\n\
                         | class | windows | share | weight |\n|---|---|---|---|\n"
             .to_owned();
-        let counts = self.count("class");
-        let all: usize = counts.values().sum();
-        for class in CLASSES.map(|class| class.as_str()) {
-            let Some(&count) = counts.get(class) else {
-                continue;
-            };
+        let counts = self.by_class();
+        let all: usize = counts.iter().sum();
+        let classes = counts.iter().filter(|count| **count > 0).count();
+        for (class, &count) in CLASSES.iter().zip(&counts).filter(|(_, count)| **count > 0) {
+            let class = class.as_str();
             let share = 100.0 * count as f64 / all as f64;
-            let weight = all as f64 / (counts.len() * count) as f64;
+            let weight = all as f64 / (classes * count) as f64;
             text.push_str(&format!(
                 "| {class} | {count} | {share:.1} % | {weight:.2} |\n"
             ));
@@ -122,36 +122,16 @@ impl DataSet {
                         Windows by class in each part:\n\n\
                         | split | part | runs | ALCT | SLCT | LEIS | UWTIC |\n|---|---|---|---|---|---|---|\n"
             .to_owned();
-        for (index, grouping) in GROUPINGS.into_iter().enumerate() {
-            text.push_str(&match &self.parts[index] {
-                Some(_) => self.rows_of(index, grouping),
-                None => format!("| {} | too few groups | | | | | |\n", grouping.column()),
+        let parts = self.by_part();
+        for split in GROUPINGS {
+            let own = parts.iter().filter(|of| of.split == split);
+            let rows: String = own.map(part_row).collect();
+            text.push_str(&match rows.is_empty() {
+                true => format!("| {} | too few groups | | | | | |\n", split.column()),
+                false => rows,
             });
         }
         text + "\n"
-    }
-
-    fn rows_of(&self, index: usize, grouping: Grouping) -> String {
-        let parts = self.parts[index].iter().flatten();
-        let rows = PARTS.map(|(part, _)| Some(part)).into_iter().chain([None]);
-        let row = |part| {
-            let runs = parts.clone().filter(|&&of| of == part).count();
-            let name = part.map_or("", super::Part::as_str);
-            let pairs = || {
-                self.windows
-                    .column(grouping.column())
-                    .zip(self.windows.column("class"))
-            };
-            let windows = CLASSES.map(|class| {
-                let here = pairs().filter(|&(of, is)| of == name && is == class.as_str());
-                here.count().to_string()
-            });
-            let shown = if name.is_empty() { "in none" } else { name };
-            let windows = windows.join(" | ");
-            (runs > 0)
-                .then(|| format!("| {} | {shown} | {runs} | {windows} |\n", grouping.column()))
-        };
-        rows.filter_map(row).collect()
     }
 
     /// Windows by the cell of a column.
@@ -191,4 +171,14 @@ impl DataSet {
              the same program and libraries.\n"
         )
     }
+}
+
+fn part_row(of: &OfPart) -> String {
+    let part = of.part.map_or("in none", Part::as_str);
+    let windows = of.windows.map(|count| count.to_string()).join(" | ");
+    format!(
+        "| {} | {part} | {} | {windows} |\n",
+        of.split.column(),
+        of.runs
+    )
 }

@@ -1,6 +1,7 @@
 //! The page of a study: what it asks, what came of it, what was run.
 
 mod conditions;
+mod dataset;
 mod identification;
 mod recognition;
 mod thresholds;
@@ -47,6 +48,10 @@ pub fn study_page(told: &ToldStudy) -> Page {
     if let Some(score) = &outcome.identification {
         answers.push(identification::answer(score));
         sections.extend(identification::sections(score));
+    }
+    if let Some(set) = &outcome.dataset {
+        answers.push(dataset::answer(set));
+        sections.push(dataset::section(set));
     }
     if answers.is_empty() {
         answers.push(conditions::answer(&outcome.conditions));

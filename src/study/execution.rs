@@ -14,6 +14,7 @@ use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
 use crate::dataset::hdf5::write_table;
 use crate::dataset::records::Records;
+use crate::learning::DataSet;
 use crate::quantity::RangeError;
 use crate::trace::Trace;
 use rayon::prelude::*;
@@ -72,8 +73,8 @@ pub struct Outcome {
     pub thresholds: Option<ThresholdScore>,
     /// Terrain parameters and what they predict, where the study asks and no shard is missing.
     pub identification: Option<IdentificationScore>,
-    /// Runs in the data set, where the study keeps one and no shard is missing.
-    pub dataset: Option<usize>,
+    /// The data set, where the study keeps one and no shard is missing.
+    pub dataset: Option<DataSet>,
 }
 
 /// A run that failed.

@@ -155,8 +155,8 @@ pub(super) fn is_there(study: &Study, folder: &Folder, shard: &Shard) -> bool {
 }
 
 impl Study {
-    /// Makes the data set of the windows in the table `text` and of the shards' runs; tells how many
-    /// runs it has. `stop` is asked before every run.
+    /// Makes the data set of the windows in the table `text` and of the shards' runs. `stop` is asked
+    /// before every run.
     ///
     /// # Errors
     /// `Dataset` and `File` where a file cannot be read or written; `Stopped`.
@@ -167,7 +167,7 @@ impl Study {
         text: &str,
         failed: u64,
         stop: &dyn Fn() -> ControlFlow<()>,
-    ) -> Result<Option<usize>, StudyError> {
+    ) -> Result<Option<DataSet>, StudyError> {
         let Some(keep) = self.dataset else {
             return Ok(None);
         };
@@ -193,7 +193,7 @@ impl Study {
         for (ending, text) in set.texts(&fact(&path)?) {
             folder.write(&format!("dataset.{ending}"), text.as_bytes())?;
         }
-        Ok(Some(set.runs()))
+        Ok(Some(set))
     }
 
     /// Puts the runs of all shards into one file; tells the channels of the first.

@@ -1,0 +1,107 @@
+//! What a data set for learners holds.
+
+use crate::learning::DataSet;
+use crate::learning::balance::{ByClass, OfPart};
+use crate::learning::splits::Part;
+use crate::recognition::confusion::CLASSES;
+use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::{FeaturePoint, Group, feature_values};
+use crate::terrain::class::LABELS;
+
+/// How large it is, and how its classes are balanced.
+pub fn answer(set: &DataSet) -> String {
+    let windows = set.windows().rows.len();
+    let classes = CLASSES.iter().zip(set.by_class());
+    let classes = classes.filter(|(_, count)| *count > 0);
+    let classes: Vec<String> = classes
+        .map(|(class, count)| format!("{count} {}", class.as_str()))
+        .collect();
+    format!(
+        "The data set has {windows} windows of {} runs: {}.",
+        set.runs(),
+        classes.join(", ")
+    )
+}
+
+/// Balance, splits and features.
+pub fn section(set: &DataSet) -> Section {
+    let section = Section::new("What is in the data set?")
+        .prose(
+            "True classes, from how lugs and ground met. dataset.h5 holds the data, dataset.windows.csv a row a \
+             window with its features and its part in every split, dataset.datasheet.md what a stranger has \
+             to know, dataset.croissant.json the same for machines.",
+        )
+        .table(balance(set))
+        .table(parts(set));
+    let points: Vec<FeaturePoint> = points(set).collect();
+    match points.is_empty() {
+        true => section,
+        false => section.figure(Figure::new(
+            feature_values(&points),
+            "The four features of every window by ground.",
+        )),
+    }
+}
+
+fn columns(first: &[&str]) -> Vec<Column> {
+    let first = first.iter().copied();
+    Column::named(first.chain(CLASSES.map(|class| class.as_str())))
+}
+
+fn counts(windows: ByClass) -> impl Iterator<Item = Cell> {
+    windows.into_iter().map(|count| Cell::Count(count as u64))
+}
+
+fn balance(set: &DataSet) -> Table {
+    let grounds = set.by_ground();
+    let row = |(ground, windows): (&&str, &ByClass)| {
+        let all = windows.iter().sum::<usize>() as u64;
+        let first = [Cell::text(*ground), Cell::Count(all)];
+        first.into_iter().chain(counts(*windows)).collect()
+    };
+    Table {
+        caption: "Windows by ground and true class".to_owned(),
+        columns: columns(&["ground", "windows"]),
+        rows: grounds.iter().map(row).collect(),
+    }
+}
+
+fn parts(set: &DataSet) -> Table {
+    let row = |of: &OfPart| {
+        let first = [
+            Cell::Code(of.split.column().to_owned()),
+            Cell::text(of.part.map_or("in none", Part::as_str)),
+            Cell::Count(of.runs as u64),
+        ];
+        first.into_iter().chain(counts(of.windows)).collect()
+    };
+    Table {
+        caption: "Recommended splits: runs, and windows by true class. No part shares with another what it is \
+                  split by: runs, grounds and their noise, conditions, or both"
+            .to_owned(),
+        columns: columns(&["split", "part", "runs"]),
+        rows: set.by_part().iter().map(row).collect(),
+    }
+}
+
+/// The features of every window whose ground is known.
+fn points(set: &DataSet) -> impl Iterator<Item = FeaturePoint> {
+    let windows = set.windows();
+    let feature = |name| {
+        windows
+            .column(name)
+            .map(|cell| cell.parse().unwrap_or(f64::NAN))
+    };
+    let features = feature("p1")
+        .zip(feature("p2"))
+        .zip(feature("p3"))
+        .zip(feature("p4"));
+    let rows = windows.column("terrain").zip(features);
+    rows.filter_map(|(terrain, (((p1, p2), p3), p4))| {
+        let label = LABELS.into_iter().find(|label| label.as_str() == terrain)?;
+        Some(FeaturePoint {
+            group: Group::Terrain(label),
+            p: [p1, p2, p3, p4],
+        })
+    })
+}
