@@ -147,7 +147,7 @@ fn few_requests() -> Vec<Request> {
 fn a_run_of_the_scenario_itself_is_read_as_its_replicate_bit_by_bit() {
     let scenario = short();
     let cases = cases(&scenario, &[measured(&scenario, 0)]);
-    assert!(cases.caveats.is_empty(), "{:?}", cases.caveats);
+    assert_eq!(cases.caveats, [Caveat::SetDown]);
     let case = cases.cases[0].clone();
     let folder = tempfile::tempdir().unwrap();
     let bank = bank(folder.path(), cases.cases);

@@ -232,7 +232,7 @@ mod tests {
     fn every_ground_has_a_design_of_twelve_runs_of_ten_seconds_at_a_rate_of_its_own() {
         for design in designs(None) {
             assert_eq!(design.runs(), 12, "{}", design.ground);
-            assert_eq!(design.scenario.duration, 10.0);
+            assert_eq!(design.scenario.driven(), 10.0);
             assert_ne!(design.physics_rate, design.scenario.physics_rate());
             for condition in &design.conditions {
                 design.scenario.with_all(condition).unwrap();

@@ -97,6 +97,8 @@ pub enum Caveat {
     },
     /// Channels that no simulation makes.
     NotSimulated(Vec<String>),
+    /// Simulated records begin as the wheel is set down.
+    SetDown,
     /// A run that was not compared, and why.
     LeftOut {
         /// Its place in the campaign.
@@ -132,6 +134,10 @@ impl fmt::Display for Caveat {
             Self::NotSimulated(channels) => {
                 write!(f, "no simulation makes {}", channels.join(", "))
             }
+            Self::SetDown => f.write_str(
+                "simulated runs begin as the wheel is set down, which jolts it more than rolling does: where \
+                 the measured ones begin in steady rolling, give the scenario a lead-in (--set lead_in=2)",
+            ),
             Self::LeftOut { run, reason } => write!(f, "run {run} is left out: {reason}"),
             Self::Outside { condition, reason } => {
                 write!(f, "{condition} is left out: {reason}")
@@ -219,6 +225,10 @@ impl Cases {
                 Err(reason) => caveats.push(Caveat::Outside { condition, reason }),
             }
         }
+        let has_series = |case: &Case| !case.layout.series.is_empty();
+        caveats.extend(
+            (scenario.lead_in == 0.0 && cases.iter().any(has_series)).then_some(Caveat::SetDown),
+        );
         caveats.sort();
         caveats.dedup();
         if cases.is_empty() {
