@@ -1,7 +1,10 @@
-//! `demo`: labelled data on several grounds, classes recognised, parameters identified, one report.
+//! `demo`: labelled data on several grounds, classes recognised, parameters identified, a gap
+//! diagnosed, one report.
 
+mod gap;
 mod identification;
 mod recognition;
+mod small_study;
 mod story;
 
 use super::dataset::classes;
@@ -11,7 +14,6 @@ use super::progress::Progress;
 use super::series::{Jobs, Outcome, Series, spreads};
 use super::steady::{QUANTITIES, Spread};
 use clap::Args;
-use identification::Loads;
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::dataset::inspection::{Inspection, inspect};
 use lugwheel::quantity::Seed;
@@ -22,13 +24,14 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 use story::Told;
 
 /// Show all of it on small scenarios, in a report that opens in a browser
 ///
 /// Simulates the paper's single wheel on several grounds, writes labelled run files, checks and draws
-/// them, recognises how the lugs met the ground, identifies the sand's parameters, and tells it in
-/// one HTML page. It takes less than three minutes.
+/// them, recognises how the lugs met the ground, identifies the sand's parameters, diagnoses what a
+/// rig has that its scenario lacks, and tells it in one HTML page. It takes less than three minutes.
 #[derive(Debug, Args)]
 pub struct Demo {
     /// Folder for run files, scenarios, figures and the report
@@ -109,9 +112,11 @@ impl Demo {
                 Scenario::from_toml(ground.scenario, &file)?.with_all(&EDITS)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let loads = Loads::prepare(&self.out, self.seed)?;
+        let loads = identification::loads(&self.out, self.seed)?;
+        let rig = gap::rig(&self.out, self.seed)?;
         let simulated: f64 = scenarios.iter().map(|s| s.driven() * RUNS as f64).sum();
-        let progress = Progress::new(output, "demo", simulated + loads.simulated());
+        let simulated = simulated + loads.simulated() + rig.simulated();
+        let progress = Progress::new(output, "demo", simulated);
         let findings = GROUNDS
             .iter()
             .zip(scenarios)
@@ -119,17 +124,25 @@ impl Demo {
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| self.named(error))?;
         let recognition = recognition::recognize(&findings).map_err(|error| self.named(error))?;
-        let identified = loads
-            .identify(self.jobs, &progress)
+        let identified = identification::identify(&loads, self.jobs, &progress)
             .map_err(|error| self.named(error))?;
-        let computing_s = progress.elapsed();
+        rig.execute(self.jobs, &progress)
+            .map_err(|error| self.named(error))?;
+        let before = progress.elapsed();
         drop(progress);
+        let diagnosis = gap::diagnosis(&rig, &self.out, (self.seed, self.jobs));
+        let begun = Instant::now();
+        let diagnosed = diagnosis
+            .investigate(output)
+            .map_err(|error| self.named(error))?;
+        let computing_s = before + begun.elapsed().as_secs_f64();
         let report = self.out.join("report.html");
         let told = story::tell(&Told {
             findings: &findings,
             recognition: &recognition,
             identified: &identified,
             loads: &loads,
+            rig: (&rig, &diagnosis, &diagnosed),
             folder: &self.out,
             seed: self.seed,
             computing_s,
@@ -142,6 +155,7 @@ impl Demo {
             grounds: findings.iter().map(GroundSummary::of).collect(),
             recognition: recognition.answer(),
             identification: identified.answer(),
+            diagnosis: diagnosed.answer.clone(),
             report: report.display().to_string(),
         })
     }
@@ -211,6 +225,7 @@ struct Summary {
     grounds: Vec<GroundSummary>,
     recognition: String,
     identification: Option<String>,
+    diagnosis: String,
     report: String,
 }
 
@@ -273,6 +288,7 @@ impl fmt::Display for Summary {
         if let Some(identification) = &self.identification {
             write!(f, "\n{identification}")?;
         }
+        write!(f, "\n{}", self.diagnosis)?;
         write!(f, "\n\n{}", self.report)
     }
 }

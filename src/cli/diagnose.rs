@@ -1,6 +1,6 @@
 //! `diagnose`: where measured runs and a scenario differ, and which effect causes it.
 
-mod summary;
+pub(super) mod summary;
 
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
@@ -39,41 +39,41 @@ use summary::{Input, Inputs, Summary};
 pub struct Diagnose {
     /// Run file of the measurements; repeats and several conditions make the answer sure
     #[arg(long, value_name = "FILE.h5")]
-    measured: PathBuf,
+    pub(super) measured: PathBuf,
     /// Scenario file of the rig, or the name of one in scenarios/; load, speed and slip are taken
     /// from the measured runs
     #[arg(long, value_name = "SCENARIO")]
-    scenario: PathBuf,
+    pub(super) scenario: PathBuf,
     /// Set a key of the scenario, in SI units, for example wheel.lugs.count=0
     #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    pub(super) set: Vec<String>,
     /// An effect held to be impossible, with or without its channel; may be given several times
     #[arg(long, value_name = "EFFECT")]
-    without: Vec<String>,
+    pub(super) without: Vec<String>,
     /// Only this measured run; may be given several times
     #[arg(long, value_name = "ID")]
-    run: Vec<String>,
+    pub(super) run: Vec<String>,
     /// Folder of the results
     #[arg(long, value_name = "DIR", default_value = "output/diagnosis")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Folder in which simulated statistics are kept for this diagnosis and the next
     #[arg(long, value_name = "DIR", default_value = "output/bank")]
-    bank: PathBuf,
+    pub(super) bank: PathBuf,
     /// Driving that may be simulated [s]: more replicates, surer answers
     #[arg(long, value_name = "SECONDS", default_value_t = BUDGET)]
-    budget: f64,
+    pub(super) budget: f64,
     /// Longest part of a measured run that is compared [s]
     #[arg(long, value_name = "SECONDS", default_value_t = LONGEST)]
-    longest: f64,
+    pub(super) longest: f64,
     /// Seed of the simulations; the same seed gives the same answer
     #[arg(long, default_value_t = 1, value_name = "N")]
-    seed: u64,
+    pub(super) seed: u64,
     /// A part of the method to do without, to see what it is worth: recalibration, held-out or
     /// forest
     #[arg(long, value_name = "PART", hide_short_help = true)]
-    ablate: Option<Ablation>,
+    pub(super) ablate: Option<Ablation>,
     #[command(flatten)]
-    jobs: Jobs,
+    pub(super) jobs: Jobs,
 }
 
 const EXAMPLES: &str = "\
@@ -90,6 +90,11 @@ command, and one of other runs at the same conditions takes a minute.";
 impl Diagnose {
     /// Diagnoses the runs and says what came of it.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        output.print(&self.investigate(output)?)
+    }
+
+    /// Diagnoses the runs and writes what came of it.
+    pub(super) fn investigate(&self, output: &Output) -> anyhow::Result<Summary> {
         let scenario = Scenario::load(scenario_args::found(&self.scenario)?)?;
         let scenario = scenario.with_all(&self.set)?;
         let measured = self.read()?;
@@ -130,6 +135,7 @@ impl Diagnose {
         let summary = Summary {
             inputs,
             diagnosis,
+            answer: page.answer.clone(),
             page: self.out.join("diagnosis.html").display().to_string(),
         };
         self.write("diagnosis.json", &serde_json::to_string_pretty(&summary)?)?;
@@ -141,7 +147,7 @@ impl Diagnose {
         let is_named = !summary.diagnosis.verdict.named.is_empty();
         let with_effect = arms.with_effect.as_ref().filter(|_| is_named);
         self.write_or_remove("with_effect.toml", with_effect.and_then(edited))?;
-        output.print(&summary)
+        Ok(summary)
     }
 
     fn write(&self, name: &str, content: &str) -> anyhow::Result<()> {
@@ -158,7 +164,7 @@ impl Diagnose {
     }
 
     /// The command that makes the same diagnosis again.
-    fn command(&self) -> String {
+    pub(super) fn command(&self) -> String {
         let path = |option: &str, path: &Path| format!(" {option} {}", quoted(path));
         let several = |option: &str, values: &[String]| -> String {
             let words = values.iter();

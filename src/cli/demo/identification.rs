@@ -1,6 +1,6 @@
 //! The terrain parameters of the demo's sand, from the loads of a wheel.
 
-use crate::cli::interrupt::{self, Interrupted};
+use super::small_study::{SAND, SmallStudy};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::series::Jobs;
@@ -8,80 +8,21 @@ use lugwheel::identification::Parameter;
 use lugwheel::report::page::{Figure, Section, four_digits};
 use lugwheel::report::{force_curves, study_page};
 use lugwheel::study::identification::score::{GroupScore, IdentificationScore, Source};
-use lugwheel::study::{self, Options, Study, StudyError};
-use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
 
-/// Sand, as shipped.
-const SAND: &str = include_str!("../../../scenarios/single_wheel_st.toml");
 const STUDY: &str = include_str!("identification.toml");
 
-/// A study of steady loads on sand, in the folder of the demo.
-pub struct Loads {
-    study: Study,
-    /// Its file.
-    pub file: PathBuf,
-    /// Its results.
-    pub folder: PathBuf,
+/// A study of steady loads on sand.
+pub fn loads(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
+    output::write_file(&folder.join("sand.toml"), SAND)?;
+    SmallStudy::prepare(folder, ("identification", STUDY), seed)
 }
 
-impl Loads {
-    /// Writes the study into a folder.
-    ///
-    /// Its results go to a folder of their own, named by all that decides them: a demo that was
-    /// run before, and the same, is not computed again.
-    pub fn prepare(folder: &Path, seed: u64) -> anyhow::Result<Self> {
-        let file = folder.join("identification.toml");
-        output::write_file(&folder.join("sand.toml"), SAND)?;
-        output::write_file(
-            &file,
-            &STUDY.replace("seed = 1\n", &format!("seed = {seed}\n")),
-        )?;
-        let study = Study::load(&file)?;
-        let name = format!("identification_{}", &study.fingerprint()[..8]);
-        Ok(Self {
-            folder: folder.join(name),
-            study,
-            file,
-        })
-    }
-
-    /// Simulated time [s].
-    pub fn simulated(&self) -> f64 {
-        let runs = self.study.runs();
-        runs.map(|run| self.study.scenario(&run).driven()).sum()
-    }
-
-    /// Runs the study and identifies.
-    pub fn identify(&self, jobs: Jobs, progress: &Progress) -> anyhow::Result<Identified> {
-        let options = Options {
-            out: self.folder.clone(),
-            jobs: NonZeroUsize::new(jobs.count()),
-            resume: true,
-            shard: None,
-        };
-        let each = self.simulated() / self.study.run_count() as f64;
-        let heard = AtomicU64::new(0);
-        let outcome = self.study.execute(&options, &|now: study::Progress| {
-            let before = heard.fetch_max(now.done, Ordering::Relaxed);
-            progress.advance(now.done.saturating_sub(before) as f64 * each);
-            match interrupt::is_requested() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            }
-        });
-        let outcome = match outcome {
-            Err(stopped @ StudyError::Stopped { .. }) => {
-                return Err(Interrupted(stopped.to_string()).into());
-            }
-            other => other?,
-        };
-        let score = outcome.identification;
-        let score = score.ok_or_else(|| anyhow::anyhow!("the demo's study identifies nothing"))?;
-        Ok(Identified { score })
-    }
+/// Runs the study and identifies.
+pub fn identify(loads: &SmallStudy, jobs: Jobs, progress: &Progress) -> anyhow::Result<Identified> {
+    let score = loads.execute(jobs, progress)?.identification;
+    let score = score.ok_or_else(|| anyhow::anyhow!("the demo's study identifies nothing"))?;
+    Ok(Identified { score })
 }
 
 /// What the loads gave.

@@ -1,9 +1,12 @@
 //! What the demo found, as questions and answers.
 
-use super::identification::{Identified, Loads};
+use super::identification::Identified;
 use super::recognition::{Recognition, WINDOW};
-use super::{EDITS, Finding, RUNS};
+use super::small_study::SmallStudy;
+use super::{EDITS, Finding, RUNS, gap};
 use crate::cli::dataset::classes;
+use crate::cli::diagnose::Diagnose;
+use crate::cli::diagnose::summary::Summary;
 use crate::cli::provenance::{self, quoted};
 use crate::cli::series::spreads;
 use crate::cli::steady::{QUANTITIES, Quantity, Spread};
@@ -20,7 +23,9 @@ pub struct Told<'a> {
     /// Parameters found from loads.
     pub identified: &'a Identified,
     /// What they were found from.
-    pub loads: &'a Loads,
+    pub loads: &'a SmallStudy,
+    /// A rig's runs, how they were diagnosed, and what came of it.
+    pub rig: (&'a SmallStudy, &'a Diagnose, &'a Summary),
     /// The folder of the demo.
     pub folder: &'a Path,
     /// The seed of all runs.
@@ -37,11 +42,16 @@ pub fn tell(told: &Told) -> Page {
         identified,
         ..
     } = *told;
-    let answers = std::iter::once(recognition.answer()).chain(identified.answer());
+    let (_, _, diagnosed) = told.rig;
+    let answers = std::iter::once(recognition.answer())
+        .chain(identified.answer())
+        .chain([diagnosed.answer.clone()]);
     Page {
         title: "What a lugged wheel feels of its ground".to_owned(),
-        question: "Which ground does a rover's wheel roll on, and what are its parameters?"
-            .to_owned(),
+        question:
+            "Which ground does a rover's wheel roll on, what are its parameters, and what does a \
+                   simulation of it lack?"
+                .to_owned(),
         answer: answers.collect::<Vec<_>>().join(" "),
         intro: intro(findings),
         sections: vec![
@@ -50,6 +60,7 @@ pub fn tell(told: &Told) -> Page {
             lugs(findings),
             recognition.section(),
             identified.section(),
+            gap::section(diagnosed),
             soundness(findings),
             records(findings),
             next_steps(findings),
@@ -277,11 +288,11 @@ fn provenance(told: &Told) -> page::Provenance {
         let runs = quoted(&finding.run_file);
         format!("lugwheel recognize {runs} --reference {reference} --window {WINDOW}")
     });
-    let study = format!(
-        "lugwheel study {} --out {} --resume",
-        quoted(&loads.file),
-        quoted(&loads.folder)
-    );
+    let (rig, diagnosis, _) = told.rig;
+    let studies = [loads, rig].map(|study| {
+        let [file, folder] = [&study.file, &study.folder].map(|path| quoted(path));
+        format!("lugwheel study {file} --out {folder} --resume")
+    });
     let rate = |finding: &Finding| {
         let rate = finding.scenario.physics_rate().hertz() / 1e3;
         format!("{} {rate} kHz", finding.name)
@@ -305,7 +316,8 @@ fn provenance(told: &Told) -> page::Provenance {
         commands: std::iter::once(again)
             .chain(files)
             .chain(recognize)
-            .chain([study])
+            .chain(studies)
+            .chain([diagnosis.command()])
             .collect(),
         ..page::Provenance::default()
     }

@@ -88,6 +88,9 @@ pub struct Summary {
     /// The answer and what backs it.
     #[serde(flatten)]
     pub diagnosis: Diagnosis,
+    /// The answer in a sentence.
+    #[serde(skip)]
+    pub answer: String,
     /// Where the page lies.
     #[serde(skip)]
     pub page: String,
@@ -104,7 +107,7 @@ impl fmt::Display for Summary {
             gap,
             ..
         } = &self.diagnosis;
-        writeln!(f, "{}", self.answer())?;
+        writeln!(f, "{}", self.verdict())?;
         for reason in &verdict.reasons {
             writeln!(f, "  {reason}")?;
         }
@@ -182,7 +185,7 @@ impl fmt::Display for Summary {
 }
 
 impl Summary {
-    fn answer(&self) -> String {
+    fn verdict(&self) -> String {
         let verdict = &self.diagnosis.verdict;
         let sets = verdict.named.iter().map(|set| set.join(" or "));
         let named = sets.collect::<Vec<_>>().join(", and ");

@@ -1,0 +1,118 @@
+//! A rig that is not its scenario, and what the diagnosis says of it.
+
+use super::small_study::{SAND, SmallStudy};
+use crate::cli::diagnose::Diagnose;
+use crate::cli::diagnose::summary::Summary;
+use crate::cli::output;
+use crate::cli::series::Jobs;
+use lugwheel::diagnosis::Answer;
+use lugwheel::diagnosis::condition::LONGEST;
+use lugwheel::effects::catalogue;
+use lugwheel::report::page::{Figure, Section};
+use lugwheel::report::{gap_waterfall, probability_bars};
+use lugwheel::scenario::Scenario;
+use std::path::Path;
+
+const STUDY: &str = include_str!("gap.toml");
+
+/// What the rig and its scenario have: noise of real sensors, without which channels agree better than any
+/// rig's, and a record that begins when the wheel rolls.
+const KNOWN: [&str; 6] = [
+    "lead_in=1.0",
+    "sensors.accelerometer.acceleration_y.noise_density=4.9e-5",
+    "sensors.force_torque.normal_force.noise_density=2.0e-3",
+    "sensors.force_torque.drawbar_pull.noise_density=2.0e-3",
+    "sensors.force_torque.driving_torque.noise_density=1.2e-4",
+    "sensors.encoder.forward_speed.noise_density=1.0e-6",
+];
+const KNOWN_FILE: &str = "known.toml";
+
+/// What the rig has and its scenario lacks: its name, its magnitude, what it is.
+const HIDDEN: (&str, &str, &str) = (
+    "slip_sinkage",
+    "0.8",
+    "soil that gives way the more the wheel slips",
+);
+
+/// Effects that are tried, few enough for a demo.
+const TRIED: [&str; 10] = [
+    "slip_sinkage",
+    "bulldozing",
+    "multipass",
+    "rate_dependent_soil",
+    "slope",
+    "rail_friction",
+    "load_drift",
+    "sensor_tilt",
+    "gain_error",
+    "encoder_scale",
+];
+
+/// Driving that may be simulated [s].
+const BUDGET: f64 = 1500.0;
+
+/// The rig's runs as a study in the folder of the demo.
+pub fn rig(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
+    let (name, magnitude, _) = HIDDEN;
+    let known = Scenario::from_toml(SAND, "single_wheel_st.toml")?.with_all(&KNOWN)?;
+    let rig = known.with_all(&[format!("effect.{name}={magnitude}")])?;
+    output::write_file(&folder.join(KNOWN_FILE), known.text())?;
+    output::write_file(&folder.join("rig.toml"), rig.text())?;
+    SmallStudy::prepare(folder, ("gap", STUDY), seed)
+}
+
+/// The diagnosis of the rig's runs against the sand as shipped.
+pub fn diagnosis(rig: &SmallStudy, folder: &Path, (seed, jobs): (u64, Jobs)) -> Diagnose {
+    let others = catalogue().map(|effect| effect.name);
+    let others = others.filter(|name| !TRIED.contains(name));
+    Diagnose {
+        measured: rig.folder.join("dataset.h5"),
+        scenario: folder.join(KNOWN_FILE),
+        set: vec!["physics_rate=8000".to_owned()],
+        without: others.map(str::to_owned).collect(),
+        run: Vec::new(),
+        out: folder.join("diagnosis"),
+        bank: folder.join("bank"),
+        budget: BUDGET,
+        longest: LONGEST,
+        seed,
+        ablate: None,
+        jobs,
+    }
+}
+
+/// The section of the page.
+pub fn section(summary: &Summary) -> Section {
+    let (name, magnitude, what) = HIDDEN;
+    let verdict = &summary.diagnosis.verdict;
+    let right = verdict.verdict == Answer::Effect
+        && verdict
+            .named
+            .iter()
+            .any(|set| set.iter().any(|it| it == name));
+    let judged = match right {
+        true => "It was found.",
+        false => "It was not named: so few and short runs do not always tell.",
+    };
+    let section = Section::new("Where do a rig and its simulation differ, and why?")
+        .answer(summary.answer.clone())
+        .prose(format!(
+            "Eight runs of 3 s at four conditions stand for a rig. Its sand has {name} = {magnitude}, {what}; the \
+             scenario it is held against has not, and the diagnosis was not told. {judged} It tried {} of the \
+             catalogue's effects, and recalibrated the scenario's parameters before it blamed anything else. Its own \
+             page is {}.",
+            TRIED.len(),
+            summary.page
+        ))
+        .figure(Figure::new(
+            probability_bars(&verdict.probabilities),
+            "What may explain the difference, with probabilities.",
+        ));
+    match &verdict.shrinkage {
+        Some(shrinkage) => section.figure(Figure::new(
+            gap_waterfall(shrinkage, "the effect"),
+            "The gap between rig and simulation, and how far each step closes it.",
+        )),
+        None => section,
+    }
+}
