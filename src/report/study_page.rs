@@ -1,10 +1,12 @@
 //! The page of a study: what it asks, what came of it, what was run.
 
 mod conditions;
+mod diagnosis;
 mod identification;
 mod recognition;
 mod thresholds;
 
+pub use diagnosis::answers_by_campaign;
 pub use identification::{force_errors, identified_parameters, parameter_drawing};
 pub use recognition::answers_and_truth;
 
@@ -47,6 +49,10 @@ pub fn study_page(told: &ToldStudy) -> Page {
     if let Some(score) = &outcome.identification {
         answers.push(identification::answer(score));
         sections.extend(identification::sections(score));
+    }
+    if let Some(score) = &outcome.diagnosis {
+        answers.push(diagnosis::answer(score));
+        sections.push(diagnosis::section(score));
     }
     if answers.is_empty() {
         answers.push(conditions::answer(&outcome.conditions));
