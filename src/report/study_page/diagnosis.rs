@@ -174,3 +174,82 @@ fn row(campaign: &CampaignScore) -> Vec<Cell> {
 fn number(value: Option<f64>) -> Cell {
     value.map_or(Cell::Missing, Cell::Number)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Answer;
+    use crate::study::diagnosis::score::Told;
+
+    /// A campaign with slip sinkage of a magnitude, which is named or read as parameters.
+    fn campaign(magnitude: &str, is_named: bool) -> CampaignScore {
+        let name = "slip_sinkage".to_owned();
+        let named = if is_named {
+            vec![vec![name.clone()]]
+        } else {
+            Vec::new()
+        };
+        let told = [("none", 0.25), ("parameter", 0.5), ("undecided", 0.125)];
+        CampaignScore {
+            campaign: 0,
+            scenario: "sand".to_owned(),
+            shared: vec![("effect.slip_sinkage".to_owned(), magnitude.to_owned())],
+            truth: match magnitude {
+                "0.0" => Truth::None,
+                _ => Truth::Effects(vec![name]),
+            },
+            told: Told {
+                runs: 8,
+                reason: None,
+                finding: Some(Finding {
+                    verdict: if is_named {
+                        Answer::Effect
+                    } else {
+                        Answer::Parameter
+                    },
+                    named,
+                    probabilities: told.map(|(name, p)| (name.to_owned(), p)).into(),
+                    effects: Vec::new(),
+                    gap: None,
+                    closed: None,
+                }),
+            },
+        }
+    }
+
+    #[test]
+    fn an_effect_is_named_from_where_all_larger_ones_are() {
+        let told = |campaigns: Vec<CampaignScore>| answer(&DiagnosisScore { campaigns });
+        let some = vec![
+            campaign("0.0", false),
+            campaign("0.1", true),
+            campaign("0.2", false),
+            campaign("0.4", true),
+            campaign("0.8", true),
+        ];
+        assert_eq!(
+            told(some),
+            "3 of 5 campaigns are read as what they are. slip_sinkage is named from 0.4 on."
+        );
+        let none = vec![campaign("0.1", true), campaign("0.2", false)];
+        let text = told(none);
+        assert!(
+            text.ends_with("slip_sinkage is not named at its largest magnitude."),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn the_parts_of_a_bar_sum_to_one_whatever_is_so() {
+        for magnitude in ["0.0", "0.8"] {
+            let bar = bar(&campaign(magnitude, true));
+            let parts = bar.probabilities.unwrap();
+            assert_eq!(parts.iter().sum::<f64>(), 1.0, "{parts:?}");
+        }
+        let score = DiagnosisScore {
+            campaigns: vec![campaign("0.0", false), campaign("0.8", true)],
+        };
+        let section = format!("{:?}", section(&score));
+        assert!(section.contains("What would a diagnosis make of the runs?"));
+    }
+}

@@ -34,3 +34,35 @@ pub(super) fn of(runs: &Scenario, against: &Scenario) -> Truth {
         && runs.sensors == against.sensors;
     if same { Truth::None } else { Truth::Other }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is so where runs of a scenario with these keys are held against it without.
+    fn truth(keys: &[&str]) -> Truth {
+        let text = include_str!("../../../scenarios/single_wheel_st.toml");
+        let scenario = Scenario::from_toml(text, "sand").unwrap();
+        of(&scenario.with_all(keys).unwrap(), &scenario)
+    }
+
+    #[test]
+    fn what_a_sweep_changes_decides_what_a_campaign_is_to_be_read_as() {
+        let of_runs = [
+            "rig.single_wheel.slip=0.3",
+            "rig.single_wheel.load=60.0",
+            "rig.single_wheel.forward_speed=0.03",
+            "duration=5.0",
+            "effect.slip_sinkage=0.0",
+        ];
+        assert_eq!(truth(&of_runs), Truth::None);
+        assert_eq!(
+            truth(&["terrain.sand.soil.cohesion=300.0"]),
+            Truth::Parameter
+        );
+        assert_eq!(truth(&["wheel.lugs.count=12"]), Truth::Other);
+        let effects = ["effect.gain_error.drawbar_pull=0.05", "effect.slope=2.0"];
+        let names = ["gain_error.drawbar_pull", "slope"].map(str::to_owned);
+        assert_eq!(truth(&effects), Truth::Effects(names.into()));
+    }
+}
