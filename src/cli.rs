@@ -55,7 +55,7 @@ Examples:
   lugwheel challenge make --out output/trial          campaigns whose truth is sealed
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
-4 study or trial finished with failed runs, 130 interrupted.";
+4 study or trial finished with failed runs or undiagnosed campaigns, 130 interrupted.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

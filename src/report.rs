@@ -12,6 +12,7 @@
 //! - [`matrix_figure()`], [`power_figure()`]: what blind trials of the diagnosis came to.
 //! - [`gap_waterfall()`]: how that gap closes, [`probability_bars()`]: what explains it,
 //!   [`isolability_map()`]: which effects show alike.
+//! - [`campaign_bars()`]: how probable each explanation is to a diagnosis of each of several campaigns.
 //! - [`arm_traces()`], [`arm_curves()`]: measured runs beside what a diagnosis makes of them.
 //! - [`parameter_figure()`]: identified parameters by ground (Fig. 23 and 24).
 //! - [`page()`]: a question, its answer, tables and figures as one HTML document; [`page`](mod@page)
@@ -23,6 +24,7 @@
 mod arm_column;
 mod arm_curves;
 mod arm_traces;
+mod campaign_bars;
 mod class_strip;
 mod confusion_figure;
 pub mod diagnosis_page;
@@ -50,6 +52,7 @@ pub mod wheel_picture;
 
 pub use arm_curves::arm_curves;
 pub use arm_traces::arm_traces;
+pub use campaign_bars::{CampaignBar, campaign_bars};
 pub use confusion_figure::confusion_figure;
 pub use diagnosis_page::{ToldDiagnosis, diagnosis_page};
 pub use feature_planes::feature_planes;

@@ -83,6 +83,25 @@
 //! LEIS = [8.11, 7.64, 7.75]
 //! ```
 //!
+//! With a table `[diagnosis]` the runs are read as campaigns of a rig, each held against a scenario,
+//! see [`diagnosis`]:
+//!
+//! ```toml
+//! [diagnosis]
+//! scenario = "../single_wheel_st.toml"  # what the runs are held against; their own without effects if left out
+//! over = ["rig.single_wheel.slip"]      # a campaign joins runs that differ in these; the slip if left out
+//! budget = 20000.0                      # s of driving that may be simulated for each
+//! without = ["slope"]                   # effects to do without
+//! ```
+//!
+//! The magnitude of an effect is swept like any other key, by its name:
+//!
+//! ```toml
+//! [[sweep]]
+//! key = "effect.gain_error.drawbar_pull"
+//! values = [0.0, 0.02, 0.05]
+//! ```
+//!
 //! With a table `[dataset]` the runs become one data set for learners, see [`learning`](crate::learning).
 //! However many there are, memory holds one of each thread:
 //!
@@ -102,22 +121,28 @@
 //! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
 //! steady.csv     one row a steady interval: loads, slip, sinkage; see `study::identification`
 //! identification.txt, identification.csv    parameters, force errors, what they predict
+//! diagnosis.txt, diagnosis.csv    what every campaign is read as; see `study::diagnosis`
 //! dataset.h5, dataset.windows.csv, dataset.splits.csv, dataset.datasheet.md, dataset.croissant.json
 //!                the runs or the features of their windows for learners; see `learning`
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
-//! study.toml     the study as it was read; scenarios/ and reference.toml as they were
+//! study.toml     the study as it was read; scenarios/, reference.toml and held_against.toml (the
+//!                scenario of [diagnosis]) as they were
 //! origin.txt     program version, commit it was built from where the build was told
 //!                (`LUGWHEEL_COMMIT`), seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on
+//! bank/          simulated statistics that the diagnoses share; diagnoses/ what each came to: from
+//!                both an interrupted study goes on
 //! slurm/         what the jobs of a cluster said, see `study::slurm`
 //! ```
 
 mod band;
 pub mod conditions;
+pub mod diagnosis;
 mod execution;
 mod folder;
+mod group;
 pub mod identification;
 mod kept;
 mod recognition;
@@ -129,17 +154,20 @@ pub mod slurm;
 mod sweep;
 mod table;
 pub mod thresholds;
+mod traces;
 pub mod windows;
 
-pub use execution::{Failure, Options, Outcome, Progress};
+pub use execution::{Diagnosing, Failure, Options, Outcome, Progress};
 
 use crate::dataset::hdf5::RunFileError;
+use crate::diagnosis::bank::BankError;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
 use crate::recognition::baseline::BaselineError;
 use crate::scenario::experiment::ExperimentError;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
+use diagnosis::DiagnosisTable;
 use identification::{IdentificationTable, Plan};
 use kept::{DatasetTable, Keep};
 use recognition::{Recognition, RecognitionTable};
@@ -187,6 +215,7 @@ pub struct Study {
     recognition: Option<Recognition>,
     thresholds: Option<Thresholds>,
     identification: Option<Plan>,
+    diagnosis: Option<diagnosis::Plan>,
     dataset: Option<Keep>,
     /// Name of the study's file, without folders.
     file: String,
@@ -234,6 +263,7 @@ struct StudyTable {
     recognition: Option<RecognitionTable>,
     thresholds: Option<ThresholdsTable>,
     identification: Option<IdentificationTable>,
+    diagnosis: Option<DiagnosisTable>,
     dataset: Option<DatasetTable>,
 }
 
@@ -332,11 +362,11 @@ impl Study {
         &self.text
     }
 
-    /// Name and text of every scenario, the one of the reference runs last.
+    /// Name and text of every scenario, those of the reference runs and of the diagnosis last.
     pub fn scenario_texts(&self) -> impl Iterator<Item = (&str, &str)> {
         let scenarios = self.scenarios.iter();
         let scenarios = scenarios.map(|named| (named.name.as_str(), named.scenario.text()));
-        scenarios.chain(self.reference_text().map(|text| ("reference", text)))
+        scenarios.chain(self.further_texts())
     }
 
     /// Runs of each condition.
@@ -422,7 +452,7 @@ impl Study {
         let parts = [VERSION_OF_PROGRAM, &seed, &self.text]
             .into_iter()
             .chain(scenarios.flat_map(|named| [named.name.as_str(), named.scenario.text()]))
-            .chain(self.reference_text());
+            .chain(self.further_texts().map(|(_, text)| text));
         for part in parts {
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
@@ -430,9 +460,17 @@ impl Study {
         hex(&hash.finalize())
     }
 
-    /// The scenario of the reference runs, as it was read.
-    fn reference_text(&self) -> Option<&str> {
-        self.recognition.as_ref()?.reference_text()
+    /// Name and text of the scenarios that no run is of: that of the reference runs, and that of the
+    /// diagnosis.
+    fn further_texts(&self) -> impl Iterator<Item = (&str, &str)> {
+        let recognition = self.recognition.as_ref();
+        let reference = recognition.and_then(Recognition::reference_text);
+        let diagnosis = self.diagnosis.as_ref();
+        let against = diagnosis.and_then(diagnosis::Plan::scenario_text);
+        let texts = [("reference", reference), ("held_against", against)];
+        texts
+            .into_iter()
+            .filter_map(|(name, text)| Some((name, text?)))
     }
 
     /// Checks every condition.
@@ -497,6 +535,7 @@ fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
     let recognition = table.recognition.take();
     let thresholds = table.thresholds.take();
     let identification = table.identification.take();
+    let diagnosis = table.diagnosis.take();
     let mut study = table.into_study(&document, text, folder)?;
     study.check(&document)?;
     if let Some(table) = recognition {
@@ -507,6 +546,9 @@ fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
     }
     if let Some(table) = identification {
         study.identification = Some(table.read(&study, &document)?);
+    }
+    if let Some(table) = diagnosis {
+        study.diagnosis = Some(table.read(&study, &document, folder)?);
     }
     Ok(study)
 }
@@ -539,6 +581,7 @@ impl StudyTable {
             recognition: None,
             thresholds: None,
             identification: None,
+            diagnosis: None,
             dataset: self.dataset.map(|table| table.keep),
             file: String::new(),
             text: text.to_owned(),
@@ -710,6 +753,9 @@ pub enum StudyError {
     /// The runs cannot be kept.
     #[error("the data set cannot be kept")]
     Dataset(#[from] RunFileError),
+    /// What is simulated for a diagnosis cannot be kept.
+    #[error("the runs cannot be diagnosed")]
+    Bank(#[from] BankError),
     /// The windows of the runs train no classifier.
     #[error("the baseline of [recognition] cannot be trained on the windows of the runs")]
     Baseline(#[from] BaselineError),
@@ -722,5 +768,15 @@ pub enum StudyError {
         whole: usize,
         /// Shards asked for.
         shards: usize,
+    },
+    /// The caller stopped it when all runs were done.
+    #[error(
+        "stopped; all runs are done, {answered} of {campaigns} campaigns are diagnosed, and --resume goes on from them"
+    )]
+    StoppedDiagnosing {
+        /// Campaigns with an answer.
+        answered: usize,
+        /// Campaigns.
+        campaigns: usize,
     },
 }

@@ -213,6 +213,16 @@ impl Trace {
         let durations = self.channels.iter().map(Channel::duration);
         durations.fold(0.0, f64::max)
     }
+
+    /// Without all that no rig knows of a run: truth, class, steps of a simulation, and remarks, which
+    /// may tell what was simulated.
+    pub fn as_measured(mut self) -> Self {
+        self.truth = None;
+        self.attributes.class = None;
+        self.attributes.physics_rate = None;
+        self.attributes.notes.clear();
+        self
+    }
 }
 
 impl Truth {

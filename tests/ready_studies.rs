@@ -16,6 +16,8 @@ const ITS_OWN: [(&str, f64); 4] = [
     ("physics_rate", 4000.0),
 ];
 const ITS_DRIVE: [(&str, f64); 2] = [("forward_speed", 0.2), ("start_up", 0.05)];
+/// Driving [s] that does for the shallowest diagnosis of such runs.
+const SHALLOW: f64 = 200.0;
 const RIGS: [&str; 2] = ["rig.single_wheel", "rig.rover_leg"];
 
 fn is_its_own(key: &str) -> bool {
@@ -73,17 +75,15 @@ fn cut(sweep: &Value, joined: &[String]) -> Option<Table> {
     Some(sweep)
 }
 
-/// The keys of which a fit of the study joins several values.
+/// The keys of which a fit or a campaign of the study joins several values.
 fn joined(study: &Table) -> Vec<String> {
-    let Some(identification) = study.get("identification") else {
+    let tables = ["identification", "diagnosis"];
+    let Some(table) = tables.iter().find_map(|table| study.get(*table)) else {
         return Vec::new();
     };
     let slips =
         ["rig.single_wheel.slip", "rig.rover_leg.slip"].map(|key| Value::String(key.to_owned()));
-    let over = identification
-        .get("over")
-        .and_then(Value::as_array)
-        .cloned();
+    let over = table.get("over").and_then(Value::as_array).cloned();
     let over = over.unwrap_or(slips.into());
     over.iter()
         .map(|key| key.as_str().unwrap().to_owned())
@@ -150,6 +150,12 @@ fn shortened(file: &Path, folder: &Path) -> Study {
     {
         identification.remove("from");
     }
+    if let Some(diagnosis) = study.get_mut("diagnosis").and_then(Value::as_table_mut) {
+        diagnosis.insert("budget".to_owned(), Value::Float(SHALLOW));
+        if let Some(scenario) = diagnosis.get_mut("scenario") {
+            absolute(scenario);
+        }
+    }
     let short = folder.join(file.file_name().unwrap());
     std::fs::write(&short, study.to_string()).unwrap();
     Study::load(&short).unwrap_or_else(|error| panic!("{error}"))
@@ -162,6 +168,7 @@ fn tables(file: &Path) -> Vec<&'static str> {
         ("recognition", ["windows.csv", "recognition.txt"]),
         ("thresholds", ["thresholds.csv", "thresholds.txt"]),
         ("identification", ["steady.csv", "identification.txt"]),
+        ("diagnosis", ["diagnosis.csv", "diagnosis.txt"]),
         ("dataset", ["dataset.h5", "dataset.splits.csv"]),
     ];
     let asked = asked
@@ -177,7 +184,7 @@ fn every_ready_study_cut_short_ends_with_its_tables() {
     let entries = std::fs::read_dir(studies()).unwrap();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     files.sort();
-    assert!(files.len() >= 28, "{}", files.len());
+    assert!(files.len() >= 29, "{}", files.len());
     for file in files {
         let folder = TempDir::new().unwrap();
         let study = shortened(&file, folder.path());
@@ -192,6 +199,9 @@ fn every_ready_study_cut_short_ends_with_its_tables() {
         let outcome = outcome.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let failed = std::fs::read_to_string(out.join("failed.txt")).unwrap_or_default();
         assert!(outcome.failed.is_empty(), "{}: {failed}", file.display());
+        if let Some(score) = &outcome.diagnosis {
+            assert_eq!(score.without_answer().count(), 0, "{score}");
+        }
         for table in tables(&file) {
             assert!(out.join(table).exists(), "{}: no {table}", file.display());
         }

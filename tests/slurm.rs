@@ -200,7 +200,15 @@ fn follow(queue: &InProcess, submission: &Submission) -> (Vec<News>, Result<(), 
 }
 
 fn collected(study: &Study, out: &Path) {
-    study.collect(out).unwrap();
+    let options = Options {
+        out: out.to_owned(),
+        jobs: None,
+        resume: false,
+        shard: None,
+    };
+    study
+        .collect(&options, &|_| ControlFlow::Continue(()))
+        .unwrap();
     assert!(contents(out) == *LOCAL, "other bytes than a local run");
 }
 

@@ -262,7 +262,9 @@ impl Work<'_> {
                     self.report(step)
                 })?;
                 let _ = self.report(scenario.driven() - before);
-                traces.push(as_measured(trace, repeat));
+                let mut trace = trace.as_measured();
+                trace.attributes.repeat = repeat;
+                traces.push(trace);
             }
         }
         Ok(traces)
@@ -292,15 +294,6 @@ fn altered(truth: &Truth, design: &Design) -> Result<Scenario, NoRuns> {
         scenario = scenario.with_effect(&effect)?;
     }
     Ok(scenario)
-}
-
-/// A trace without all that no rig knows.
-fn as_measured(mut trace: Trace, repeat: u32) -> Trace {
-    trace.truth = None;
-    trace.attributes.class = None;
-    trace.attributes.physics_rate = None;
-    trace.attributes.repeat = repeat;
-    trace
 }
 
 fn write_campaign(path: &Path, traces: &[Trace]) -> Result<(), ChallengeError> {

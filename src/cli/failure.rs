@@ -5,7 +5,7 @@ use super::identify::NothingIdentified;
 use super::interrupt::Interrupted;
 use super::recognize::Unfit;
 use super::scenario_args::NoScenario;
-use super::study::FailedRuns;
+use super::study::{FailedRuns, UnansweredCampaigns};
 use lugwheel::challenge::ChallengeError;
 use lugwheel::dataset::csv::CampaignError;
 use lugwheel::dataset::hdf5::RunFileError;
@@ -21,7 +21,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 /// An input file is missing or not what it should be. (2 is wrong usage, told by clap.)
 const INVALID_INPUT: u8 = 3;
-/// A study or a trial was finished with failed runs.
+/// A study or a trial was finished with failed runs or campaigns without an answer.
 const FAILED_RUNS: u8 = 4;
 /// Ctrl-C, as shells number it.
 const INTERRUPTED: u8 = 130;
@@ -56,16 +56,18 @@ fn message(error: &anyhow::Error) -> String {
 fn exit_code(error: &anyhow::Error) -> u8 {
     if error.chain().any(|cause| cause.is::<Interrupted>()) {
         INTERRUPTED
-    } else if error
-        .chain()
-        .any(|cause| cause.is::<FailedRuns>() || cause.is::<FailedCases>())
-    {
+    } else if error.chain().any(is_finished) {
         FAILED_RUNS
     } else if error.chain().any(is_invalid_input) {
         INVALID_INPUT
     } else {
         FAILED
     }
+}
+
+/// Whether all was done, but some of it failed.
+fn is_finished(cause: &(dyn Error + 'static)) -> bool {
+    cause.is::<FailedRuns>() || cause.is::<UnansweredCampaigns>() || cause.is::<FailedCases>()
 }
 
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {

@@ -23,6 +23,7 @@ pub struct Progress {
     begun: Instant,
     is_quiet: bool,
     shown: Once,
+    next: Once,
 }
 
 impl Progress {
@@ -33,11 +34,7 @@ impl Progress {
 
     /// A bar over `runs`; each advances it by 1.
     pub fn of_runs(output: &Output, name: &str, runs: usize) -> Self {
-        let template = "{msg} [{bar:30}] {percent:>3} %, {eta} left";
-        let style = ProgressStyle::with_template(template)
-            .expect("the template is part of the program")
-            .progress_chars("=> ");
-        Self::with_style(output, name, runs as f64, style)
+        Self::with_style(output, name, runs as f64, style_of_runs())
     }
 
     fn with_style(output: &Output, name: &str, total: f64, style: ProgressStyle) -> Self {
@@ -51,6 +48,7 @@ impl Progress {
             begun: Instant::now(),
             is_quiet: output.quiet,
             shown: Once::new(),
+            next: Once::new(),
         }
     }
 
@@ -102,6 +100,14 @@ impl Progress {
         self.advance(0.0);
     }
 
+    /// As [`reach`](Self::reach) in what comes next, which `name` says, when what the bar was made for
+    /// is done.
+    pub fn reach_next(&self, name: &str, done: u64, total: u64) {
+        self.next.call_once(|| self.bar.set_style(style_of_runs()));
+        self.add_to_name(name);
+        self.reach(done, total);
+    }
+
     /// Time [s] since the start.
     pub fn elapsed(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
@@ -112,6 +118,12 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
+}
+
+fn style_of_runs() -> ProgressStyle {
+    ProgressStyle::with_template("{msg} [{bar:30}] {percent:>3} %, {eta} left")
+        .expect("the template is part of the program")
+        .progress_chars("=> ")
 }
 
 fn style() -> ProgressStyle {

@@ -9,10 +9,11 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use lugwheel::learning::DataSet;
 use lugwheel::report::{self, FeaturePoint, Group, ToldStudy};
+use lugwheel::study::diagnosis::score::DiagnosisScore;
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
 use lugwheel::study::thresholds::ThresholdScore;
-use lugwheel::study::{self, Options, Outcome, Run, Study, StudyError};
+use lugwheel::study::{self, Diagnosing, Options, Outcome, Run, Study, StudyError};
 use lugwheel::trace::Trace;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -76,6 +77,7 @@ figures of features and answers, one
 with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit,
 one with [identification] steady.csv (loads), identification.txt and .csv (parameters, force errors)
 and a figure of the parameters,
+one with [diagnosis] diagnosis.txt and .csv (what every campaign is read as) and diagnosis.svg,
 one with [dataset] dataset.h5 with its windows, splits, datasheet and Croissant metadata.
 runs.h5 is runs.csv, typed, a dataset a column with its unit.
 Exit code 4: finished, with failed runs.";
@@ -87,6 +89,15 @@ pub struct FailedRuns {
     runs: u64,
     failed: Vec<u64>,
     list: String,
+    file: String,
+}
+
+/// The study was finished, but some of its campaigns cannot be diagnosed.
+#[derive(Debug, thiserror::Error)]
+#[error("study: {campaigns} campaigns, {without} without an answer - see {file}")]
+pub struct UnansweredCampaigns {
+    campaigns: usize,
+    without: usize,
     file: String,
 }
 
@@ -107,6 +118,8 @@ struct Summary {
     thresholds: Option<ThresholdScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     identification: Option<IdentificationScore>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnosis: Option<DiagnosisScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     dataset: Option<usize>,
 }
@@ -146,6 +159,11 @@ impl StudyCommand {
         if let Some(score) = &outcome.identification {
             draw_parameters(score, &out)?;
         }
+        if let Some(score) = &outcome.diagnosis {
+            let figure = report::study_page::answers_by_campaign(score);
+            output::write_file(&out.join("diagnosis.svg"), &figure)?;
+        }
+        let unanswered = unanswered(&outcome, &out);
         output.print(&Summary {
             study: self.study.display().to_string(),
             folder: out.display().to_string(),
@@ -157,10 +175,11 @@ impl StudyCommand {
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
             identification: outcome.identification,
+            diagnosis: outcome.diagnosis,
             dataset: outcome.dataset.as_ref().map(DataSet::runs),
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
-            return Ok(());
+            return unanswered.map_or(Ok(()), |error| Err(error.into()));
         }
         Err(FailedRuns {
             runs: outcome.runs,
@@ -190,9 +209,6 @@ impl StudyCommand {
             };
             self.cluster.run(study, &work, progress)?;
         }
-        if self.cluster.is_wanted() || self.collect == Collect::Only {
-            return study.collect(out).with_context(named).map(Some);
-        }
         let options = Options {
             out: out.to_owned(),
             jobs: self.jobs.map(NonZeroUsize::try_from).transpose()?,
@@ -203,7 +219,10 @@ impl StudyCommand {
         let total = study.run_count() as f64;
         let hear = |now: study::Progress| {
             heard.fetch_max(now.done, Ordering::Relaxed);
-            progress.set_share(heard.load(Ordering::Relaxed) as f64 / total);
+            match now.diagnosing {
+                Some(now) => show(progress, now),
+                None => progress.set_share(heard.load(Ordering::Relaxed) as f64 / total),
+            }
             if interrupt::is_requested() {
                 ControlFlow::Break(())
             } else {
@@ -211,11 +230,13 @@ impl StudyCommand {
             }
         };
         let outcome = match self.collect {
+            _ if self.cluster.is_wanted() => study.collect(&options, &hear).map(Some),
+            Collect::Only => study.collect(&options, &hear).map(Some),
             Collect::Never => study.execute_share(&options, &hear).map(|()| None),
-            _ => study.execute(&options, &hear).map(Some),
+            Collect::Whole => study.execute(&options, &hear).map(Some),
         };
         match outcome {
-            Err(stopped @ StudyError::Stopped { .. }) => {
+            Err(stopped @ (StudyError::Stopped { .. } | StudyError::StoppedDiagnosing { .. })) => {
                 Err(Interrupted(stopped.to_string()).into())
             }
             other => other.with_context(named),
@@ -253,6 +274,29 @@ impl StudyCommand {
         output::write_file(&path, &report::page(&report::study_page(&told)))?;
         Ok(path.display().to_string())
     }
+}
+
+/// Says which campaign is diagnosed, and how far its simulations are.
+fn show(progress: &Progress, now: Diagnosing) {
+    let Diagnosing {
+        campaign,
+        campaigns,
+        motions,
+        motions_total,
+    } = now;
+    let which = format!("diagnosing {} of {campaigns}", campaign + 1);
+    progress.reach_next(&which, motions, motions_total);
+}
+
+/// The error of a study with campaigns that cannot be diagnosed.
+fn unanswered(outcome: &Outcome, out: &Path) -> Option<UnansweredCampaigns> {
+    let score = outcome.diagnosis.as_ref()?;
+    let without = score.without_answer().count();
+    (without > 0).then(|| UnansweredCampaigns {
+        campaigns: score.campaigns.len(),
+        without,
+        file: out.join("diagnosis.txt").display().to_string(),
+    })
 }
 
 /// Longest run that is made again to be looked at [s].
@@ -360,6 +404,9 @@ impl fmt::Display for Summary {
         }
         if let Some(score) = &self.identification {
             write!(f, "rows: {}/steady.csv\n\n{score}", self.folder)?;
+        }
+        if let Some(score) = &self.diagnosis {
+            write!(f, "campaigns: {}/diagnosis.csv\n\n{score}", self.folder)?;
         }
         if let Some(report) = &self.report {
             write!(f, "\nreport: {report}\n")?;

@@ -14,7 +14,7 @@ use super::screen::{Alarm, END, Projected, Screen, Screened, alarms};
 use super::shrinkage::{Shrinkage, shrinkage};
 use crate::gap::{Cell, Condition};
 use crate::quantity::Seed;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Cells that locate a remainder.
@@ -30,7 +30,7 @@ const DOUBT: f64 = 0.1;
 const REFUTED: f64 = 0.4;
 
 /// What explains the measurements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// Nothing is wrong.

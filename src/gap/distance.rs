@@ -15,7 +15,7 @@ use super::readings::{Reading, Readings};
 use crate::quantity::Seed;
 use nalgebra::DMatrix;
 use rand::RngExt;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Turns readings into numbers of unit spread without correlation, by a covariance shrunk toward a
@@ -275,7 +275,7 @@ pub struct Scores {
 }
 
 /// How much of the gap an effect closes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Closed {
     /// `(G_rec − G_eff) / (G_rec − G_floor)` [-]: 0 closes nothing, 1 all; below 0 it widens.
     pub value: f64,

@@ -2,10 +2,12 @@
 
 mod conditions;
 mod dataset;
+mod diagnosis;
 mod identification;
 mod recognition;
 mod thresholds;
 
+pub use diagnosis::answers_by_campaign;
 pub use identification::{force_errors, identified_parameters, parameter_drawing};
 pub use recognition::answers_and_truth;
 
@@ -48,6 +50,10 @@ pub fn study_page(told: &ToldStudy) -> Page {
     if let Some(score) = &outcome.identification {
         answers.push(identification::answer(score));
         sections.extend(identification::sections(score));
+    }
+    if let Some(score) = &outcome.diagnosis {
+        answers.push(diagnosis::answer(score));
+        sections.push(diagnosis::section(score));
     }
     if let Some(set) = &outcome.dataset {
         answers.push(dataset::answer(set));

@@ -1,15 +1,17 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
 use super::conditions::Condition;
+use super::diagnosis::score::DiagnosisScore;
 use super::folder::{Before, Folder};
 use super::identification::score::IdentificationScore;
 use super::identification::{self, SteadyRows};
-use super::kept::{self, Traces};
+use super::kept;
 use super::runs::{self, Runs};
 use super::score::RecognitionScore;
 use super::shard::{self, Shard};
 use super::table::{NoRows, Rows, Table, line};
 use super::thresholds::{self, ThresholdScore};
+use super::traces::{self, Traces};
 use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
 use crate::dataset::hdf5::write_table;
@@ -22,7 +24,7 @@ use std::any::Any;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -49,6 +51,21 @@ pub struct Progress {
     pub total: u64,
     /// Runs that failed since this execution began.
     pub failed: u64,
+    /// Where the diagnoses are, once all runs are done.
+    pub diagnosing: Option<Diagnosing>,
+}
+
+/// How far the diagnoses of a study are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Diagnosing {
+    /// Number of the campaign, from 0.
+    pub campaign: usize,
+    /// Campaigns.
+    pub campaigns: usize,
+    /// Motions simulated of those that the campaign asks for next.
+    pub motions: u64,
+    /// Motions to be simulated; it asks several times.
+    pub motions_total: u64,
 }
 
 /// What an execution left in its folder.
@@ -73,6 +90,8 @@ pub struct Outcome {
     pub thresholds: Option<ThresholdScore>,
     /// Terrain parameters and what they predict, where the study asks and no shard is missing.
     pub identification: Option<IdentificationScore>,
+    /// What its campaigns are read as, where the study asks and no shard is missing.
+    pub diagnosis: Option<DiagnosisScore>,
     /// The data set, where the study keeps one and no shard is missing.
     pub dataset: Option<DataSet>,
 }
@@ -99,24 +118,16 @@ impl Study {
     ///
     /// # Errors
     /// `NotEmpty` where the folder holds something and `resume` is not set; `OtherStudy` where that
-    /// is not this study; `Stopped` when `progress` said so; `File` where the file system refuses,
-    /// `Range` for a share that is none, `Threads` where threads cannot be had, `Baseline` where the
-    /// windows train no classifier.
+    /// is not this study; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Bank`
+    /// where the file system refuses, `Range` for a share that is none, `Threads` where threads cannot
+    /// be had, `Baseline` where the windows train no classifier.
     pub fn execute(
         &self,
         options: &Options,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
         let folder = self.finish_share(options, progress)?;
-        let total = self.run_count();
-        let stop = || {
-            progress(Progress {
-                done: total,
-                total,
-                failed: 0,
-            })
-        };
-        self.put_together(&folder, &stop)
+        self.put_together(&folder, options, progress)
     }
 
     /// Runs the study, or a share of it, and leaves its tables to [`Study::collect`].
@@ -172,19 +183,25 @@ impl Study {
         }
     }
 
-    /// Puts the shards in the folder `out` together, without running anything.
+    /// Puts the shards in the folder of `options` together, without running any; `progress` hears of
+    /// what is done once all runs are.
     ///
     /// # Errors
     /// `Incomplete` where shards are missing or damaged; `OtherStudy` where the folder holds
-    /// something else; `File` where the file system refuses, `Baseline` where the windows train no
-    /// classifier.
-    pub fn collect(&self, out: &Path) -> Result<Outcome, StudyError> {
-        let folder = Folder::open(self, out, Before::ThisStudy)?;
-        let outcome = self.put_together(&folder, &|| ControlFlow::Continue(()))?;
+    /// something else; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Bank`
+    /// where the file system refuses, `Threads` where threads cannot be had, `Baseline` where the
+    /// windows train no classifier.
+    pub fn collect(
+        &self,
+        options: &Options,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Outcome, StudyError> {
+        let folder = Folder::open(self, &options.out, Before::ThisStudy)?;
+        let outcome = self.put_together(&folder, options, progress)?;
         match outcome.missing_shards {
             0 => Ok(outcome),
             missing => Err(StudyError::Incomplete {
-                folder: out.to_owned(),
+                folder: options.out.clone(),
                 missing,
             }),
         }
@@ -210,7 +227,7 @@ impl Study {
     fn is_whole(&self, folder: &Folder, tables: &[Box<dyn Table + '_>], shard: &Shard) -> bool {
         let mut tables = tables.iter();
         tables.all(|table| rows(folder, &**table, shard).is_some())
-            && kept::is_whole(self, folder, shard)
+            && traces::is_whole(self, folder, shard)
     }
 
     fn tables(&self) -> Vec<Box<dyn Table + '_>> {
@@ -234,8 +251,18 @@ impl Study {
     fn put_together(
         &self,
         folder: &Folder,
-        stop: &dyn Fn() -> ControlFlow<()>,
+        options: &Options,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
+        let total = self.run_count();
+        let hear = |diagnosing| {
+            progress(Progress {
+                done: total,
+                total,
+                failed: 0,
+                diagnosing,
+            })
+        };
         let tables = self.tables();
         let shards = shard::all(self);
         let mut collected = Collected::new(self, &tables);
@@ -243,13 +270,14 @@ impl Study {
         for shard in &shards {
             let rows = tables.iter().map(|table| rows(folder, &**table, shard));
             match rows.collect::<Option<Vec<String>>>() {
-                Some(rows) if kept::is_there(self, folder, shard) => {
+                Some(rows) if traces::is_there(self, folder, shard) => {
                     collected.add(shard, &rows, folder.times(shard));
                 }
                 _ => missing_shards += 1,
             }
         }
         let (mut recognition, mut held, mut identification) = (None, None, None);
+        let mut diagnosis = None;
         let mut conditions = Vec::new();
         let mut dataset = None;
         if missing_shards == 0 {
@@ -258,10 +286,12 @@ impl Study {
             conditions = self.conditions(&collected.texts[0].1);
             let windows = collected.text_of(kept::NAME).unwrap_or_default();
             let failed = collected.failures.len() as u64;
-            dataset = self.keep(folder, &shards, windows, failed, stop)?;
+            dataset = self.keep(folder, &shards, windows, failed, &|| hear(None))?;
             recognition = self.score(collected.text_of(windows::NAME))?;
             held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
             identification = self.identify(collected.text_of(identification::NAME));
+            let threads = options.threads()?;
+            diagnosis = threads.install(|| self.diagnose(folder, &|now| hear(Some(now))))?;
         }
         if let Some(score) = &recognition {
             folder.write("recognition.csv", score.to_csv().as_bytes())?;
@@ -273,6 +303,10 @@ impl Study {
         if let Some(score) = &identification {
             folder.write("identification.csv", score.to_csv().as_bytes())?;
             folder.write("identification.txt", score.to_string().as_bytes())?;
+        }
+        if let Some(score) = &diagnosis {
+            folder.write("diagnosis.csv", score.to_csv().as_bytes())?;
+            folder.write("diagnosis.txt", score.to_string().as_bytes())?;
         }
         Ok(Outcome {
             runs: collected.runs,
@@ -288,6 +322,7 @@ impl Study {
             recognition,
             thresholds: held,
             identification,
+            diagnosis,
             dataset,
         })
     }
@@ -431,6 +466,7 @@ impl Work<'_> {
             done: self.done.load(Ordering::Relaxed),
             total: self.total,
             failed: self.failed.load(Ordering::Relaxed),
+            diagnosing: None,
         };
         if self.stopped.load(Ordering::Relaxed) || (self.progress)(progress).is_break() {
             self.stopped.store(true, Ordering::Relaxed);
@@ -441,7 +477,7 @@ impl Work<'_> {
 }
 
 /// The message of a panic.
-fn said(panic: &(dyn Any + Send)) -> &str {
+pub(super) fn said(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied())
         .unwrap_or("without a word")

@@ -59,8 +59,8 @@ impl Folder {
             let name = format!("scenarios/{}.toml", named.name);
             self.write(&name, named.scenario.text().as_bytes())?;
         }
-        if let Some(reference) = study.reference_text() {
-            self.write("reference.toml", reference.as_bytes())?;
+        for (name, text) in study.further_texts() {
+            self.write(&format!("{name}.toml"), text.as_bytes())?;
         }
         Ok(())
     }

@@ -30,7 +30,7 @@
 mod csv;
 mod elsewhere;
 mod fit;
-mod group;
+mod origin;
 mod own;
 mod reading;
 mod repeats;
@@ -41,6 +41,7 @@ mod text;
 
 pub(super) use steady::{NAME, SteadyRows};
 
+use super::group::{self, Group, check_over, slip_of, swept};
 use super::{Study, flatten};
 use crate::document::{Document, Misfit};
 use crate::identification::{Cylinder, Force, Setting};
@@ -49,8 +50,10 @@ use crate::scenario::Scenario;
 use crate::soil::closed_form::Rim;
 use crate::terrain::TerrainSpec;
 use crate::terrain::class::Wtic;
-use group::Group;
 use serde::{Deserialize, Serialize};
+
+/// Why a fit joins swept keys only.
+const NOT_SWEPT: &str = "parameters show in how loads change with slip: sweep it, or name the key that changes the slip in `over`";
 
 /// An `[identification]` before its checks.
 #[derive(Deserialize)]
@@ -118,9 +121,8 @@ impl IdentificationTable {
             let place = document.place(&format!("identification.{key}"));
             move |message: String| Misfit { place, message }
         };
-        let slip = || vec![format!("{}.slip", study.scenario_of(0).rig.path())];
-        let over = self.over.unwrap_or_else(slip);
-        check_over(study, &over).map_err(at("over"))?;
+        let over = self.over.unwrap_or_else(|| slip_of(study));
+        check_over(study, &over, NOT_SWEPT).map_err(at("over"))?;
         let from = read_from(study, &over, self.from.unwrap_or_default()).map_err(at("from"))?;
         let exit_angle = self.exit_angle;
         RangeError::check("exit angle coefficient", "-", exit_angle, [-1.0, 0.0])
@@ -133,7 +135,7 @@ impl IdentificationTable {
             published: self.published,
         };
         plan.check_published().map_err(at("published"))?;
-        let groups = group::all(study, &plan);
+        let groups = group::all(study, &plan.over);
         groups
             .iter()
             .try_for_each(|group| check_group(study, group))
@@ -173,33 +175,6 @@ impl Plan {
             .try_for_each(|error| RangeError::positive("published error", "%", error).map(drop))
             .map_err(|error| error.to_string())
     }
-}
-
-/// The swept keys, for a message.
-fn swept(study: &Study) -> String {
-    let keys: Vec<&str> = study.keys().collect();
-    match keys.as_slice() {
-        [] => "nothing is swept".to_owned(),
-        keys => format!("swept are `{}`", keys.join("`, `")),
-    }
-}
-
-fn check_over(study: &Study, over: &[String]) -> Result<(), String> {
-    if over.is_empty() {
-        return Err("name a swept key or more, the slip for one".to_owned());
-    }
-    for (index, key) in over.iter().enumerate() {
-        if study.values_of(key).is_none() {
-            return Err(format!(
-                "`{key}` is not swept, and parameters show in how loads change with slip: sweep it, or name the key that changes the slip in `over`; {}",
-                swept(study)
-            ));
-        }
-        if over[..index].contains(key) {
-            return Err(format!("`{key}` is named twice"));
-        }
-    }
-    Ok(())
 }
 
 fn read_from(

@@ -1,7 +1,6 @@
 //! The `[dataset]` of a study file: its runs, or their features, as one data set for learners.
 //!
-//! The channels of a shard's runs go to a file of their own, `shards/<number>.traces.h5`, run by run,
-//! and its checksum to another. When all shards are there, runs go one by one from those files into
+//! When all shards are there, runs go one by one from the [files of the shards](super::traces) into
 //! `dataset.h5`. So memory holds one run of each thread, and an interruption costs a shard.
 
 use super::folder::{Folder, file_error};
@@ -10,9 +9,10 @@ use super::references::References;
 use super::runs::swept_fields;
 use super::shard::Shard;
 use super::table::{NoRows, Rows, Stop, Table, condition_cells};
+use super::traces;
 use super::{Run, Study, StudyError};
 use crate::dataset::Provenance;
-use crate::dataset::hdf5::{RunFile, RunFileWriter, write_table};
+use crate::dataset::hdf5::{RunFileWriter, write_table};
 use crate::dataset::records::{Field, Records};
 use crate::learning::windows::Windower;
 use crate::learning::{ChannelFact, DataSet, Facts, FileFact, Kept, run_fields, run_id, windows};
@@ -96,64 +96,6 @@ impl Table for Windows<'_> {
     }
 }
 
-/// The file of a shard's runs while they are made.
-pub(super) struct Traces {
-    writer: RunFileWriter,
-}
-
-impl Traces {
-    /// Begins the file, where the study keeps traces.
-    pub(super) fn begin(
-        study: &Study,
-        folder: &Folder,
-        shard: &Shard,
-    ) -> Result<Option<Self>, StudyError> {
-        if study.dataset != Some(Keep::Traces) {
-            return Ok(None);
-        }
-        let path = folder.path_of(&traces_name(shard));
-        let writer = RunFileWriter::create(path, &provenance(study))?;
-        Ok(Some(Self { writer }))
-    }
-
-    /// Adds a run, its condition in its notes.
-    pub(super) fn add(
-        &mut self,
-        study: &Study,
-        run: &Run,
-        mut trace: Trace,
-    ) -> Result<(), StudyError> {
-        let values = study.keys().zip(study.values(run));
-        let values = values.map(|(key, value)| format!(", {key} = {value}"));
-        let values: String = values.collect();
-        trace.attributes.notes = format!("scenario {}{values}", study.scenario_name(run));
-        Ok(self.writer.add(&run_id(run.number), &trace)?)
-    }
-
-    /// Completes the file and writes its checksum.
-    pub(super) fn finish(self, folder: &Folder, shard: &Shard) -> Result<(), StudyError> {
-        self.writer.finish()?;
-        let fact = fact(&folder.path_of(&traces_name(shard)))?;
-        let seal = seal(folder, &fact);
-        folder.write(&seal_name(shard), seal.as_bytes())
-    }
-}
-
-/// Whether the runs of a shard are there, where the study keeps them, and as they were written.
-pub(super) fn is_whole(study: &Study, folder: &Folder, shard: &Shard) -> bool {
-    let sealed = || {
-        let fact = FileFact::of(&folder.path_of(&traces_name(shard))).ok()?;
-        let found = std::fs::read_to_string(folder.path_of(&seal_name(shard))).ok()?;
-        Some(found == seal(folder, &fact))
-    };
-    study.dataset != Some(Keep::Traces) || sealed().unwrap_or(false)
-}
-
-/// Whether the runs of a shard are there, where the study keeps them.
-pub(super) fn is_there(study: &Study, folder: &Folder, shard: &Shard) -> bool {
-    study.dataset != Some(Keep::Traces) || folder.path_of(&seal_name(shard)).exists()
-}
-
 impl Study {
     /// Makes the data set of the windows in the table `text` and of the shards' runs. `stop` is asked
     /// before every run.
@@ -207,7 +149,7 @@ impl Study {
         let mut writer = RunFileWriter::create(path, &provenance(self))?;
         let mut channels = None;
         for shard in shards {
-            let file = RunFile::open(folder.path_of(&traces_name(shard)))?;
+            let file = traces::open(folder, shard)?;
             for id in file.runs() {
                 if stop().is_break() {
                     let shards = shards.len();
@@ -226,20 +168,7 @@ impl Study {
     }
 }
 
-fn traces_name(shard: &Shard) -> String {
-    format!("shards/{:05}.traces.h5", shard.number)
-}
-
-fn seal_name(shard: &Shard) -> String {
-    format!("shards/{:05}.traces.sha256", shard.number)
-}
-
-/// What stands beside the runs of a shard: whose they are, and their checksum.
-fn seal(folder: &Folder, fact: &FileFact) -> String {
-    format!("study {}\nsha256 {}\n", folder.fingerprint(), fact.sha256)
-}
-
-fn fact(path: &Path) -> Result<FileFact, StudyError> {
+pub(super) fn fact(path: &Path) -> Result<FileFact, StudyError> {
     FileFact::of(path).map_err(|source| file_error("read", path, source))
 }
 

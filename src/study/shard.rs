@@ -43,24 +43,34 @@ pub(super) fn all(study: &Study) -> Vec<Shard> {
 impl Shard {
     /// The text of the shard's file around its `rows`.
     pub(super) fn seal(&self, fingerprint: &str, rows: &str) -> String {
-        let body = format!("{}{rows}", self.heading(fingerprint));
-        let checksum = checksum(&body);
-        format!("{body}{CHECKSUM}{checksum}\n")
+        sealed(&self.heading(fingerprint), rows)
     }
 
     /// The rows in the text of the shard's file; `None` where it is torn, altered or another's.
     pub(super) fn open<'t>(&self, fingerprint: &str, text: &'t str) -> Option<&'t str> {
-        let (body, tail) = text.split_at_checked(text.rfind(CHECKSUM)?)?;
-        let stated = tail.strip_prefix(CHECKSUM)?.strip_suffix('\n')?;
-        if stated != checksum(body) {
-            return None;
-        }
-        body.strip_prefix(&self.heading(fingerprint))
+        opened(&self.heading(fingerprint), text)
     }
 
     fn heading(&self, fingerprint: &str) -> String {
         format!("# lugwheel shard {}, study {fingerprint}\n", self.number)
     }
+}
+
+/// A text between a heading and the checksum of both.
+pub(super) fn sealed(heading: &str, text: &str) -> String {
+    let body = format!("{heading}{text}");
+    let checksum = checksum(&body);
+    format!("{body}{CHECKSUM}{checksum}\n")
+}
+
+/// The text below this heading; `None` where it is torn, altered or another's.
+pub(super) fn opened<'t>(heading: &str, sealed: &'t str) -> Option<&'t str> {
+    let (body, tail) = sealed.split_at_checked(sealed.rfind(CHECKSUM)?)?;
+    let stated = tail.strip_prefix(CHECKSUM)?.strip_suffix('\n')?;
+    if stated != checksum(body) {
+        return None;
+    }
+    body.strip_prefix(heading)
 }
 
 fn checksum(body: &str) -> String {

@@ -1,7 +1,6 @@
 //! The rows of a group, and the models fitted to them.
 
 use super::Plan;
-use super::group::{Group, value_in};
 use super::reading::Row;
 use crate::identification::{
     Estimate, Identification, IdentifyError, PredictedForce, RIGID_SINKAGE, Setting, SteadyLoad,
@@ -10,6 +9,7 @@ use crate::identification::{
 use crate::recognition::class_of_most;
 use crate::scenario::Scenario;
 use crate::study::Study;
+use crate::study::group::{Group, value_in};
 use crate::terrain::class::Wtic;
 use rayon::prelude::*;
 

@@ -3,7 +3,6 @@
 
 use super::Plan;
 use super::fit::{Fitted, GroupRows};
-use super::group;
 use super::own::{holds, own_value};
 use super::reading;
 use super::repeats;
@@ -14,7 +13,7 @@ use super::score::{
 use crate::identification::{Estimate, Force, ForceErrors, Identified, PredictedForce, Warning};
 use crate::recognition::confusion::Share;
 use crate::scenario::Scenario;
-use crate::study::Study;
+use crate::study::{Study, group};
 use crate::terrain::class::Wtic;
 use rayon::prelude::*;
 
@@ -30,7 +29,7 @@ impl Study {
     pub(in crate::study) fn identify(&self, steady: Option<&str>) -> Option<IdentificationScore> {
         let (plan, text) = (self.identification.as_ref()?, steady?);
         let rows = reading::rows(text);
-        let groups = group::all(self, plan);
+        let groups = group::all(self, &plan.over);
         let fitted: Vec<FittedGroup> = groups
             .into_par_iter()
             .map(|group| FittedGroup::new(GroupRows::new(self, plan, group, &rows)))

@@ -1,9 +1,8 @@
-//! Which conditions of a study belong to one fit.
+//! Which conditions of a study belong together: those that differ in some keys only.
 
-use super::Plan;
-use crate::study::Study;
+use super::Study;
 
-/// The conditions whose rows one fit joins.
+/// Conditions that belong together.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Group {
     /// Name of the scenario.
@@ -14,12 +13,12 @@ pub(super) struct Group {
     pub conditions: Vec<u64>,
 }
 
-/// The groups of a study, in the order of their first conditions.
-pub(super) fn all(study: &Study, plan: &Plan) -> Vec<Group> {
+/// The conditions that differ in the keys of `over` only, in the order of the first ones.
+pub(super) fn all(study: &Study, over: &[String]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for condition in 0..study.condition_count() {
         let (scenario, mut shared) = place(study, condition);
-        shared.retain(|(key, _)| !plan.over.contains(key));
+        shared.retain(|(key, _)| !over.contains(key));
         let known = groups
             .iter_mut()
             .find(|group| group.scenario == scenario && group.shared == shared);
@@ -51,31 +50,35 @@ pub(super) fn value_in(study: &Study, condition: u64, key: &str) -> Option<Strin
     found.map(|(_, value)| value)
 }
 
-impl Group {
-    /// The group whose parameters predict this one: the same but for the keys of `from` and those
-    /// that change together with them.
-    pub fn reference<'g>(
-        &self,
-        study: &Study,
-        plan: &Plan,
-        groups: &'g [Self],
-    ) -> Option<&'g Self> {
-        let from = &plan.from;
-        let sweeps = study.sweeps.iter();
-        let moved: Vec<&String> = sweeps
-            .filter(|sweep| from.iter().any(|(key, _)| sweep.keys.contains(key)))
-            .flat_map(|sweep| &sweep.keys)
-            .collect();
-        let agrees = |(key, value): &(String, String)| {
-            let wanted = from.iter().find(|(named, _)| named == key);
-            match wanted {
-                Some((_, wanted)) => wanted == value,
-                None => moved.contains(&key) || self.shared.contains(&(key.clone(), value.clone())),
-            }
-        };
-        let found = groups
-            .iter()
-            .find(|group| group.scenario == self.scenario && group.shared.iter().all(agrees));
-        found.filter(|group| !from.is_empty() && *group != self)
+/// Refuses keys that no group can join, for this reason where one is not swept.
+pub(super) fn check_over(study: &Study, over: &[String], not_swept: &str) -> Result<(), String> {
+    if over.is_empty() {
+        return Err("name a swept key or more, the slip for one".to_owned());
+    }
+    for (index, key) in over.iter().enumerate() {
+        if study.values_of(key).is_none() {
+            return Err(format!(
+                "`{key}` is not swept, and {not_swept}; {}",
+                swept(study)
+            ));
+        }
+        if over[..index].contains(key) {
+            return Err(format!("`{key}` is named twice"));
+        }
+    }
+    Ok(())
+}
+
+/// The slip, which groups join unless the file says otherwise.
+pub(super) fn slip_of(study: &Study) -> Vec<String> {
+    vec![format!("{}.slip", study.scenario_of(0).rig.path())]
+}
+
+/// The swept keys, for a message.
+pub(super) fn swept(study: &Study) -> String {
+    let keys: Vec<&str> = study.keys().collect();
+    match keys.as_slice() {
+        [] => "nothing is swept".to_owned(),
+        keys => format!("swept are `{}`", keys.join("`, `")),
     }
 }

@@ -1,0 +1,38 @@
+//! The runs of a campaign, as a rig would have written them.
+
+use crate::dataset::hdf5::RunFileError;
+use crate::learning::run_id;
+use crate::study::folder::Folder;
+use crate::study::group::Group;
+use crate::study::shard::Shard;
+use crate::study::{Study, traces};
+use crate::trace::Trace;
+use std::ops::Range;
+
+/// The runs of a group that did not fail, in the order of their numbers, without all that no rig
+/// knows.
+pub(super) fn measured(
+    study: &Study,
+    (folder, shards): (&Folder, &[Shard]),
+    group: &Group,
+) -> Result<Vec<Trace>, RunFileError> {
+    let mut measured = Vec::new();
+    for shard in shards {
+        let wanted = wanted(study, group, &shard.runs);
+        if wanted.is_empty() {
+            continue;
+        }
+        let file = traces::open(folder, shard)?;
+        for id in wanted.iter().filter(|id| file.runs().contains(id)) {
+            measured.push(file.read(id)?.as_measured());
+        }
+    }
+    Ok(measured)
+}
+
+/// The ids of those runs with these numbers that belong to the group.
+fn wanted(study: &Study, group: &Group, numbers: &Range<u64>) -> Vec<String> {
+    let runs = study.runs_in(numbers.clone());
+    let of_group = runs.filter(|run| group.conditions.contains(&run.condition));
+    of_group.map(|run| run_id(run.number)).collect()
+}

@@ -1,0 +1,138 @@
+//! Diagnoses as text for reading.
+
+use super::score::{CampaignScore, DiagnosisScore, Finding};
+use crate::study::table::bare;
+use std::fmt;
+
+/// Names of the columns.
+const COLUMNS: [&str; 7] = [
+    "campaign",
+    "runs",
+    "truth",
+    "answer",
+    "P [%]",
+    "likeliest effect",
+    "closed [%]",
+];
+
+impl fmt::Display for DiagnosisScore {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let right = self
+            .campaigns
+            .iter()
+            .filter(|it| it.is_right() == Some(true));
+        writeln!(
+            f,
+            "{} campaigns, {} answered rightly, {} without an answer. P: probability of the truth; of an effect, that it\n\
+             is there, alone or with another. Closed: share of the recalibrated gap that the likeliest effect closes.\n\
+             In brackets 95 % intervals.\n",
+            self.campaigns.len(),
+            right.count(),
+            self.without_answer().count()
+        )?;
+        let rows = self.campaigns.iter().map(cells);
+        let rows: Vec<[String; 7]> = std::iter::once(COLUMNS.map(str::to_owned))
+            .chain(rows)
+            .collect();
+        let width = |column: usize| {
+            let widths = rows.iter().map(|row| row[column].chars().count());
+            widths.max().unwrap_or_default()
+        };
+        let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
+        for row in &rows {
+            let cells = row.iter().zip(&widths);
+            let cells = cells.map(|(cell, &width)| format!("  {cell:<width$}"));
+            let line: String = cells.collect();
+            writeln!(f, "{}", line.trim_end())?;
+        }
+        let mut without = self.without_answer().peekable();
+        if without.peek().is_some() {
+            writeln!(f, "\nNo answer:")?;
+        }
+        without.try_for_each(|campaign| {
+            let reason = campaign.told.reason.as_deref().unwrap_or_default();
+            writeln!(f, "  {}: {reason}", campaign.place())
+        })
+    }
+}
+
+impl CampaignScore {
+    /// Its scenario and the values of its swept keys.
+    pub fn place(&self) -> String {
+        let values = self.shared.iter();
+        let values = values.map(|(key, value)| format!(", {key} = {}", bare(value)));
+        std::iter::once(self.scenario.clone())
+            .chain(values)
+            .collect()
+    }
+
+    /// Its verdict and what that names, in a few words.
+    pub fn answer(&self) -> String {
+        let Some(finding) = self.finding() else {
+            return "no answer".to_owned();
+        };
+        match finding.named.is_empty() {
+            true => finding.verdict().to_owned(),
+            false => finding.named(),
+        }
+    }
+}
+
+fn cells(campaign: &CampaignScore) -> [String; 7] {
+    let percent = |share: f64| format!("{:.0}", 100.0 * share);
+    let p = campaign.probability_of_truth();
+    let finding = campaign.finding();
+    let closed = finding.and_then(|it| it.closed).map(|closed| {
+        let [value, low, high] = [closed.value, closed.ci95[0], closed.ci95[1]].map(percent);
+        format!("{value} [{low}, {high}]")
+    });
+    [
+        campaign.place(),
+        campaign.told.runs.to_string(),
+        campaign.truth.to_string(),
+        campaign.answer(),
+        p.map_or_else(String::new, percent),
+        finding.and_then(effect).unwrap_or_default(),
+        closed.unwrap_or_default(),
+    ]
+}
+
+/// The likeliest effect with its magnitude.
+fn effect(finding: &Finding) -> Option<String> {
+    let effect = finding.likeliest()?;
+    let [low, high] = effect.ci95;
+    let unit = match effect.unit.as_str() {
+        "-" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    Some(format!(
+        "{} {:.3}{unit} [{low:.3}, {high:.3}], {:.0} %",
+        effect.name,
+        effect.magnitude,
+        100.0 * effect.probability
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score::Truth;
+    use super::super::score::tests::campaign;
+    use super::*;
+    use crate::diagnosis::Answer;
+
+    #[test]
+    fn the_table_has_a_line_a_campaign_and_the_reasons_of_those_without_an_answer() {
+        let truth = Truth::Effects(vec!["slip_sinkage".to_owned()]);
+        let answered = campaign(truth, Answer::Effect, &[&["slip_sinkage", "slope"]]);
+        let mut other = answered.clone();
+        other.told.finding = None;
+        other.told.reason = Some("too little driving".to_owned());
+        let campaigns = vec![answered, other];
+        let text = DiagnosisScore { campaigns }.to_string();
+        assert!(text.starts_with("2 campaigns, 1 answered rightly, 1 without an answer."));
+        let row = text.lines().find(|line| line.contains("[0.250, inf]"));
+        let told = "sand, effect.slip_sinkage = 0.4  6     slip_sinkage  slip_sinkage or slope  75";
+        assert!(row.unwrap().trim_start().starts_with(told), "{text}");
+        assert!(text.ends_with("sand, effect.slip_sinkage = 0.4: too little driving\n"));
+    }
+}
