@@ -84,8 +84,11 @@ fn one_case(scenario: &Scenario, measured: Trace) -> Case {
     cases(scenario, &[measured]).cases.remove(0)
 }
 
+/// What is said of the runs, not of the scenario.
 fn texts(cases: &Cases) -> Vec<String> {
-    cases.caveats.iter().map(Caveat::to_string).collect()
+    let of_scenario = |it: &&Caveat| matches!(it, Caveat::SetDown | Caveat::Noiseless);
+    let caveats = cases.caveats.iter().filter(|it| !of_scenario(it));
+    caveats.map(Caveat::to_string).collect()
 }
 
 fn refused(scenario: &Scenario, measured: &[Trace]) -> String {
@@ -147,7 +150,7 @@ fn few_requests() -> Vec<Request> {
 fn a_run_of_the_scenario_itself_is_read_as_its_replicate_bit_by_bit() {
     let scenario = short();
     let cases = cases(&scenario, &[measured(&scenario, 0)]);
-    assert_eq!(cases.caveats, [Caveat::SetDown]);
+    assert_eq!(cases.caveats, [Caveat::SetDown, Caveat::Noiseless]);
     let case = cases.cases[0].clone();
     let folder = tempfile::tempdir().unwrap();
     let bank = bank(folder.path(), cases.cases);

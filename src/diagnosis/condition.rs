@@ -5,6 +5,7 @@
 //! as a mean only, the simulated one has as a mean only.
 
 use super::layout::Layout;
+use super::parameter::parameters;
 use crate::dataset::inspection::SLIP_TOLERANCE;
 use crate::features::Settings;
 use crate::features::reference::Reference;
@@ -99,6 +100,8 @@ pub enum Caveat {
     NotSimulated(Vec<String>),
     /// Simulated records begin as the wheel is set down.
     SetDown,
+    /// Simulated sensors are without noise.
+    Noiseless,
     /// A run that was not compared, and why.
     LeftOut {
         /// Its place in the campaign.
@@ -137,6 +140,10 @@ impl fmt::Display for Caveat {
             Self::SetDown => f.write_str(
                 "simulated runs begin as the wheel is set down, which jolts it more than rolling does: where \
                  the measured ones begin in steady rolling, give the scenario a lead-in (--set lead_in=2)",
+            ),
+            Self::Noiseless => f.write_str(
+                "simulated sensors are without noise, and agree better than any rig's: give the scenario's \
+                 sensors the noise of the rig's",
             ),
             Self::LeftOut { run, reason } => write!(f, "run {run} is left out: {reason}"),
             Self::Outside { condition, reason } => {
@@ -225,10 +232,7 @@ impl Cases {
                 Err(reason) => caveats.push(Caveat::Outside { condition, reason }),
             }
         }
-        let has_series = |case: &Case| !case.layout.series.is_empty();
-        caveats.extend(
-            (scenario.lead_in == 0.0 && cases.iter().any(has_series)).then_some(Caveat::SetDown),
-        );
+        caveats.extend(unlike_a_rig(scenario, &cases));
         caveats.sort();
         caveats.dedup();
         if cases.is_empty() {
@@ -496,6 +500,17 @@ fn differences(scenario: &Scenario, records: &[Record]) -> Vec<Caveat> {
         }));
     }
     caveats
+}
+
+/// What no rig's records are like, where there are records.
+fn unlike_a_rig(scenario: &Scenario, cases: &[Case]) -> Vec<Caveat> {
+    let set_down = scenario.lead_in == 0.0;
+    let noiseless = parameters(scenario).all(|parameter| parameter.name != "sensor_noise");
+    let known = [(set_down, Caveat::SetDown), (noiseless, Caveat::Noiseless)];
+    let mut cases = cases.iter();
+    let has_series = cases.any(|case| !case.layout.series.is_empty());
+    let told = known.into_iter().filter(|(is, _)| has_series && *is);
+    told.map(|(_, caveat)| caveat).collect()
 }
 
 fn not_simulated(measured: &[Trace]) -> Option<Caveat> {
