@@ -257,12 +257,20 @@ pub fn find(name: &str) -> Result<&'static Effect, EffectError> {
         })
 }
 
+/// Where the effect of a name sits, with the channel or without.
+///
+/// # Errors
+/// Those of [`find`] and [`Effect::seat`].
+pub(crate) fn seat_of(name: &str) -> Result<&'static Seat, EffectError> {
+    let (stem, channel) = split(name);
+    find(stem)?.seat(channel)
+}
+
 /// The name of an effect with the channel that it sits on where none is named; as it is where no
 /// effect has it.
 pub(crate) fn full_name(name: &str) -> String {
-    let (stem, channel) = split(name);
-    let seat = find(stem).and_then(|effect| effect.seat(channel));
-    match seat {
+    let (stem, _) = split(name);
+    match seat_of(name) {
         Ok(seat) if !seat.channel.is_empty() => format!("{stem}.{}", seat.channel),
         _ => name.to_owned(),
     }

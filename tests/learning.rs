@@ -1,8 +1,12 @@
 //! Data sets for learners: the small variant of the published one, its files, its splits.
 
+#[path = "common/results.rs"]
+mod results;
+
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::learning::DataSet;
-use lugwheel::study::{Options, Outcome, Study, StudyError};
+use lugwheel::study::{Options, Study, StudyError};
+use results::{done, into, resumed};
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -38,20 +42,6 @@ fn small(folder: &TempDir, edit: impl Fn(String) -> String) -> Study {
     let file = folder.path().join("dataset.toml");
     std::fs::write(&file, edit(small)).unwrap();
     Study::load(&file).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn into(out: &Path) -> Options {
-    Options {
-        out: out.to_owned(),
-        jobs: NonZeroUsize::new(2),
-        resume: false,
-        shard: None,
-    }
-}
-
-fn done(study: &Study, options: &Options) -> Outcome {
-    let outcome = study.execute(options, &|_| ControlFlow::Continue(()));
-    outcome.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The small study's folder, made once.
@@ -221,10 +211,7 @@ fn shares_of_a_data_set_torn_and_resumed_leave_the_bytes_of_one_that_was_not() {
     let middle = torn.len() / 2;
     torn[middle] ^= 1;
     std::fs::write(&traces, torn).unwrap();
-    let resumed = Options {
-        resume: true,
-        ..into(&out)
-    };
+    let resumed = resumed(&out);
     let stopped = study.execute(&resumed, &|_| ControlFlow::Break(()));
     let Err(StudyError::Stopped { whole, shards }) = stopped else {
         panic!("{stopped:?}");

@@ -6,7 +6,7 @@ mod results;
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::{Options, Outcome, Progress, Run, Study, StudyError};
 use lugwheel::terrain::class::Wtic;
-use results::contents;
+use results::{contents, done, into, resumed};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -50,28 +50,8 @@ fn short(folder: &TempDir) -> Study {
     study(folder, &["single_wheel_ref", "single_wheel_st"], rest)
 }
 
-fn into(out: &Path) -> Options {
-    Options {
-        out: out.to_owned(),
-        jobs: NonZeroUsize::new(2),
-        resume: false,
-        shard: None,
-    }
-}
-
-fn resumed(out: &Path) -> Options {
-    Options {
-        resume: true,
-        ..into(out)
-    }
-}
-
 fn execute(study: &Study, options: &Options) -> Result<Outcome, StudyError> {
     study.execute(options, &|_| ControlFlow::Continue(()))
-}
-
-fn done(study: &Study, options: &Options) -> Outcome {
-    execute(study, options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What the short study leaves behind on two threads, at one go.

@@ -9,9 +9,9 @@ use lugwheel::diagnosis::condition::LONGEST;
 use lugwheel::diagnosis::{Calibration, Investigation, Settings};
 use lugwheel::scenario::Scenario;
 use lugwheel::study::diagnosis::score::{DiagnosisScore, Truth};
-use lugwheel::study::{Options, Outcome, Study, StudyError};
+use lugwheel::study::{Options, Study, StudyError};
 use lugwheel::trace::Trace;
-use results::contents;
+use results::{contents, done, into, resumed};
 use std::fs;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -54,27 +54,6 @@ fn study(folder: &TempDir, sweep: &str, budget: f64) -> Study {
 fn short(folder: &TempDir) -> Study {
     let sweep = "key = \"effect.gain_error.drawbar_pull\"\nvalues = [0.0, 0.2]";
     study(folder, sweep, ENOUGH)
-}
-
-fn into(out: &Path) -> Options {
-    Options {
-        out: out.to_owned(),
-        jobs: NonZeroUsize::new(2),
-        resume: false,
-        shard: None,
-    }
-}
-
-fn resumed(out: &Path) -> Options {
-    Options {
-        resume: true,
-        ..into(out)
-    }
-}
-
-fn done(study: &Study, options: &Options) -> Outcome {
-    let outcome = study.execute(options, &|_| ControlFlow::Continue(()));
-    outcome.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What the short study leaves behind on two threads, at one go.

@@ -1,9 +1,12 @@
 //! The limits of Eq. (55) to (58), put to the windows of a study.
 
+#[path = "common/results.rs"]
+mod results;
+
 use lugwheel::report::threshold_figure;
 use lugwheel::study::thresholds::{Statement, ThresholdScore};
 use lugwheel::study::{Options, Study};
-use std::num::NonZeroUsize;
+use results::{into, resumed};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -33,15 +36,6 @@ fn small(folder: &TempDir) -> Study {
     study(folder, "single_wheel_ht", rest)
 }
 
-fn options(out: &Path) -> Options {
-    Options {
-        out: out.to_owned(),
-        jobs: NonZeroUsize::new(2),
-        resume: false,
-        shard: None,
-    }
-}
-
 fn held(study: &Study, options: &Options) -> Option<ThresholdScore> {
     let outcome = study.execute(options, &|_| ControlFlow::Continue(()));
     let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
@@ -53,7 +47,7 @@ fn held(study: &Study, options: &Options) -> Option<ThresholdScore> {
 static SMALL: LazyLock<(TempDir, PathBuf, ThresholdScore)> = LazyLock::new(|| {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
-    let score = held(&small(&folder), &options(&out)).unwrap();
+    let score = held(&small(&folder), &into(&out)).unwrap();
     (folder, out, score)
 });
 
@@ -86,7 +80,7 @@ fn on_flat_ground_every_displacement_is_the_references_for_many_lugs_and_few() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
     let rest = "[[sweep]]\nkey = \"wheel.lugs.count\"\nvalues = [6, 24, 48]\n";
-    let score = held(&study(&folder, "single_wheel_ref", rest), &options(&out)).unwrap();
+    let score = held(&study(&folder, "single_wheel_ref", rest), &into(&out)).unwrap();
     assert_eq!((score.windows, score.all_touched), (6, 6));
     for name in [
         "c_m_median",
@@ -230,16 +224,12 @@ fn a_study_shared_torn_and_resumed_leaves_the_bytes_of_one_that_was_not() {
     for share in [2, 1] {
         let options = Options {
             shard: Some((share, 2)),
-            ..options(&parts)
+            ..into(&parts)
         };
         assert_eq!(held(&study, &options).is_some(), share == 1);
     }
     assert_eq!(contents(&parts), contents(whole));
     std::fs::remove_file(parts.join("shards/00003.thresholds.csv")).unwrap();
-    let resumed = Options {
-        resume: true,
-        ..options(&parts)
-    };
-    assert!(held(&study, &resumed).is_some());
+    assert!(held(&study, &resumed(&parts)).is_some());
     assert_eq!(contents(&parts), contents(whole));
 }

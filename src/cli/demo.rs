@@ -116,6 +116,7 @@ impl Demo {
         let rig = gap::rig(&self.out, self.seed)?;
         let simulated: f64 = scenarios.iter().map(|s| s.driven() * RUNS as f64).sum();
         let simulated = simulated + loads.simulated() + rig.simulated();
+        let begun = Instant::now();
         let progress = Progress::new(output, "demo", simulated);
         let findings = GROUNDS
             .iter()
@@ -128,14 +129,12 @@ impl Demo {
             .map_err(|error| self.named(error))?;
         rig.execute(self.jobs, &progress)
             .map_err(|error| self.named(error))?;
-        let before = progress.elapsed();
         drop(progress);
         let diagnosis = gap::diagnosis(&rig, &self.out, (self.seed, self.jobs));
-        let begun = Instant::now();
         let diagnosed = diagnosis
             .investigate(output)
             .map_err(|error| self.named(error))?;
-        let computing_s = before + begun.elapsed().as_secs_f64();
+        let computing_s = begun.elapsed().as_secs_f64();
         let report = self.out.join("report.html");
         let told = story::tell(&Told {
             findings: &findings,

@@ -8,7 +8,8 @@ pub(super) const FREEDOM: f64 = 6.0;
 /// Temperatures, priors and thresholds of a verdict, in one table.
 ///
 /// The temperature was set on blind campaigns on sand and hard ground of the calibration family
-/// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses. Where
+/// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses; their records
+/// still began as the wheel was set down. Where
 /// nothing was withheld the best of some sixty wrong effects beat recalibration by 1 to 5, as chance
 /// has it (cases 3, 5, 7); true effects, at 1.2, 1.9 and 39 times their limit, by 3, 19 and 460 (10,
 /// 19, 9). Where recalibration rests beside the truth, in a valley of soils that sink alike, a wrong

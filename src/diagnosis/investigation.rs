@@ -28,7 +28,7 @@ use crate::gap::{
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
 use crate::trace::Trace;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -115,7 +115,7 @@ fn reasons(failures: &[String]) -> String {
 }
 
 /// Mean energy scores [spreads of replicates per statistic] on held-out conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Gaps {
     /// Of the scenario as it came.
     pub as_shipped: f64,

@@ -1,6 +1,6 @@
 //! How probable each explanation is to the diagnoses of several campaigns, as a bar a campaign.
 
-use super::figure::{Anchor, Area, Axis, Canvas, Font, GRID, INK, MUTED, PALETTE, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel};
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1100.0;
@@ -59,11 +59,7 @@ pub fn campaign_bars(bars: &[CampaignBar], title: &str) -> String {
         x: Axis::exact([0.0, 1.0], [area.left, area.right()]),
         y: Axis::exact([rows, 0.0], [area.bottom(), area.top]),
     };
-    for tenth in 0..=10 {
-        let x = panel.x.pixel(0.1 * f64::from(tenth));
-        let ends = [[x, area.top], [x, area.bottom()]];
-        canvas.polyline(&ends, Stroke::solid(GRID, 1.0));
-    }
+    panel.draw_tenths(&mut canvas);
     for (place, bar) in bars.iter().take(shown).enumerate() {
         draw_bar(&mut canvas, &panel, place as f64, bar);
     }

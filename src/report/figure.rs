@@ -576,6 +576,15 @@ impl Panel {
         canvas.text(header_at, Anchor::Start, Font::HEADER, header);
     }
 
+    /// Upright lines at every tenth of a lower axis from 0 to 1.
+    pub fn draw_tenths(&self, canvas: &mut Canvas) {
+        for tenth in 0..=10 {
+            let x = self.x.pixel(0.1 * f64::from(tenth));
+            let ends = [[x, self.area.top], [x, self.area.bottom()]];
+            canvas.polyline(&ends, Stroke::solid(GRID, 1.0));
+        }
+    }
+
     /// Tick labels and name of the lower axis.
     pub fn draw_footer(&self, canvas: &mut Canvas, name: &str) {
         let area = &self.area;

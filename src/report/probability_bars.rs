@@ -1,6 +1,6 @@
 //! How probable each explanation is, as bars.
 
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel};
 use std::collections::BTreeMap;
 
 /// Width of the drawing [px].
@@ -38,11 +38,7 @@ pub fn probability_bars(probabilities: &BTreeMap<String, f64>) -> String {
         x: Axis::exact([0.0, 1.0], [area.left, area.right()]),
         y: Axis::exact([bars.len().max(1) as f64, 0.0], [area.bottom(), area.top]),
     };
-    for tenth in 0..=10 {
-        let x = panel.x.pixel(0.1 * f64::from(tenth));
-        let ends = [[x, area.top], [x, area.bottom()]];
-        canvas.polyline(&ends, Stroke::solid(super::figure::GRID, 1.0));
-    }
+    panel.draw_tenths(&mut canvas);
     for (place, bar) in bars.iter().enumerate() {
         draw_bar(&mut canvas, &panel, place as f64, bar);
     }

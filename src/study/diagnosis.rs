@@ -113,7 +113,8 @@ impl DiagnosisTable {
         RangeError::positive("budget", "s", self.budget)
             .map_err(|error| at(".budget".to_owned())(error.to_string()))?;
         for (index, name) in self.without.iter().enumerate() {
-            check_effect(name).map_err(at(format!(".without.{index}")))?;
+            effects::seat_of(name)
+                .map_err(|error| at(format!(".without.{index}"))(error.to_string()))?;
         }
         let against = match self.scenario {
             Some(path) => load_scenario(&folder.join(path))
@@ -128,16 +129,6 @@ impl DiagnosisTable {
             without: self.without,
         })
     }
-}
-
-/// An effect with its channel, or on all of them.
-fn check_effect(name: &str) -> Result<(), String> {
-    let (stem, channel) = match name.split_once('.') {
-        Some((stem, channel)) => (stem, Some(channel)),
-        None => (name, None),
-    };
-    let seat = effects::find(stem).and_then(|effect| effect.seat(channel));
-    seat.map(drop).map_err(|error| error.to_string())
 }
 
 /// Every scenario of a study with the keys of `[set]`, without effects.

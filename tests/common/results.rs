@@ -1,7 +1,36 @@
-//! What the tests of studies share: what a study leaves in its folder.
+//! What the tests of studies share: how a study is executed, what it leaves in its folder.
 
+#![allow(dead_code, reason = "every test file uses its part")]
+
+use lugwheel::study::{Options, Outcome, Study};
 use std::fs;
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+
+/// The whole study on two threads, into a folder.
+pub fn into(out: &Path) -> Options {
+    Options {
+        out: out.to_owned(),
+        jobs: NonZeroUsize::new(2),
+        resume: false,
+        shard: None,
+    }
+}
+
+/// The same, from where it was stopped.
+pub fn resumed(out: &Path) -> Options {
+    Options {
+        resume: true,
+        ..into(out)
+    }
+}
+
+/// What an execution that nobody stops comes to.
+pub fn done(study: &Study, options: &Options) -> Outcome {
+    let outcome = study.execute(options, &|_| ControlFlow::Continue(()));
+    outcome.unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// Every file below a folder of results with its bytes, without what may differ between
 /// executions: computing times, and what the jobs of a cluster said.

@@ -18,7 +18,7 @@
 //! | `closed`, `closed_low`, `closed_high` | share [-] of the recalibrated gap that the effect closes, with its 95 % interval |
 //! | `reason` | why there is no answer; empty where there is |
 
-use crate::diagnosis::{Answer, Diagnosis};
+use crate::diagnosis::{Answer, Diagnosis, Gaps};
 use crate::gap::Closed;
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -104,7 +104,7 @@ pub struct Finding {
     /// The effects that were tried, likeliest first.
     pub effects: Vec<FoundEffect>,
     /// How far apart runs and simulation are; none without effects to try.
-    pub gap: Option<Distances>,
+    pub gap: Option<Gaps>,
     /// Share [-] of the recalibrated gap that the likeliest effect or effects close.
     pub closed: Option<Closed>,
 }
@@ -122,19 +122,6 @@ pub struct FoundEffect {
     pub ci95: [f64; 2],
     /// Unit of the magnitude; `-` where it has none.
     pub unit: String,
-}
-
-/// Mean energy scores [spreads of replicates per statistic] on held-out conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Distances {
-    /// Of the scenario as it is.
-    pub as_shipped: f64,
-    /// With parameters recalibrated.
-    pub recalibrated: f64,
-    /// With the likeliest effect or effects too.
-    pub with_effect: f64,
-    /// What a perfect model reaches.
-    pub floor: f64,
 }
 
 impl DiagnosisScore {
@@ -204,12 +191,7 @@ impl Finding {
             named: verdict.named.clone(),
             probabilities: verdict.probabilities.clone(),
             effects: effects.collect(),
-            gap: diagnosis.gap.map(|gap| Distances {
-                as_shipped: gap.as_shipped,
-                recalibrated: gap.recalibrated,
-                with_effect: gap.with_effect,
-                floor: gap.floor,
-            }),
+            gap: diagnosis.gap,
             closed: diagnosis.closed,
         }
     }
