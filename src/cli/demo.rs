@@ -11,7 +11,7 @@ use super::dataset::classes;
 use super::interrupt::Interrupted;
 use super::output::{self, Output};
 use super::progress::Progress;
-use super::series::{Jobs, Outcome, Series, spreads};
+use super::series::{Jobs, Outcome, Series, spreads, write_all};
 use super::steady::{QUANTITIES, Spread};
 use clap::Args;
 use lugwheel::dataset::hdf5::RunFile;
@@ -118,11 +118,8 @@ impl Demo {
         let simulated = simulated + loads.simulated() + rig.simulated();
         let begun = Instant::now();
         let progress = Progress::new(output, "demo", simulated);
-        let findings = GROUNDS
-            .iter()
-            .zip(scenarios)
-            .map(|(ground, scenario)| self.explore(ground, scenario, &progress))
-            .collect::<Result<Vec<_>, _>>()
+        let findings = self
+            .explore(scenarios, &progress)
             .map_err(|error| self.named(error))?;
         let recognition = recognition::recognize(&findings).map_err(|error| self.named(error))?;
         let identified = identification::identify(&loads, self.jobs, &progress)
@@ -159,23 +156,42 @@ impl Demo {
         })
     }
 
-    /// Simulates the runs on one ground, reads them back, checks and draws them.
+    /// Simulates the runs on all grounds, reads them back, checks and draws them.
     fn explore(
         &self,
-        ground: &Ground,
-        scenario: Scenario,
+        scenarios: Vec<Scenario>,
         progress: &Progress,
-    ) -> anyhow::Result<Finding> {
-        let in_folder = |ending: &str| self.out.join(format!("{}.{ending}", ground.key));
-        let (scenario_file, run_file) = (in_folder("toml"), in_folder("h5"));
-        output::write_file(&scenario_file, scenario.text())?;
-        let series = Series {
-            scenario: &scenario,
+    ) -> anyhow::Result<Vec<Finding>> {
+        let series = scenarios.iter().map(|scenario| Series {
+            scenario,
             seed: Seed(self.seed),
             runs: 0..RUNS,
             jobs: self.jobs,
-        };
-        let outcomes = series.write(&run_file, progress)?;
+        });
+        let series: Vec<Series> = series.collect();
+        let files = GROUNDS.iter().map(|ground| self.file(ground, "h5"));
+        let files: Vec<PathBuf> = files.collect();
+        let outcomes = write_all(&series, &files, self.jobs, progress)?;
+        let grounds = GROUNDS.iter().zip(scenarios).zip(outcomes);
+        grounds
+            .map(|((ground, scenario), outcomes)| self.find(ground, scenario, outcomes))
+            .collect()
+    }
+
+    /// A file of a ground.
+    fn file(&self, ground: &Ground, ending: &str) -> PathBuf {
+        self.out.join(format!("{}.{ending}", ground.key))
+    }
+
+    /// Reads the runs on one ground back, checks and draws them.
+    fn find(
+        &self,
+        ground: &Ground,
+        scenario: Scenario,
+        outcomes: Vec<Outcome>,
+    ) -> anyhow::Result<Finding> {
+        let [scenario_file, run_file] = ["toml", "h5"].map(|ending| self.file(ground, ending));
+        output::write_file(&scenario_file, scenario.text())?;
         let file = RunFile::open(&run_file)?;
         let first = self.draw(ground, &file)?;
         Ok(Finding {

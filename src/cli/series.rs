@@ -17,7 +17,7 @@ use rayon::{ScopeFifo, ThreadPoolBuilder};
 use std::collections::VecDeque;
 use std::num::NonZeroUsize;
 use std::ops::{ControlFlow, Range};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 
@@ -114,8 +114,7 @@ impl Series<'_> {
         progress: &Progress,
         see: &mut dyn FnMut(u64, &Trace),
     ) -> anyhow::Result<Vec<Outcome>> {
-        let provenance = Provenance::simulated(self.scenario.text(), self.seed);
-        let mut file = RunFileWriter::create(out, &provenance)?;
+        let mut file = self.file(out)?;
         let mut outcomes = Vec::new();
         self.simulate(progress, |run, trace| {
             outcomes.push(Outcome::of(&trace));
@@ -147,47 +146,18 @@ impl Series<'_> {
     }
 
     /// Simulates the runs and hands them to `take` in their order.
-    ///
-    /// At most twice as many runs as are simulated at a time are begun and not yet taken, so
-    /// memory does not grow with the number of runs.
     fn simulate(
         &self,
         progress: &Progress,
         mut take: impl FnMut(u64, Trace) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
-        let jobs = self.jobs.count();
-        let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
-        let work = Work {
-            scenario: self.scenario,
-            seed: self.seed,
-            progress,
-            is_over: AtomicBool::new(false),
-        };
-        pool.in_place_scope_fifo(|scope| {
-            let mut begun = VecDeque::new();
-            let mut left = self.runs.clone();
-            loop {
-                let room = 2 * jobs - begun.len();
-                begun.extend(
-                    left.by_ref()
-                        .take(room)
-                        .map(|run| (run, work.begin(run, scope))),
-                );
-                let Some((run, result)) = begun.pop_front() else {
-                    return Ok(());
-                };
-                // A run that sends nothing has panicked, which goes on when the scope ends.
-                let taken = result
-                    .recv()
-                    .context("a run broke off")
-                    .and_then(|simulated| self.checked(run, simulated))
-                    .and_then(|trace| take(run, trace));
-                if taken.is_err() {
-                    work.is_over.store(true, Ordering::Relaxed);
-                    return taken;
-                }
-            }
-        })
+        let own = std::slice::from_ref(self);
+        simulate_all(own, self.jobs, progress, |_, run, trace| take(run, trace))
+    }
+
+    fn file(&self, out: &Path) -> anyhow::Result<RunFileWriter> {
+        let provenance = Provenance::simulated(self.scenario.text(), self.seed);
+        Ok(RunFileWriter::create(out, &provenance)?)
     }
 
     fn checked(&self, run: u64, simulated: Simulated) -> anyhow::Result<Trace> {
@@ -199,28 +169,101 @@ impl Series<'_> {
     }
 }
 
+/// Simulates several series and writes each to its file: all of them, or no file. No core waits for
+/// the last run of a series.
+///
+/// # Errors
+/// Those of [`Series::write`].
+pub fn write_all(
+    all: &[Series],
+    files: &[PathBuf],
+    jobs: Jobs,
+    progress: &Progress,
+) -> anyhow::Result<Vec<Vec<Outcome>>> {
+    let files = all.iter().zip(files).map(|(series, out)| series.file(out));
+    let mut files = files.collect::<anyhow::Result<Vec<RunFileWriter>>>()?;
+    let mut outcomes = vec![Vec::new(); all.len()];
+    simulate_all(all, jobs, progress, |place, run, trace| {
+        outcomes[place].push(Outcome::of(&trace));
+        Ok(files[place].add(&run_id(run), &trace)?)
+    })?;
+    interrupt::check()?;
+    for file in files {
+        file.finish()?;
+    }
+    Ok(outcomes)
+}
+
+/// Simulates the runs of several series and hands them to `take` in their order, each with the place
+/// of its series.
+///
+/// At most twice as many runs as are simulated at a time are begun and not yet taken, so
+/// memory does not grow with the number of runs.
+fn simulate_all(
+    all: &[Series],
+    jobs: Jobs,
+    progress: &Progress,
+    mut take: impl FnMut(usize, u64, Trace) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let jobs = jobs.count();
+    let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+    let work = Work {
+        progress,
+        is_over: AtomicBool::new(false),
+    };
+    let places = all.iter().enumerate();
+    let mut left =
+        places.flat_map(|(place, series)| series.runs.clone().map(move |run| (place, run)));
+    pool.in_place_scope_fifo(|scope| {
+        let mut begun = VecDeque::new();
+        loop {
+            let room = 2 * jobs - begun.len();
+            begun.extend(left.by_ref().take(room).map(|(place, run)| {
+                let result = work.begin(&all[place], run, scope);
+                (place, run, result)
+            }));
+            let Some((place, run, result)) = begun.pop_front() else {
+                return Ok(());
+            };
+            // A run that sends nothing has panicked, which goes on when the scope ends.
+            let taken = result
+                .recv()
+                .context("a run broke off")
+                .and_then(|simulated| all[place].checked(run, simulated))
+                .and_then(|trace| take(place, run, trace));
+            if taken.is_err() {
+                work.is_over.store(true, Ordering::Relaxed);
+                return taken;
+            }
+        }
+    })
+}
+
 /// What the threads share.
 struct Work<'a> {
-    scenario: &'a Scenario,
-    seed: Seed,
     progress: &'a Progress,
     /// Whether nobody waits for the runs any more.
     is_over: AtomicBool,
 }
 
 impl Work<'_> {
-    fn begin<'scope>(&'scope self, run: u64, scope: &ScopeFifo<'scope>) -> Receiver<Simulated> {
+    fn begin<'scope>(
+        &'scope self,
+        series: &'scope Series,
+        run: u64,
+        scope: &ScopeFifo<'scope>,
+    ) -> Receiver<Simulated> {
         let (sender, receiver) = sync_channel(1);
         scope.spawn_fifo(move |_| {
             // Nobody receives once another run has failed.
-            let _ = sender.send(self.simulate(run));
+            let _ = sender.send(self.simulate(series, run));
         });
         receiver
     }
 
-    fn simulate(&self, run: u64) -> Simulated {
+    fn simulate(&self, series: &Series, run: u64) -> Simulated {
         let mut before = 0.0;
-        let simulated = self.scenario.run(self.seed, run, &mut |time| {
+        let simulated = series.scenario.run(series.seed, run, &mut |time| {
             self.progress.advance(time - before);
             before = time;
             if interrupt::is_requested() || self.is_over.load(Ordering::Relaxed) {
@@ -228,7 +271,7 @@ impl Work<'_> {
             }
             ControlFlow::Continue(())
         });
-        self.progress.advance(self.scenario.driven() - before);
+        self.progress.advance(series.scenario.driven() - before);
         simulated
     }
 }
