@@ -36,6 +36,7 @@ mod further;
 mod grid;
 mod hypothesis;
 mod investigation;
+mod kriging;
 mod layout;
 mod library;
 mod next_run;

@@ -202,7 +202,7 @@ impl Emulated {
         Defect {
             change,
             error,
-            left: 0.0,
+            ..Defect::none(self.cells.len())
         }
     }
 

@@ -7,7 +7,10 @@
 //! posterior is. `Λ` holds the spread of measurements and replicates, the emulator's error at the
 //! best fit, less where [pins](super::pins) set it right; is scaled by how loud the runs of a condition
 //! were; and is less the farther a number lies from the fit (Student's t; Lange, Little and Taylor
-//! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone. Few replicates whiten many
+//! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone. An effect also has an error of
+//! form: no rig's has quite the law of the catalogue, and two signatures as alike as equivalent effects'
+//! are held to be one effect's. Without it a second effect that is not there took up what the first, tens of
+//! deviations large, was off by in its form. Few replicates whiten many
 //! statistics in part only, and what is left correlated would be counted as often as it shows:
 //! each condition's log likelihood is weighed by the share of its numbers that are independent, which
 //! replicates left out of the whitening tell ([`Scatter`](super::scatter::Scatter)).
@@ -84,6 +87,14 @@ pub(super) struct Estimate {
     pub ci95: [f64; 2],
 }
 
+impl Estimate {
+    /// Standard deviation, about: a quarter of the interval.
+    pub fn deviation(&self) -> f64 {
+        let [low, high] = self.ci95;
+        0.25 * (high - low)
+    }
+}
+
 /// A hypothesis, fitted.
 #[derive(Debug)]
 pub(super) struct Fit {
@@ -98,6 +109,10 @@ pub(super) struct Fit {
     pub occam: f64,
     /// Parameters and strengths that the measurements determine [-].
     pub determined: f64,
+    /// Log likelihood [-] that each effect adds to that without it.
+    pub gains: Vec<f64>,
+    /// What it can score at most [-].
+    pub most: f64,
     /// What the other conditions say of each.
     pub held_out: Vec<HeldOut>,
     /// Of each condition's numbers.
@@ -111,6 +126,24 @@ struct Spread {
     common: Vec<f64>,
     /// As loud as they are.
     own: Vec<f64>,
+    /// What effects add by their error of form.
+    form: Vec<f64>,
+}
+
+impl Spread {
+    /// With effects of this error of form.
+    fn with_form(&self, form: &[f64]) -> Self {
+        let sum = |variance: &[f64]| {
+            let mut sum = variance.to_vec();
+            add(&mut sum, 1.0, form);
+            sum
+        };
+        Self {
+            common: sum(&self.common),
+            own: sum(&self.own),
+            form: form.to_vec(),
+        }
+    }
 }
 
 /// A condition predicted from the others.
@@ -151,7 +184,7 @@ impl Fit {
         let nowhere = vec![0.0; problem.emulator.parameters.len()];
         let none = |(emulated, _): (&Emulated, &Observed)| Defect::none(emulated.cells.len());
         let mut defects: Vec<Defect> = problem.conditions().map(none).collect();
-        let about = Local::all(problem, &nowhere, &defects);
+        let mut about = Local::all(problem, &nowhere, &defects);
         let mut posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), None);
         // A pin draws the fit to it, and its defect changes a little on the way.
         let rounds = ROUNDS + problem.emulator.pins.len().min(PINNED);
@@ -166,19 +199,21 @@ impl Fit {
                     let spread =
                         model.spread((emulated, observed), &departure, problem.calibration);
                     let freedom = problem.calibration.freedom;
-                    let precision = precision(emulated, &departure, &spread.own, freedom);
+                    let own = spread.with_form(&spread.form).own;
+                    let precision = precision(emulated, &departure, &own, freedom);
                     (spread, precision)
                 })
                 .unzip();
-            let about = Local::all(problem, &best.offsets, &defects);
+            about = Local::all(problem, &best.offsets, &defects);
             let axes = Some(posterior.axes);
             posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), axes);
         }
         let held_out = problem.conditions().enumerate();
         let held_out = held_out
             .map(|(number, _)| {
-                let spreads = another.map_or(&spreads, |another| &another.spreads);
-                posterior.predict(problem, number, (&spreads[number], &defects[number]))
+                let against = another.map_or(&spreads, |another| &another.spreads);
+                let spread = against[number].with_form(&spreads[number].form);
+                posterior.predict(problem, number, (&spread, &defects[number]))
             })
             .collect();
         Self {
@@ -191,6 +226,8 @@ impl Fit {
                 true => posterior.determined(),
                 false => 0.0,
             },
+            gains: posterior.gains(problem, (&about, &precisions)),
+            most: f64::INFINITY,
             held_out,
             spreads,
             hypothesis,
@@ -224,7 +261,11 @@ impl<'a> Model<'a> {
     fn change(&self) -> Vec<f64> {
         let mut change = self.by_effects.clone();
         add(&mut change, 1.0, &self.by_parameters);
-        add(&mut change, 1.0, &self.defect.change);
+        add(
+            &mut change,
+            1.0,
+            &self.defect.change_at(&self.point.offsets),
+        );
         change
     }
 
@@ -258,12 +299,27 @@ impl<'a> Model<'a> {
             add(&mut variance, 1.0, &self.defect.error);
             variance
         };
-        let common = variance(1.0);
-        let loudness = Loudness::of(&scores(departure, common.iter().copied()));
-        Spread {
-            own: variance(observed.loudness.possible(loudness)),
-            common,
+        let mut spread = Spread {
+            common: variance(1.0),
+            own: Vec::new(),
+            form: self.form_error(emulated, calibration.equivalent),
+        };
+        let common = spread.with_form(&spread.form).common;
+        let loudness = Loudness::of(&scores(departure, common));
+        spread.own = variance(observed.loudness.possible(loudness));
+        spread
+    }
+
+    /// Variance of the change by effects whose numbers are off by shares that leave a cosine of
+    /// `alike`.
+    fn form_error(&self, emulated: &Emulated, alike: f64) -> Vec<f64> {
+        let share = 1.0 / (alike * alike) - 1.0;
+        let mut variance = vec![0.0; emulated.cells.len()];
+        for &(effect, strength) in &self.point.effects {
+            let change = emulated.shapes[effect].at(strength);
+            add(&mut variance, share, &scaled(&change, &change));
         }
+        variance
     }
 }
 
@@ -274,7 +330,7 @@ fn precision(emulated: &Emulated, departure: &[f64], variance: &[f64], freedom: 
     departure.iter().zip(variance).map(precision).collect()
 }
 
-/// A condition about some parameters: `r − J θ − Q θ²` as a straight line in `θ`.
+/// A condition about some parameters: `r − J θ − Q θ²`, less the defect, as a straight line in `θ`.
 struct Local {
     jacobian: Vec<Vec<f64>>,
     residual: Vec<f64>,
@@ -290,7 +346,8 @@ impl Local {
 
     fn about(emulated: &Emulated, observed: &Observed, offsets: &[f64], defect: &Defect) -> Self {
         let mut residual = observed.residual.clone();
-        add(&mut residual, -1.0, &defect.change);
+        let nowhere = vec![0.0; offsets.len()];
+        add(&mut residual, -1.0, &defect.change_at(&nowhere));
         let slopes = emulated.jacobian.iter().zip(&emulated.bend).zip(offsets);
         let jacobian = slopes.map(|((slope, bend), offset)| {
             let bent = offset.clamp(-BENT, BENT);
@@ -303,10 +360,11 @@ impl Local {
             }
             slope
         });
-        Self {
-            jacobian: jacobian.collect(),
-            residual,
+        let mut jacobian: Vec<Vec<f64>> = jacobian.collect();
+        for (slope, lacking) in jacobian.iter_mut().zip(&defect.slopes) {
+            add(slope, 1.0, lacking);
         }
+        Self { jacobian, residual }
     }
 }
 
@@ -600,6 +658,31 @@ impl Posterior {
     /// its own fit stands for that.
     fn holds_out(&self, problem: Problem) -> bool {
         problem.calibration.held_out && self.terms.len() > 1
+    }
+
+    /// Log likelihood [-] that each effect adds to that without it, the emulator as it is for all: what pins
+    /// are off by chance is in neither.
+    fn gains(&self, problem: Problem, given: (&[Local], &[Vec<f64>])) -> Vec<f64> {
+        let with = self.likelihood();
+        let gain = |effect: &usize| {
+            let others = self.effects.iter().filter(|other| *other != effect);
+            let others = Hypothesis::Effects(others.copied().collect());
+            with - Self::new(problem, &others, given, None).likelihood()
+        };
+        self.effects.iter().map(gain).collect()
+    }
+
+    /// Largest log likelihood [-] over strengths.
+    fn likelihood(&self) -> f64 {
+        let fold = self.fold(None);
+        let of_spread = |weights: &Vec<f64>| {
+            let weights = weights.iter().zip(&self.log_prior);
+            let possible = weights.filter(|(_, prior)| prior.is_finite());
+            let likelihoods = possible.map(|(weight, prior)| weight - prior);
+            likelihoods.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let all = fold.log_weights.iter().map(of_spread);
+        all.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The best fit.

@@ -31,6 +31,23 @@ pub(super) struct Scale {
 }
 
 impl Hypothesis {
+    /// What explains without effects: parameters, where there are any.
+    pub fn freest(emulator: &Emulator) -> Self {
+        match emulator.parameters.is_empty() {
+            true => Self::None,
+            false => Self::Parameter,
+        }
+    }
+
+    /// The same without one of its effects.
+    pub fn without(&self, effect: usize, emulator: &Emulator) -> Self {
+        let others = self.effects().iter().filter(|other| **other != effect);
+        match others.copied().collect::<Vec<_>>() {
+            none if none.is_empty() => Self::freest(emulator),
+            others => Self::Effects(others),
+        }
+    }
+
     /// Its effects.
     pub fn effects(&self) -> &[usize] {
         match self {

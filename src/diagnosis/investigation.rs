@@ -36,11 +36,6 @@ use std::path::Path;
 /// cores on sand or hard ground.
 pub const BUDGET: f64 = 20_000.0;
 
-/// Streams of each simulation where fits end, the same in all: what their mean is off by chance is then
-/// common to all explanations. Drawn anew for each, it parted two that were the same by tens of log
-/// score.
-const PINNED: u64 = 4;
-
 /// Replicates of each run that could be made, and streams of what changes in it.
 const FURTHER: Depth = Depth {
     replicates: 6,
@@ -285,11 +280,11 @@ impl<'a> Investigation<'a> {
         );
         for round in 0..ROUNDS {
             let problem = problem(&emulator, &observation, calibration);
-            let Ends { best, unpinned } = unpinned(problem, round);
-            emulator.middle = best;
+            let ends = unpinned(problem, round);
+            emulator.middle.clone_from(&ends.best);
             let ask = (&bank, hear);
-            let pinned = !unpinned.is_empty()
-                && self.pin(&mut emulator, (library, unpinned), ask, &mut answers)?;
+            let pinned = !ends.unpinned.is_empty()
+                && self.pin(&mut emulator, (library, ends), ask, &mut answers)?;
             if !pinned {
                 break;
             }
@@ -350,13 +345,14 @@ impl<'a> Investigation<'a> {
     fn pin(
         &self,
         emulator: &mut Emulator,
-        (library, points): (&Library, Vec<Point>),
+        (library, ends): (&Library, Ends),
         (bank, hear): (&Bank, Hear),
         answers: &mut Answers,
     ) -> Result<bool, InvestigationError> {
         let places = self.places(library);
-        let streams = 0..PINNED.min(self.plan.depth.replicates);
-        let arms = points
+        let streams = 0..ends.streams.min(self.plan.depth.replicates);
+        let arms = ends
+            .unpinned
             .into_iter()
             .filter_map(|point| Some((arm_at(emulator, &point)?, point)));
         let arms: Vec<(Arm, Point)> = arms.collect();

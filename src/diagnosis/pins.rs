@@ -8,31 +8,46 @@
 //! and comes true where it counts; so it is done, round by round, until the fits rest: first for
 //! recalibration alone, which may have far to go, then for all that compete with it.
 //!
-//! What the emulator lacks at a point, its defect, holds around it: the defect is taken for a
-//! Gaussian process of squared exponential correlation, nil at the scenario as shipped and known
-//! where it was simulated (Sacks, Welch, Mitchell and Wynn 1989, Stat. Sci. 4:409-423). The share
-//! of its variance that these leave multiplies what the emulator is held to err by.
+//! What the emulator lacks at a point, its defect, holds around it ([`Kriging`]), nil at the scenario as
+//! shipped and known where it was simulated. The share of its variance that these leave multiplies what
+//! the emulator is held to err by.
+//!
+//! A fit may rest where it should not: on slate a contact three times as stiff has its resonance in
+//! another band, and slopes taken at the scenario as shipped do not say which way to go. Where
+//! recalibration comes to rest and does not explain all, each parameter is therefore moved once by itself,
+//! which tells the slopes there, and it goes on. For the same reason, where a fit with effects ends beside parameters that
+//! were simulated nowhere, they are also simulated without the effects: else an effect would be praised
+//! for the place to which it led.
 
+use super::check::Check;
 use super::emulator::{Emulated, Emulator};
 use super::fit::{Fit, Problem};
 use super::hypothesis::Hypothesis;
+use super::kriging::Kriging;
 use super::library::Beside;
 use super::product::add;
 use super::ranking::{fits, score};
-use nalgebra::{DMatrix, DVector};
 
-/// Distance [prior standard deviations, typical magnitudes] over which a defect changes.
-const LENGTH: f64 = 2.0;
 /// Recalibration rests on a pin where each parameter is within its own deviation of it, but no less
-/// and no more than these distances [prior standard deviations]; fits with effects within the latter.
+/// and no more than these distances [prior standard deviations, typical magnitudes]; fits with effects
+/// where each effect is, and parameters are within the latter.
 const NEAR: [f64; 2] = [0.02, 0.15];
-/// Variance of a defect's error over its own: pins side by side share what they tell.
-const OWN: f64 = 0.005;
+/// Step [prior standard deviations] that each parameter is moved by itself, away from its middle, where
+/// recalibration rests, and the distance [likewise] beyond which that is done again.
+const STEP: f64 = 0.5;
+const ANEW: f64 = 1.0;
+/// Streams of each simulation where fits end, the same in all: what their mean is off by chance is then
+/// common to all explanations. Drawn anew for each, it parted two that were the same by tens of log
+/// score. Around such an end they are fewer: slopes that these do not tell do not matter.
+const STREAMS: u64 = 4;
+const STREAMS_AROUND: u64 = 2;
+/// Deviations [-] of a defect's slope beyond which it is no chance of the few runs that tell it.
+const BEYOND_CHANCE: f64 = 3.0;
 /// Rounds at most in which recalibration alone is simulated and taken up where it ends, and with those
 /// in which all fits are.
-const RECALIBRATIONS: usize = 8;
-pub(super) const ROUNDS: usize = 14;
-/// Fits that are simulated beside recalibration in one round, how much better [log score] than it, and
+const RECALIBRATIONS: usize = 12;
+pub(super) const ROUNDS: usize = 18;
+/// Fits of each kind that are simulated beside recalibration in one round, how much better [log score] than it, and
 /// a pair than each of its effects, they have to be, and how near to the best: what the priors of
 /// effects are behind, or no probability turns on them.
 const RIVALS: usize = 4;
@@ -53,6 +68,8 @@ pub(super) struct Point {
 pub(super) struct Weights {
     /// Of each pin's defect.
     pub of_pins: Vec<f64>,
+    /// Of each pin's defect in the slope along each parameter.
+    pub slopes: Vec<Vec<f64>>,
     /// Share [-] of the emulator's variance that is left.
     pub left: f64,
 }
@@ -66,6 +83,9 @@ pub(super) struct Defect {
     pub error: Vec<f64>,
     /// Share [-] of the emulator's variance that is left beside it.
     pub left: f64,
+    /// Parameters [prior standard deviations] at which this is, and slopes by number along each.
+    pub at: Vec<f64>,
+    pub slopes: Vec<Vec<f64>>,
 }
 
 impl Defect {
@@ -75,7 +95,18 @@ impl Defect {
             change: vec![0.0; numbers],
             error: vec![0.0; numbers],
             left: 1.0,
+            at: Vec::new(),
+            slopes: Vec::new(),
         }
+    }
+
+    /// By number where parameters are these.
+    pub fn change_at(&self, offsets: &[f64]) -> Vec<f64> {
+        let mut change = self.change.clone();
+        for ((slope, at), offset) in self.slopes.iter().zip(&self.at).zip(offsets) {
+            add(&mut change, offset - at, slope);
+        }
+        change
     }
 }
 
@@ -86,36 +117,22 @@ impl Emulator {
             offsets: vec![0.0; self.parameters.len()],
             effects: Vec::new(),
         };
-        let pins: Vec<&Point> = self.pins.iter().collect();
-        let all: Vec<&Point> = [&shipped].into_iter().chain(&self.pins).collect();
-        let (weights, _) = self.kriged(&all, point);
+        let all = Kriging::new(self, [&shipped].into_iter().chain(&self.pins).collect());
+        let of_pins = |weights: Vec<f64>| weights[1..].to_vec();
         // What the emulator is held to err by is nil at the scenario as shipped by itself.
-        let (_, told) = self.kriged(&pins, point);
+        let (_, told) = Kriging::new(self, self.pins.iter().collect()).weights(point);
+        let slopes = 0..point.offsets.len();
         Weights {
-            of_pins: weights.iter().skip(1).copied().collect(),
+            of_pins: of_pins(all.weights(point).0),
+            slopes: slopes
+                .map(|parameter| of_pins(all.slope(point, parameter)))
+                .collect(),
             left: (1.0 - told).clamp(0.0, 1.0),
         }
     }
 
-    /// Weights of known points, and the share of the variance that they tell.
-    fn kriged(&self, known: &[&Point], point: &Point) -> (DVector<f64>, f64) {
-        let alike = |a: &Point, b: &Point| {
-            let apart = self.apart(a, b) / LENGTH;
-            libm::exp(-0.5 * apart * apart)
-        };
-        let among = DMatrix::from_fn(known.len(), known.len(), |i, j| {
-            let own = if i == j { OWN } else { 0.0 };
-            alike(known[i], known[j]) + own
-        });
-        let to_point = DVector::from_iterator(known.len(), known.iter().map(|k| alike(k, point)));
-        let weights = among.cholesky().map(|known| known.solve(&to_point));
-        let weights = weights.unwrap_or_else(|| DVector::zeros(known.len()));
-        let told = weights.dot(&to_point);
-        (weights, told)
-    }
-
     /// Distance of two points [prior standard deviations, typical magnitudes].
-    fn apart(&self, a: &Point, b: &Point) -> f64 {
+    pub(super) fn apart(&self, a: &Point, b: &Point) -> f64 {
         let offsets = a.offsets.iter().zip(&b.offsets);
         let of_offsets: f64 = offsets.map(|(a, b)| (a - b) * (a - b)).sum();
         libm::hypot(libm::sqrt(of_offsets), self.apart_in_effects(a, b))
@@ -136,17 +153,53 @@ impl Emulator {
         libm::sqrt(squares.sum())
     }
 
-    /// Whether a fit of parameters alone rests on a pin.
+    /// Whether a fit rests on a pin.
     fn rests(&self, fit: &Fit) -> bool {
         let [least, most] = NEAR;
-        let near = |pin: &Point| {
+        let alone = fit.best.effects.is_empty();
+        let parameters = |pin: &Point| {
             let mut offsets = fit.offsets.iter().zip(&pin.offsets);
             offsets.all(|([offset, deviation], pin)| {
-                (offset - pin).abs() < deviation.clamp(least, most)
+                let near = if alone {
+                    deviation.clamp(least, most)
+                } else {
+                    most
+                };
+                (offset - pin).abs() < near
             })
         };
+        let effects = |pin: &Point| {
+            let all = fit.best.effects.iter().zip(&pin.effects);
+            let mut all = all.zip(&fit.strengths);
+            pin.effects.len() == fit.best.effects.len()
+                && all.all(|((&(own, strength), &(effect, pinned)), estimate)| {
+                    let typical = self.candidates[own].typical().abs();
+                    let near = (estimate.deviation() / typical).clamp(least, most);
+                    own == effect && (strength - pinned).abs() < near * typical
+                })
+        };
         let mut pins = self.pins.iter();
-        pins.any(|pin| pin.effects.is_empty() && near(pin))
+        pins.any(|pin| effects(pin) && parameters(pin))
+    }
+
+    /// Each parameter moved once by itself about a point; none where that was done near it.
+    fn around(&self, point: &Point) -> Vec<Point> {
+        let moved = |parameter: usize| {
+            let mut moved = self.beside_pin(point);
+            moved.offsets[parameter] += STEP.copysign(point.offsets[parameter]);
+            moved
+        };
+        let was_moved = |moved: &Point| {
+            let near = |pin: &&Point| {
+                let off = pin.offsets.iter().zip(&moved.offsets).map(|(a, b)| a - b);
+                pin.effects.is_empty() && off.clone().all(|off| off.abs() < ANEW)
+            };
+            self.pins.iter().filter(near).count() > self.parameters.len()
+        };
+        match was_moved(point) {
+            true => Vec::new(),
+            false => (0..self.parameters.len()).map(moved).collect(),
+        }
     }
 
     /// A point with the parameters of the nearest pin, where one is near: effects of sensors then see
@@ -173,10 +226,18 @@ impl Emulator {
         let defect = |emulated: &Emulated| {
             let mut defect = Defect::none(emulated.cells.len());
             defect.left = weights.left;
-            for (pinned, weight) in emulated.pinned.iter().zip(&weights.of_pins) {
-                add(&mut defect.change, *weight, &pinned.change);
-                add(&mut defect.error, weight * weight, &pinned.error);
-            }
+            (defect.change, defect.error) = weighted(emulated, &weights.of_pins);
+            defect.at.clone_from(&point.offsets);
+            let slopes = weights.slopes.iter().map(|weights| {
+                let (mut slope, error) = weighted(emulated, weights);
+                for (slope, error) in slope.iter_mut().zip(error) {
+                    if slope.abs() < BEYOND_CHANCE * libm::sqrt(error) {
+                        *slope = 0.0;
+                    }
+                }
+                slope
+            });
+            defect.slopes = slopes.collect();
             defect
         };
         self.conditions.iter().map(defect).collect()
@@ -193,6 +254,17 @@ impl Emulator {
     }
 }
 
+/// Defects of all pins by these weights, and the variance of that.
+fn weighted(emulated: &Emulated, weights: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut change = vec![0.0; emulated.cells.len()];
+    let mut error = change.clone();
+    for (pinned, weight) in emulated.pinned.iter().zip(weights) {
+        add(&mut change, *weight, &pinned.change);
+        add(&mut error, weight * weight, &pinned.error);
+    }
+    (change, error)
+}
+
 /// Where fits end.
 #[derive(Debug)]
 pub(super) struct Ends {
@@ -200,6 +272,8 @@ pub(super) struct Ends {
     pub best: Option<Point>,
     /// Those that are to be simulated.
     pub unpinned: Vec<Point>,
+    /// With so many streams each.
+    pub streams: u64,
 }
 
 /// What is to be simulated in a round: where recalibration alone ends, until it rests or has had its
@@ -209,42 +283,81 @@ pub(super) fn unpinned(problem: Problem, round: usize) -> Ends {
     recalibrated.flatten().unwrap_or_else(|| ends(problem))
 }
 
-/// Where recalibration alone ends; none where it rests on a pin or nothing can be recalibrated.
+/// Where recalibration alone ends, or what is around it; none where that rests on a pin and explains all
+/// or is known, or nothing can be recalibrated.
 fn recalibrated_end(problem: Problem) -> Option<Ends> {
     let emulator = problem.emulator;
     if emulator.parameters.is_empty() {
         return None;
     }
     let fit = Fit::new(problem, Hypothesis::Parameter);
-    (!emulator.rests(&fit)).then(|| Ends {
-        best: Some(fit.best.clone()),
-        unpinned: vec![fit.best],
+    let good = || Check::of(problem, &fit).p >= problem.calibration.failed;
+    let (unpinned, streams) = match emulator.rests(&fit) {
+        true if good() => return None,
+        true => (emulator.around(&fit.best), STREAMS_AROUND),
+        false => (vec![fit.best.clone()], STREAMS),
+    };
+    (!unpinned.is_empty()).then_some(Ends {
+        best: Some(fit.best),
+        unpinned,
+        streams,
     })
 }
 
 /// Where fits end that matter and rest on no pin: recalibration, and the best with effects where they
-/// are better. Each fit is taken at its own word of how far the emulator errs: what may
-/// turn out right is worth a look.
+/// are better. Each fit is taken at its own word of how far the emulator errs, as what may turn out right
+/// is worth a look; and as all are ranked in the end, as no answer may rest on what was not simulated.
 fn ends(problem: Problem) -> Ends {
-    let mut fits = fits(problem, None);
-    fits.sort_by(|a, b| score(b).total_cmp(&score(a)));
-    let recalibrated = fits
-        .iter()
-        .find(|fit| fit.hypothesis == Hypothesis::Parameter);
-    let rivals = fits.iter().filter(|fit| is_rival(fit, &fits)).take(RIVALS);
+    let freest = Fit::new(problem, Hypothesis::freest(problem.emulator));
+    let [own_word, ranked] = [None, Some(&freest)].map(|another| {
+        let mut fits = fits(problem, another);
+        fits.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        fits
+    });
     let emulator = problem.emulator;
     let mut unpinned: Vec<Point> = Vec::new();
-    for fit in recalibrated.into_iter().chain(rivals) {
+    let rivals = [&own_word, &ranked].map(|fits| rivals(emulator, fits));
+    for fit in [&freest].into_iter().chain(rivals.into_iter().flatten()) {
+        if emulator.rests(fit) {
+            continue;
+        }
         let end = emulator.beside_pin(&fit.best);
-        let mut pins = emulator.pins.iter().chain(&unpinned);
-        if pins.all(|pin| emulator.apart(pin, &end) >= NEAR[1]) {
+        let alone = Point {
+            effects: Vec::new(),
+            ..end.clone()
+        };
+        let near = |pin: &Point| emulator.apart(pin, &alone) < NEAR[1];
+        if !emulator.pins.iter().chain(&unpinned).any(near) {
+            unpinned.push(alone);
+        }
+        if !unpinned.contains(&end) {
             unpinned.push(end);
         }
     }
     Ends {
-        best: fits.first().map(|fit| fit.best.clone()),
+        best: own_word.first().map(|fit| fit.best.clone()),
         unpinned,
+        streams: STREAMS,
     }
+}
+
+/// Fits with effects, of these, best first, that may come out likeliest, or what is to be looked at
+/// before them.
+fn rivals<'f>(emulator: &'f Emulator, fits: &'f [Fit]) -> impl Iterator<Item = &'f Fit> {
+    let rivals = fits.iter().filter(|fit| is_rival(fit, fits)).take(RIVALS);
+    rivals.map(|fit| first(emulator, fit, fits))
+}
+
+/// What is looked at first of a fit: for a pair the better of its effects alone, of these fits, best
+/// first, until that rests. Where the emulator errs about one strong effect, a second that is not
+/// there takes up what it lacks.
+fn first<'f>(emulator: &Emulator, fit: &'f Fit, fits: &'f [Fit]) -> &'f Fit {
+    let within = |other: &&Fit| match other.hypothesis.effects() {
+        [one] => fit.hypothesis.effects().contains(one),
+        _ => false,
+    };
+    let alone = fits.iter().find(within);
+    alone.filter(|alone| !emulator.rests(alone)).unwrap_or(fit)
 }
 
 /// Whether a fit with effects, of these, best first, may come out likeliest.

@@ -3,7 +3,8 @@
 //! The score of a fit is the sum of its log predictive densities of every condition given the
 //! others, less what its freedom costs (log evidence less log likelihood at the best fit), of which
 //! held-out conditions have already paid one for each number determined. A fit that is right thus
-//! scores its evidence; one that does not carry over to other conditions loses more. Scores over a temperature plus
+//! scores its evidence; one that does not carry over to other conditions loses more. No effect raises the
+//! score by more than the likelihood. Scores over a temperature plus
 //! log priors are the refit's probabilities; with the forest's they form a logarithmic pool
 //! (Genest and Zidek 1986, Stat. Sci. 1:114-135), so that a disagreement leaves none sure.
 
@@ -44,10 +45,7 @@ pub(super) struct Ranking {
 impl Ranking {
     pub fn new(problem: Problem, forest: &Forest) -> Self {
         // All are held against the spread that recalibration leaves.
-        let freest = match problem.emulator.parameters.is_empty() {
-            true => Hypothesis::None,
-            false => Hypothesis::Parameter,
-        };
+        let freest = Hypothesis::freest(problem.emulator);
         let fits = fits(problem, Some(&Fit::new(problem, freest)));
         let calibration = problem.calibration;
         let mut scores: Vec<(Hypothesis, f64, Option<Check>)> = fits
@@ -107,7 +105,7 @@ pub(super) fn score(fit: &Fit) -> f64 {
         .iter()
         .map(|held_out| held_out.log_density)
         .sum();
-    held_out + fit.occam + fit.determined
+    (held_out + fit.occam + fit.determined).min(fit.most)
 }
 
 /// None, parameters, every effect, and pairs of those that the first fits leave, each held against
@@ -128,7 +126,7 @@ pub(super) fn fits(problem: Problem, another: Option<&Fit>) -> Vec<Fit> {
     let pairs = pairs(problem, &fits);
     let pairs: Vec<Fit> = pairs.into_par_iter().map(fit).collect();
     fits.extend(pairs);
-    fits
+    bounded(problem, fits)
 }
 
 /// The best effects, each with the partners that the screen says would explain most beside it.
@@ -160,6 +158,24 @@ fn partners(problem: Problem, projected: &Projected, effect: usize) -> Vec<Hypot
         Hypothesis::Effects(vec![effect.min(*other), effect.max(*other)])
     };
     others.iter().take(PAIRED.1).map(pair).collect()
+}
+
+/// Fits, simpler ones first, none of which scores more over one with an effect less than that effect adds
+/// to the likelihood: the rest is chance of what was simulated where each ended. Effects of no size
+/// gained ten of log score by it.
+fn bounded(problem: Problem, mut fits: Vec<Fit>) -> Vec<Fit> {
+    for place in 0..fits.len() {
+        let (simpler, [fit, ..]) = fits.split_at_mut(place) else {
+            continue;
+        };
+        let effects = fit.hypothesis.effects().iter();
+        for (effect, gain) in effects.zip(&fit.gains) {
+            let others = fit.hypothesis.without(*effect, problem.emulator);
+            let without = simpler.iter().find(|other| other.hypothesis == others);
+            fit.most = fit.most.min(without.map_or(f64::INFINITY, score) + gain);
+        }
+    }
+    fits
 }
 
 /// Effects share their prior alike, pairs among all that there could be.

@@ -6,8 +6,9 @@
 
 use super::fit::Fit;
 use super::hypothesis::Hypothesis;
+use super::kriging::Kriging;
 use super::library::Beside;
-use super::pins::{Ends, Point, unpinned};
+use super::pins::{Ends, Point, ROUNDS, unpinned};
 use super::ranking::Ranking;
 use super::*;
 use crate::effects::{Prior, Seat};
@@ -45,6 +46,8 @@ struct World {
     signatures: Vec<Vec<Vec<f64>>>,
     /// By condition, what the first two parameters change only together; none in most worlds.
     together: Vec<Vec<f64>>,
+    /// By condition, what the cube of the first parameter changes; none in most worlds.
+    cubic: Vec<Vec<f64>>,
 }
 
 fn normal(rng: &mut impl Rng) -> f64 {
@@ -103,6 +106,7 @@ impl World {
             jacobian: turned(parameters, size.conditions),
             signatures: turned(effects, size.conditions),
             together: Vec::new(),
+            cubic: Vec::new(),
             size,
         }
     }
@@ -112,6 +116,15 @@ impl World {
         let mut rng = Seed(seed).rng("together", 0);
         Self {
             together: over_conditions(size, 0.8, &mut rng),
+            ..Self::new(size, seed)
+        }
+    }
+
+    /// One whose first parameter, far off, has other slopes than in the middle.
+    fn cubic(size: Size, seed: u64) -> Self {
+        let mut rng = Seed(seed).rng("cubic", 0);
+        Self {
+            cubic: over_conditions(size, 0.4, &mut rng),
             ..Self::new(size, seed)
         }
     }
@@ -135,6 +148,9 @@ impl World {
         }
         if let (Some(together), [a, b, ..]) = (self.together.get(condition), &*truth.offsets) {
             product::add(&mut row, a * b, together);
+        }
+        if let (Some(cubic), [a, ..]) = (self.cubic.get(condition), &*truth.offsets) {
+            product::add(&mut row, a * a * a, cubic);
         }
         for (effect, magnitude) in &truth.effects {
             product::add(
@@ -198,6 +214,29 @@ impl World {
                 .collect(),
             conditions,
         }
+    }
+
+    /// Runs in which each number of an effect's change is off by a share of it that is its own: a law that
+    /// is not quite the library's.
+    fn in_another_form(
+        &self,
+        effect: usize,
+        magnitude: f64,
+        share: f64,
+        seed: u64,
+    ) -> Vec<Measured> {
+        let mut rng = Seed(seed).rng("form", 0);
+        let truth = Truth::effect(effect, magnitude);
+        let shares: Vec<f64> = (0..self.size.cells)
+            .map(|_| share * normal(&mut rng))
+            .collect();
+        let mut measured = self.measured(&truth, 2, seed);
+        for (condition, measured) in measured.iter_mut().enumerate() {
+            let change = product::scaled(&self.change(condition, &truth), &shares);
+            let runs = measured.runs.iter_mut();
+            runs.for_each(|run| product::add(run, 1.0, &change));
+        }
+        measured
     }
 
     fn measured(&self, truth: &Truth, repeats: usize, seed: u64) -> Vec<Measured> {
@@ -325,13 +364,16 @@ impl Bench {
         let observation = self.observe(&measured);
         let mut emulator = Emulator::new(&self.library).unwrap();
         let mut rng = Seed(seed).rng("pins", 0);
-        for round in 0..6 {
+        for round in 0..ROUNDS {
             let problem = Problem {
                 emulator: &emulator,
                 ..self.problem(&observation)
             };
-            let Ends { best, unpinned } = unpinned(problem, round);
+            let Ends { best, unpinned, .. } = unpinned(problem, round);
             emulator.middle = best;
+            if unpinned.is_empty() {
+                break;
+            }
             for point in unpinned {
                 let there = Truth {
                     offsets: point.offsets.clone(),
@@ -718,6 +760,66 @@ fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
             added.recalibration
         );
     }
+}
+
+#[test]
+fn the_slope_of_a_defect_is_how_its_weights_change_along_a_parameter() {
+    let emulator = &BENCH.emulator;
+    let at = |a: f64, b: f64| Point {
+        offsets: vec![a, b, 0.0],
+        effects: Vec::new(),
+    };
+    let known = [at(0.0, 0.0), at(1.1, 0.3), at(1.6, 0.3), at(1.1, -0.2)];
+    let kriging = Kriging::new(emulator, known.iter().collect());
+    let [weights, lower, upper] =
+        [0.9, 0.9 - 1.0e-4, 0.9 + 1.0e-4].map(|a| kriging.weights(&at(a, 0.1)).0);
+    assert!(weights.iter().sum::<f64>() > 0.9);
+    let slopes = kriging.slope(&at(0.9, 0.1), 0);
+    for (slope, (lower, upper)) in slopes.iter().zip(lower.iter().zip(&upper)) {
+        assert!((slope - (upper - lower) / 2.0e-4).abs() < 1.0e-6);
+    }
+}
+
+#[test]
+fn recalibration_finds_its_way_where_slopes_are_not_those_of_the_middle() {
+    let world = World::cubic(SMALL, 3);
+    let library = world.library(3);
+    let bench = Bench::of(world, library, 2, 3);
+    let truth = Truth {
+        offsets: vec![2.2, -0.4, 0.0],
+        ..Truth::default()
+    };
+    for seed in 0..4 {
+        let verdict = bench.pinned(&truth, seed);
+        assert_eq!(
+            verdict.verdict,
+            Answer::Parameter,
+            "{:?}",
+            verdict.probabilities
+        );
+        let found = verdict.recalibration[0].offset;
+        assert!((found - 2.2).abs() < 0.1, "{:?}", verdict.recalibration);
+    }
+}
+
+#[test]
+fn a_strong_effect_whose_law_is_not_quite_the_librarys_is_named_alone() {
+    let mut bench = Bench::new(SMALL, 2, 1);
+    let mut named = [0, 0];
+    for (count, equivalent) in named
+        .iter_mut()
+        .zip([Calibration::default().equivalent, 1.0])
+    {
+        bench.calibration.equivalent = equivalent;
+        for seed in 0..6 {
+            let effect = 4 + seed as usize;
+            let measured = bench.world.in_another_form(effect, 5.0, 0.3, seed);
+            let verdict = bench.verdict_on(&measured);
+            *count += usize::from(verdict.named == [[format!("e{effect}")]]);
+        }
+    }
+    // Without an error of form something else takes up what the law is off by.
+    assert!(named[0] == 6 && named[1] < 6, "{named:?}");
 }
 
 #[test]
