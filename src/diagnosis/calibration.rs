@@ -8,13 +8,12 @@ pub(super) const FREEDOM: f64 = 6.0;
 /// Temperatures, priors and thresholds of a verdict, in one table.
 ///
 /// The temperature was set on blind campaigns on sand and hard ground of the calibration family
-/// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses; their records
-/// still began as the wheel was set down. Where
-/// nothing was withheld the best of some sixty wrong effects beat recalibration by 1 to 5, as chance
-/// has it (cases 3, 5, 7); true effects, at 1.2, 1.9 and 39 times their limit, by 3, 19 and 460 (10,
-/// 19, 9). Where recalibration rests beside the truth, in a valley of soils that sink alike, a wrong
-/// effect beat it by 99 (6), which no temperature mends. The other defaults are what a world that
-/// obeys the model needs.
+/// (`lugwheel challenge make --set calibration`, seed 103), which no reported score uses. Where
+/// nothing was withheld, or what nobody could see, the best of some sixty wrong effects beats
+/// recalibration by 1 to 5, as chance has it (cases 1, 3, 4 and 7); true effects far above their limits by
+/// hundreds (2, 5, 9). On sand a tilt of 0.26° was beaten by a wrong encoder scale, 16 over recalibration
+/// where it was 6 itself (6): the answer is `undecided`. The other defaults are what a world that obeys the
+/// model needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {

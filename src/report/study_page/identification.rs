@@ -103,6 +103,11 @@ fn model_row(ground: &GroundScore, model: &ModelScore) -> Vec<Cell> {
         Choice::Always(of) if of == class => of.to_string(),
         Choice::Always(of) => format!("{of} (wrong here)"),
     };
+    // Else its errors would be read beside those of other fits.
+    let name = match model.groups < ground.groups {
+        true => format!("{name}: {} of {} fits", model.groups, ground.groups),
+        false => name,
+    };
     let ModelScore {
         fitted,
         means,
