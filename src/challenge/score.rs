@@ -604,6 +604,18 @@ mod tests {
         let effect = &scores.effects[0];
         assert_eq!(effect.partner.as_deref(), Some("else"));
         assert_eq!(effect.next_run.as_deref(), Some("in reverse"));
+        // No answer falls out of the matrix for being nobody's truth.
+        let columns = &scores.confusion.columns;
+        let another = columns
+            .iter()
+            .position(|it| it == "another effect")
+            .unwrap();
+        for row in &scores.confusion.values {
+            let cases: f64 = row.iter().sum();
+            assert_eq!(row[another], cases);
+        }
+        let cases: f64 = scores.confusion.values.iter().flatten().sum();
+        assert!(cases > 30.0, "{cases}");
     }
 
     #[test]

@@ -31,7 +31,7 @@ use story::Told;
 ///
 /// Simulates the paper's single wheel on several grounds, writes labelled run files, checks and draws
 /// them, recognises how the lugs met the ground, identifies the sand's parameters, diagnoses what a
-/// rig has that its scenario lacks, and tells it in one HTML page. It takes some three minutes.
+/// rig has that its scenario lacks, and tells it in one HTML page. It takes less than three minutes.
 #[derive(Debug, Args)]
 pub struct Demo {
     /// Folder for run files, scenarios, figures and the report

@@ -87,13 +87,14 @@ fn draw_series(
             canvas.polyline(&[[x, bottom], [x, top]], stroke);
         }
         let count = format!("{}", score.n);
-        // Away from the other series and from the frame.
+        // Away from the other series, and beside the middle of the interval, where no line runs.
         let (away, anchor) = match beside < 0.0 {
             true => (-5.0, Anchor::End),
             false => (5.0, Anchor::Start),
         };
-        let below_frame = (y - 6.0).max(panel.area.top + 16.0);
-        canvas.text([x + away, below_frame], anchor, Font::SMALL, &count);
+        let middle = score.ci95.map_or(value, |[low, high]| 0.5 * (low + high));
+        let at = [x + away, panel.y.pixel(middle) + 5.0];
+        canvas.text(at, anchor, Font::SMALL, &count);
     }
     canvas.polyline(&points, stroke);
 }

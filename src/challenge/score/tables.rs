@@ -55,6 +55,9 @@ pub struct OfEffect {
     pub next_run: Option<String>,
 }
 
+/// The column of effects that are no case's truth.
+const ANOTHER: &str = "another effect";
+
 /// Cases by truth and answer, effects without their channels; cases of two effects are not in it.
 pub(super) fn confusion(cases: &[Judged]) -> Matrix {
     let effects = effects(cases);
@@ -62,14 +65,15 @@ pub(super) fn confusion(cases: &[Judged]) -> Matrix {
     let columns = named(
         &effects,
         &["nothing"],
-        &["two effects", "unknown", "undecided", "failed"],
+        &[ANOTHER, "two effects", "unknown", "undecided", "failed"],
     );
     let answered = |case: &Judged| {
         let word = case
             .answer
             .as_ref()
             .map_or("failed".to_owned(), |it| it.word());
-        columns.iter().position(|column| *column == word)
+        let place = |word: &str| columns.iter().position(|column| column == word);
+        place(&word).or_else(|| place(ANOTHER))
     };
     let row = |row: &String| {
         let mut counts = vec![0.0; columns.len()];
