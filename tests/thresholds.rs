@@ -6,8 +6,7 @@ mod results;
 use lugwheel::report::threshold_figure;
 use lugwheel::study::thresholds::{Statement, ThresholdScore};
 use lugwheel::study::{Options, Study};
-use results::{into, resumed};
-use std::ops::ControlFlow;
+use results::{done, into, resumed};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use tempfile::TempDir;
@@ -37,8 +36,7 @@ fn small(folder: &TempDir) -> Study {
 }
 
 fn held(study: &Study, options: &Options) -> Option<ThresholdScore> {
-    let outcome = study.execute(options, &|_| ControlFlow::Continue(()));
-    let outcome = outcome.unwrap_or_else(|error| panic!("{error}"));
+    let outcome = done(study, options);
     assert!(outcome.failed.is_empty());
     outcome.thresholds
 }

@@ -171,7 +171,7 @@ impl Demo {
         let series: Vec<Series> = series.collect();
         let files = GROUNDS.iter().map(|ground| self.file(ground, "h5"));
         let files: Vec<PathBuf> = files.collect();
-        let outcomes = write_all(&series, &files, self.jobs, progress)?;
+        let outcomes = write_all(&series, &files, self.jobs, progress, &mut |_, _| {})?;
         let grounds = GROUNDS.iter().zip(scenarios).zip(outcomes);
         grounds
             .map(|((ground, scenario), outcomes)| self.find(ground, scenario, outcomes))

@@ -114,16 +114,9 @@ impl Series<'_> {
         progress: &Progress,
         see: &mut dyn FnMut(u64, &Trace),
     ) -> anyhow::Result<Vec<Outcome>> {
-        let mut file = self.file(out)?;
-        let mut outcomes = Vec::new();
-        self.simulate(progress, |run, trace| {
-            outcomes.push(Outcome::of(&trace));
-            see(run, &trace);
-            Ok(file.add(&run_id(run), &trace)?)
-        })?;
-        interrupt::check()?;
-        file.finish()?;
-        Ok(outcomes)
+        let own = std::slice::from_ref(self);
+        let outcomes = write_all(own, &[out.to_owned()], self.jobs, progress, see)?;
+        Ok(outcomes.concat())
     }
 
     /// Simulates the runs and shows each in its turn to `see`; none is kept.
@@ -135,24 +128,15 @@ impl Series<'_> {
         progress: &Progress,
         see: &mut dyn FnMut(u64, &Trace),
     ) -> anyhow::Result<Vec<Outcome>> {
+        let own = std::slice::from_ref(self);
         let mut outcomes = Vec::new();
-        self.simulate(progress, |run, trace| {
+        simulate_all(own, self.jobs, progress, |_, run, trace| {
             outcomes.push(Outcome::of(&trace));
             see(run, &trace);
             Ok(())
         })?;
         interrupt::check()?;
         Ok(outcomes)
-    }
-
-    /// Simulates the runs and hands them to `take` in their order.
-    fn simulate(
-        &self,
-        progress: &Progress,
-        mut take: impl FnMut(u64, Trace) -> anyhow::Result<()>,
-    ) -> anyhow::Result<()> {
-        let own = std::slice::from_ref(self);
-        simulate_all(own, self.jobs, progress, |_, run, trace| take(run, trace))
     }
 
     fn file(&self, out: &Path) -> anyhow::Result<RunFileWriter> {
@@ -169,8 +153,8 @@ impl Series<'_> {
     }
 }
 
-/// Simulates several series and writes each to its file: all of them, or no file. No core waits for
-/// the last run of a series.
+/// Simulates several series and writes each to its file: all of them, or no file; `see` is shown every
+/// run in its turn. No core waits for the last run of a series.
 ///
 /// # Errors
 /// Those of [`Series::write`].
@@ -179,12 +163,14 @@ pub fn write_all(
     files: &[PathBuf],
     jobs: Jobs,
     progress: &Progress,
+    see: &mut dyn FnMut(u64, &Trace),
 ) -> anyhow::Result<Vec<Vec<Outcome>>> {
     let files = all.iter().zip(files).map(|(series, out)| series.file(out));
     let mut files = files.collect::<anyhow::Result<Vec<RunFileWriter>>>()?;
     let mut outcomes = vec![Vec::new(); all.len()];
     simulate_all(all, jobs, progress, |place, run, trace| {
         outcomes[place].push(Outcome::of(&trace));
+        see(run, &trace);
         Ok(files[place].add(&run_id(run), &trace)?)
     })?;
     interrupt::check()?;

@@ -126,24 +126,21 @@ struct Spread {
     common: Vec<f64>,
     /// As loud as they are.
     own: Vec<f64>,
-    /// What effects add by their error of form.
+    /// What effects add to both by their error of form.
     form: Vec<f64>,
 }
 
 impl Spread {
-    /// With effects of this error of form.
-    fn with_form(&self, form: &[f64]) -> Self {
-        let sum = |variance: &[f64]| {
-            let mut sum = variance.to_vec();
-            add(&mut sum, 1.0, form);
-            sum
-        };
-        Self {
-            common: sum(&self.common),
-            own: sum(&self.own),
-            form: form.to_vec(),
-        }
+    /// Common and own variance, with this error of form.
+    fn with_form(&self, form: &[f64]) -> [Vec<f64>; 2] {
+        [&self.common, &self.own].map(|variance| sum(variance, form))
     }
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut sum = a.to_vec();
+    add(&mut sum, 1.0, b);
+    sum
 }
 
 /// A condition predicted from the others.
@@ -199,7 +196,7 @@ impl Fit {
                     let spread =
                         model.spread((emulated, observed), &departure, problem.calibration);
                     let freedom = problem.calibration.freedom;
-                    let own = spread.with_form(&spread.form).own;
+                    let own = sum(&spread.own, &spread.form);
                     let precision = precision(emulated, &departure, &own, freedom);
                     (spread, precision)
                 })
@@ -212,8 +209,8 @@ impl Fit {
         let held_out = held_out
             .map(|(number, _)| {
                 let against = another.map_or(&spreads, |another| &another.spreads);
-                let spread = against[number].with_form(&spreads[number].form);
-                posterior.predict(problem, number, (&spread, &defects[number]))
+                let variances = against[number].with_form(&spreads[number].form);
+                posterior.predict(problem, number, (&variances, &defects[number]))
             })
             .collect();
         Self {
@@ -299,15 +296,16 @@ impl<'a> Model<'a> {
             add(&mut variance, 1.0, &self.defect.error);
             variance
         };
-        let mut spread = Spread {
-            common: variance(1.0),
-            own: Vec::new(),
-            form: self.form_error(emulated, calibration.equivalent),
-        };
-        let common = spread.with_form(&spread.form).common;
-        let loudness = Loudness::of(&scores(departure, common));
-        spread.own = variance(observed.loudness.possible(loudness));
-        spread
+        let (common, form) = (
+            variance(1.0),
+            self.form_error(emulated, calibration.equivalent),
+        );
+        let loudness = Loudness::of(&scores(departure, sum(&common, &form)));
+        Spread {
+            own: variance(observed.loudness.possible(loudness)),
+            common,
+            form,
+        }
     }
 
     /// Variance of the change by effects whose numbers are off by shares that leave a cosine of
@@ -772,7 +770,7 @@ impl Posterior {
         &self,
         problem: Problem,
         number: usize,
-        (spread, defect): (&Spread, &Defect),
+        ([common, own], defect): (&[Vec<f64>; 2], &Defect),
     ) -> HeldOut {
         let fold = self.fold(self.holds_out(problem).then_some(number));
         let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
@@ -785,12 +783,12 @@ impl Posterior {
             let mut adapted = offsets.clone();
             let (mut penalty, mut adapts) = (0.0, 0.0);
             if let Some(precision) = &fold.precisions[scale] {
-                let own = precision.l() * precision.l().transpose();
+                let of_others = precision.l() * precision.l().transpose();
                 let ahead = terms.projections.column(point) - &terms.information * &offsets;
-                if let Some(joint) = Cholesky::new(&own + &terms.information) {
+                if let Some(joint) = Cholesky::new(&of_others + &terms.information) {
                     let step = joint.solve(&ahead);
                     penalty = 0.5
-                        * (step.dot(&(&own * &step)) + log_determinant(&joint)
+                        * (step.dot(&(&of_others * &step)) + log_determinant(&joint)
                             - log_determinant(precision));
                     adapts = joint.solve(&terms.information).trace();
                     adapted += step;
@@ -798,19 +796,18 @@ impl Posterior {
             }
             let adapted = self.at(point, &adapted);
             let departure = Model::new(emulated, &adapted, defect).departure(observed);
-            let log_density =
-                emulated.scatter.independent * log_density(&departure, &spread.own, freedom);
+            let log_density = emulated.scatter.independent * log_density(&departure, own, freedom);
             logs.push(log_weight + log_density - penalty);
             if best.is_none() {
                 let scores = |variance: &[f64]| scores(&departure, variance.iter().copied());
-                let of_common = scores(&spread.common);
+                let of_common = scores(common);
                 let of_others = self.at(point, &offsets);
                 best = Some(HeldOut {
                     log_density: 0.0,
-                    scores: scores(&spread.own),
+                    scores: scores(own),
                     loudness: Loudness::of(&of_common),
                     square: mean_square(of_common.into_iter()),
-                    log_spread: spread.own.iter().map(|v| 0.5 * libm::log(*v)).sum(),
+                    log_spread: own.iter().map(|v| 0.5 * libm::log(*v)).sum(),
                     independent: emulated.scatter.independent,
                     freedom: (departure.len() as f64 - adapts).max(1.0),
                     shift: Model::new(emulated, &of_others, defect).change(),

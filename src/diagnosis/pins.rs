@@ -1,6 +1,6 @@
 //! Points at which the emulator was set right by simulating them.
 //!
-//! An [`Emulator`](super::Emulator) adds the changes of each parameter and effect, so it errs where
+//! An [`Emulator`] adds the changes of each parameter and effect, so it errs where
 //! several are off together: a rig whose soil differs by one standard deviation in moduli and
 //! exponent sinks otherwise than the sum of both. Two ways out were weighed. Moving its middle to the
 //! recalibrated parameters takes all slopes and replicates again, for every campaign. Simulating only
@@ -184,22 +184,21 @@ impl Emulator {
 
     /// Each parameter moved once by itself about a point; none where that was done near it.
     fn around(&self, point: &Point) -> Vec<Point> {
-        let moved = |parameter: usize| {
-            let mut moved = self.beside_pin(point);
-            moved.offsets[parameter] += STEP.copysign(point.offsets[parameter]);
+        let near = |pin: &&Point| {
+            let mut offsets = pin.offsets.iter().zip(&point.offsets);
+            pin.effects.is_empty() && offsets.all(|(pin, own)| (pin - own).abs() < ANEW)
+        };
+        // The point itself, and one a parameter.
+        if self.pins.iter().filter(near).count() > self.parameters.len() {
+            return Vec::new();
+        }
+        let middle = self.beside_pin(point);
+        let moved = |(parameter, offset): (usize, &f64)| {
+            let mut moved = middle.clone();
+            moved.offsets[parameter] += STEP.copysign(*offset);
             moved
         };
-        let was_moved = |moved: &Point| {
-            let near = |pin: &&Point| {
-                let off = pin.offsets.iter().zip(&moved.offsets).map(|(a, b)| a - b);
-                pin.effects.is_empty() && off.clone().all(|off| off.abs() < ANEW)
-            };
-            self.pins.iter().filter(near).count() > self.parameters.len()
-        };
-        match was_moved(point) {
-            true => Vec::new(),
-            false => (0..self.parameters.len()).map(moved).collect(),
-        }
+        point.offsets.iter().enumerate().map(moved).collect()
     }
 
     /// A point with the parameters of the nearest pin, where one is near: effects of sensors then see
