@@ -32,6 +32,7 @@ pub mod cost;
 mod emulator;
 mod fit;
 mod forest;
+mod form;
 mod further;
 mod grid;
 mod hypothesis;

@@ -19,6 +19,7 @@ use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::scatter::Scatter;
 use super::shape::{Knot, Shape};
 use crate::gap::{Cell, Condition, FEWEST_REPLICATES, Reading, Readings, Whitening};
+use std::collections::BTreeSet;
 
 /// Offset [prior standard deviations] beyond which a parameter's change bends no more: it was
 /// simulated up to one.
@@ -46,6 +47,8 @@ pub(super) struct Emulated {
     pub covariates: [f64; 3],
     /// The cell about which each whitened number is.
     pub cells: Vec<Cell>,
+    /// The part of the measurements, a domain of a channel, that each number belongs to, counted from 0.
+    pub parts: Vec<usize>,
     transform: Transform,
     /// Whitened replicates less their mean.
     pub replicates: Vec<Vec<f64>>,
@@ -137,6 +140,7 @@ impl Emulated {
             condition: responses.condition.clone(),
             covariates: responses.covariates,
             cells: transform.cells().to_vec(),
+            parts: parts(transform.cells()),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
             scatter: Scatter::of(
                 left_out,
@@ -210,6 +214,14 @@ impl Emulated {
     pub fn departure(&self, row: &[f64]) -> Vec<f64> {
         self.transform.apply(row)
     }
+}
+
+/// The domain of a channel that each cell belongs to, by its place among all there are.
+fn parts(cells: &[Cell]) -> Vec<usize> {
+    let of = |cell: &Cell| (cell.channel.clone(), cell.statistic.domain());
+    let all: BTreeSet<_> = cells.iter().map(of).collect();
+    let place = |cell: &Cell| all.range(..of(cell)).count();
+    cells.iter().map(place).collect()
 }
 
 /// Whitening about the replicates' mean.

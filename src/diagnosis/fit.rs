@@ -8,18 +8,17 @@
 //! best fit, less where [pins](super::pins) set it right; is scaled by how loud the runs of a condition
 //! were; and is less the farther a number lies from the fit (Student's t; Lange, Little and Taylor
 //! 1989, J. Am. Stat. Assoc. 84:881-896), so that no cell decides alone. An effect also has an error of
-//! form: no rig's has quite the law of the catalogue, and two signatures as alike as equivalent effects'
-//! are held to be one effect's. Without it a second effect that is not there took up what the first, tens of
-//! deviations large, was off by in its form. Few replicates whiten many
-//! statistics in part only, and what is left correlated would be counted as often as it shows:
-//! each condition's log likelihood is weighed by the share of its numbers that are independent, which
-//! replicates left out of the whitening tell ([`Scatter`](super::scatter::Scatter)).
+//! [form](super::form). Few replicates whiten many statistics in part only, and what is left correlated
+//! would be counted as often as it shows: each condition's log likelihood is weighed by the share of its
+//! numbers that are independent, which replicates left out of the whitening tell
+//! ([`Scatter`](super::scatter::Scatter)).
 //!
 //! All terms are sums over conditions: leaving one out is a subtraction. What the others say of it
 //! is a predictive density, Laplace's approximation over the parameters.
 
 use super::calibration::Calibration;
 use super::emulator::{BENT, Emulated, Emulator};
+use super::form;
 use super::grid::Axis;
 use super::hypothesis::{Hypothesis, Scale};
 use super::observation::{Observation, Observed};
@@ -223,7 +222,7 @@ impl Fit {
                 true => posterior.determined(),
                 false => 0.0,
             },
-            gains: posterior.gains(problem, (&about, &precisions)),
+            gains: gains(problem, &posterior, (&about, &precisions), &spreads),
             most: f64::INFINITY,
             held_out,
             spreads,
@@ -298,7 +297,7 @@ impl<'a> Model<'a> {
         };
         let (common, form) = (
             variance(1.0),
-            self.form_error(emulated, calibration.equivalent),
+            form::scattered(emulated, &self.point.effects, calibration.equivalent),
         );
         let loudness = Loudness::of(&scores(departure, sum(&common, &form)));
         Spread {
@@ -307,18 +306,53 @@ impl<'a> Model<'a> {
             form,
         }
     }
+}
 
-    /// Variance of the change by effects whose numbers are off by shares that leave a cosine of
-    /// `alike`.
-    fn form_error(&self, emulated: &Emulated, alike: f64) -> Vec<f64> {
-        let share = 1.0 / (alike * alike) - 1.0;
-        let mut variance = vec![0.0; emulated.cells.len()];
-        for &(effect, strength) in &self.point.effects {
-            let change = emulated.shapes[effect].at(strength);
-            add(&mut variance, share, &scaled(&change, &change));
+/// Log likelihood [-] that each effect of a fit adds to that without it, the emulator as it is for both: what
+/// pins are off by chance is in neither. Beside others it has to show where their error of form does not.
+fn gains(
+    problem: Problem,
+    fitted: &Posterior,
+    (about, precisions): (&[Local], &[Vec<f64>]),
+    spreads: &[Spread],
+) -> Vec<f64> {
+    let best = fitted.best();
+    let likelihood = |effects: &[usize], precisions: &[Vec<f64>]| {
+        let hypothesis = Hypothesis::Effects(effects.to_vec());
+        Posterior::new(problem, &hypothesis, (about, precisions), None).likelihood()
+    };
+    let gain = |effect: &usize| {
+        let others = best.effects.iter().copied();
+        let others: Vec<(usize, f64)> = others.filter(|(other, _)| other != effect).collect();
+        let without: Vec<usize> = others.iter().map(|(other, _)| *other).collect();
+        if others.is_empty() {
+            return fitted.likelihood() - likelihood(&without, precisions);
         }
-        variance
-    }
+        let beside = beside(problem, &best, &others, spreads);
+        likelihood(&fitted.effects, &beside) - likelihood(&without, &beside)
+    };
+    fitted.effects.iter().map(gain).collect()
+}
+
+/// What a fit's numbers tell beside the whole error of form of some of its effects.
+fn beside(
+    problem: Problem,
+    best: &Point,
+    others: &[(usize, f64)],
+    spreads: &[Spread],
+) -> Vec<Vec<f64>> {
+    let defects = problem.emulator.defects(best);
+    let conditions = problem.conditions().zip(spreads).zip(&defects);
+    conditions
+        .map(|(((emulated, observed), spread), defect)| {
+            let [_, mut variance] = spread.with_form(&spread.form);
+            let calibration = problem.calibration;
+            let aligned = form::aligned(emulated, others, calibration.equivalent);
+            add(&mut variance, 1.0, &aligned);
+            let departure = Model::new(emulated, best, defect).departure(observed);
+            precision(emulated, &departure, &variance, calibration.freedom)
+        })
+        .collect()
 }
 
 /// What a condition's numbers tell that lie so far from a fit, by Student's t.
@@ -656,18 +690,6 @@ impl Posterior {
     /// its own fit stands for that.
     fn holds_out(&self, problem: Problem) -> bool {
         problem.calibration.held_out && self.terms.len() > 1
-    }
-
-    /// Log likelihood [-] that each effect adds to that without it, the emulator as it is for all: what pins
-    /// are off by chance is in neither.
-    fn gains(&self, problem: Problem, given: (&[Local], &[Vec<f64>])) -> Vec<f64> {
-        let with = self.likelihood();
-        let gain = |effect: &usize| {
-            let others = self.effects.iter().filter(|other| *other != effect);
-            let others = Hypothesis::Effects(others.copied().collect());
-            with - Self::new(problem, &others, given, None).likelihood()
-        };
-        self.effects.iter().map(gain).collect()
     }
 
     /// Largest log likelihood [-] over strengths.

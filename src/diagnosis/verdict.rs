@@ -309,12 +309,42 @@ impl Weighing {
                 _ => (1.0 - of_unknown) * libm::exp(ranked.log_probability - all),
             };
         }
+        let failing = |h: &Hypothesis| {
+            let mut checks = checks.clone();
+            checks.any(|(other, check)| other == h && check.p < calibration.failed)
+        };
+        let alone = checks.clone().filter(|(_, check)| explains(check));
+        let alone: Vec<&Hypothesis> = alone.map(|(hypothesis, _)| hypothesis).collect();
+        self.without_seconds(&failing, &alone);
         let healthy = &healthy(ranking).hypothesis;
         let check = checks
             .clone()
             .find(|(hypothesis, _)| *hypothesis == healthy)
             .map(|(_, check)| check);
         self.cleared = check.is_none_or(|check| check.p >= calibration.failed || explains(&check));
+    }
+
+    /// Of a pair that fails its check, leaves the effect that explains the gap alone, the better of these,
+    /// best first: where the form of the first is off, a second that is not there always helps.
+    fn without_seconds(&mut self, failing: &dyn Fn(&Hypothesis) -> bool, alone: &[&Hypothesis]) {
+        for place in 0..self.masses.len() {
+            let (pair, mass) = self.masses[place].clone();
+            if pair.effects().len() < 2 || !failing(&pair) {
+                continue;
+            }
+            let within = |other: &&&Hypothesis| match other.effects() {
+                [one] => pair.effects().contains(one),
+                _ => false,
+            };
+            let Some(single) = alone.iter().find(within) else {
+                continue;
+            };
+            let mut masses = self.masses.iter_mut();
+            if let Some((_, of_single)) = masses.find(|(hypothesis, _)| hypothesis == *single) {
+                *of_single += mass;
+                self.masses[place].1 = 0.0;
+            }
+        }
     }
 
     /// Says which effects are not named because parameters may stand for them.

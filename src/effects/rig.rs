@@ -3,10 +3,13 @@
 use super::{Bound, Effect, OtherForm, Prior, Seat, Signature, Source, Stage};
 
 /// The effects of what holds and loads the wheel.
-pub(super) const EFFECTS: &[Effect] = &[RIG_RESONANCE, RAIL_FRICTION, LOAD_DRIFT];
+pub(super) const EFFECTS: &[Effect] = &[RIG_RESONANCE, RAIL_FRICTION, LOAD_DRIFT, LOAD_TRANSFER];
 
 /// Drawbar pull over load [-] at which both forms of guide friction are alike.
 const USUAL_PULL: f64 = 0.2;
+
+/// Slip [-] at which both forms of a load that drifts are alike.
+const USUAL_SLIP: f64 = 0.3;
 
 const RIG_RESONANCE: Effect = Effect {
     name: "rig_resonance",
@@ -120,7 +123,12 @@ const LOAD_DRIFT: Effect = Effect {
         dependence: "load W (1 + m s) at commanded slip s; none at slip 0; sinkage follows, which tells \
                      it from a wrong reading",
     },
-    confusers: &["gain_error", "force_crosstalk", "rail_friction"],
+    confusers: &[
+        "load_transfer",
+        "gain_error",
+        "force_crosstalk",
+        "rail_friction",
+    ],
     source: Source::Cited(
         "cmu-single-wheel (tests/data): +0.107 ± 0.016 per unit of slip over -1 to 0.9, of which most \
          on the braking side",
@@ -131,11 +139,41 @@ const LOAD_DRIFT: Effect = Effect {
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "the linkage adds that part of the drawbar pull to the load",
+        description: "with the square of slip, on either side; the same at slip 0.3",
         not_on: &[],
-        law: |setup, of_pull, _| {
-            setup.rig.frame_mut().load_transfer += of_pull;
+        law: |setup, per_slip, _| {
+            let slip = setup.rig.drive().commanded_slip(setup.wheel.radius);
+            *setup.rig.load_mut() *= 1.0 + per_slip * slip * slip.abs() / USUAL_SLIP;
             Ok(())
         },
     }),
+};
+
+const LOAD_TRANSFER: Effect = Effect {
+    name: "load_transfer",
+    title: "the linkage adds a part of the pull to the load",
+    edits: "rig.*.frame_flaws.load_transfer",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [-0.5, 0.5],
+        [0.01, 0.03, 0.1],
+        Prior::Normal {
+            mean: 0.0,
+            sd: 0.05,
+        },
+    )],
+    signature: Signature {
+        channels: &["normal_force", "acceleration_y", "sinkage"],
+        bound: Bound::WheelAngle,
+        dependence: "normal force follows the pull at every frequency, so lug passes too; in the mean by \
+                     slip, as a load that drifts",
+    },
+    confusers: &["load_drift", "force_crosstalk", "rail_friction"],
+    source: Source::Guess("an arm of 0.3 m whose pivot is 3, 10 or 30 mm off the line of the pull"),
+    law: |setup, of_pull, _| {
+        setup.rig.frame_mut().load_transfer += of_pull;
+        Ok(())
+    },
+    other_form: None,
 };

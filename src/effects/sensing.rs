@@ -12,6 +12,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     channels::LOW_PASS,
     channels::MOUNTING_RESONANCE,
     channels::GAIN_ERROR,
+    channels::NONLINEARITY,
     channels::BIAS_DRIFT,
     forces::FORCE_CROSSTALK,
     sampling::CLIPPING,

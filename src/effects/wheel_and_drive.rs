@@ -9,17 +9,20 @@ use crate::wheel::Lugs;
 /// The effects of the wheel and of what turns it.
 pub(super) const EFFECTS: &[Effect] = &[
     WHEEL_ECCENTRICITY,
+    WHEEL_OVALITY,
     SHORT_LUG,
     LUG_WEAR,
     MOTOR_COGGING,
     SERVO_RIPPLE,
     ENCODER_SCALE,
+    CARRIAGE_SCALE,
 ];
 
 /// Fewest lugs of a wheel on which one may be short.
 const FEWEST_LUGS: u32 = 4;
 
-/// Wheel speed [rad/s] at which both forms of cogging are alike: 14 mm/s on a rim of 140 mm.
+/// Wheel speed [rad/s] at which both forms of cogging are alike, and of a wrong scale: 14 mm/s on a rim
+/// of 140 mm.
 const USUAL_SPEED: f64 = 0.1;
 
 const WHEEL_ECCENTRICITY: Effect = Effect {
@@ -42,7 +45,7 @@ const WHEEL_ECCENTRICITY: Effect = Effect {
         dependence: "order 1 of the wheel, sidebands of the lug line; torque W e, so it grows with load; \
                      the same at every speed, and too slow for the accelerometer",
     },
-    confusers: &["short_lug", "slope"],
+    confusers: &["wheel_ovality", "short_lug", "slope"],
     source: Source::Cited(
         "ISO 2768-2, general tolerance of circular run-out, classes H, K, L: 0.1, 0.2, 0.5 mm, twice \
          the eccentricity; a wheel built up from sheet metal has more",
@@ -51,14 +54,39 @@ const WHEEL_ECCENTRICITY: Effect = Effect {
         setup.wheel.flaws.eccentricity += eccentricity;
         Ok(())
     },
-    other_form: Some(OtherForm {
-        description: "the rim is oval: order 2, by the same amplitude",
-        not_on: &[],
-        law: |setup, ovality, _| {
-            setup.wheel.flaws.ovality += ovality;
-            Ok(())
+    other_form: None,
+};
+
+const WHEEL_OVALITY: Effect = Effect {
+    name: "wheel_ovality",
+    title: "the rim is oval",
+    edits: "wheel.flaws.ovality",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "m",
+        [0.0, 0.01],
+        [1.0e-4, 4.0e-4, 1.5e-3],
+        Prior::LogNormal {
+            median: 3.0e-4,
+            factor: 2.0,
         },
-    }),
+    )],
+    signature: Signature {
+        channels: &["sinkage", "driving_torque", "drawbar_pull"],
+        bound: Bound::WheelAngle,
+        dependence: "order 2 of the wheel by this amplitude; the same at every speed, and too slow for the \
+                     accelerometer",
+    },
+    confusers: &["wheel_eccentricity", "short_lug"],
+    source: Source::Cited(
+        "ISO 2768-2, general tolerance of circular run-out, as of wheel_eccentricity: an oval rim runs out \
+         by twice the amplitude too",
+    ),
+    law: |setup, ovality, _| {
+        setup.wheel.flaws.ovality += ovality;
+        Ok(())
+    },
+    other_form: None,
 };
 
 const SHORT_LUG: Effect = Effect {
@@ -227,25 +255,73 @@ const ENCODER_SCALE: Effect = Effect {
         dependence: "all curves shift along slip by (1 - s) e; lug passes stand beside the orders of the \
                      angle read",
     },
-    confusers: &["lug_wear", "load_drift", "slip_sinkage", "clock_error"],
+    confusers: &[
+        "carriage_scale",
+        "lug_wear",
+        "load_drift",
+        "slip_sinkage",
+        "clock_error",
+    ],
     source: Source::Cited(
         "cmu-single-wheel (tests/data): rims commanded at 12 mm/s ran at 13.0; radius r or r + l is \
          11 % on the paper's wheel",
     ),
     law: |setup, error, _| {
-        drive_flaws(setup).wheel_scale /= 1.0 + error;
-        setup.sensors.encoder.wheel_angle.gain *= 1.0 + error;
+        scale_wheel(setup, 1.0 + error);
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "the carriage's scale is off in its stead, and its loop trusts it",
+        description: "counts are lost in proportion to speed; the same error at 0.1 rad/s",
         not_on: &[],
         law: |setup, error, _| {
-            drive_flaws(setup).carriage_scale *= 1.0 + error;
-            setup.sensors.encoder.forward_speed.gain /= 1.0 + error;
+            let radius = setup.wheel.radius;
+            let speed = setup
+                .rig
+                .drive()
+                .full_wheel_speed(radius)
+                .unwrap_or(USUAL_SPEED);
+            scale_wheel(setup, 1.0 + error * speed.abs() / USUAL_SPEED);
             Ok(())
         },
     }),
+};
+
+/// The encoder reads so many times the true angle, and the motor turns until it reads what is commanded.
+fn scale_wheel(setup: &mut Setup, scale: f64) {
+    drive_flaws(setup).wheel_scale /= scale;
+    setup.sensors.encoder.wheel_angle.gain *= scale;
+}
+
+const CARRIAGE_SCALE: Effect = Effect {
+    name: "carriage_scale",
+    title: "the carriage's scale is off, and its speed loop trusts it",
+    edits: "rig.*.drive_flaws.carriage_scale, sensors.encoder.forward_speed.gain",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "-",
+        [-0.2, 0.2],
+        [0.002, 0.01, 0.04],
+        Prior::Normal {
+            mean: 0.0,
+            sd: 0.015,
+        },
+    )],
+    signature: Signature {
+        channels: &["drawbar_pull", "acceleration_y", "driving_torque"],
+        bound: Bound::Condition,
+        dependence: "all curves shift along slip by (1 - s) e the other way than by the encoder; lug passes \
+                     and orders stay where they are",
+    },
+    confusers: &["encoder_scale", "load_drift", "slip_sinkage"],
+    source: Source::Guess(
+        "a measuring wheel or belt pulley of 20 mm that is 0.2 mm too small is 1 % off",
+    ),
+    law: |setup, error, _| {
+        drive_flaws(setup).carriage_scale *= 1.0 + error;
+        setup.sensors.encoder.forward_speed.gain /= 1.0 + error;
+        Ok(())
+    },
+    other_form: None,
 };
 
 fn drive_flaws<'a>(setup: &'a mut Setup) -> &'a mut DriveFlaws {

@@ -6,7 +6,7 @@ use crate::effects::{
 use crate::sensors::transducer::Transducer;
 
 /// Time [s] over which a drift is stated.
-const MINUTE: f64 = 60.0;
+const WARMING: f64 = 10.0;
 
 /// Bandwidth [Hz] over which noise is stated: what a channel at 2 kHz keeps.
 const NOISE_BAND: f64 = 1.0e3;
@@ -113,13 +113,13 @@ pub(super) const MOUNTING_RESONANCE: Effect = Effect {
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "on a soft pad: damping ratio 0.3 instead of 0.05",
+        description: "glued: damping ratio 0.15 instead of 0.05",
         not_on: &[],
         law: |setup, frequency, _| {
             let sensor = &mut setup.sensors.accelerometer;
             if frequency < sensor.mounting_frequency {
                 sensor.mounting_frequency = frequency;
-                sensor.mounting_damping = 0.3;
+                sensor.mounting_damping = 0.15;
             }
             Ok(())
         },
@@ -144,7 +144,13 @@ pub(super) const GAIN_ERROR: Effect = Effect {
         bound: Bound::Condition,
         dependence: "one channel, mean and all orders, in proportion to its reading",
     },
-    confusers: &["lug_action", "lug_wear", "load_drift", "apparent_cohesion"],
+    confusers: &[
+        "nonlinearity",
+        "lug_action",
+        "lug_wear",
+        "load_drift",
+        "apparent_cohesion",
+    ],
     source: Source::Cited(
         "data sheets: 7 to 7.5 % uncalibrated (ADXL350, XMMA1000P); 1 % calibrated (mmf.de)",
     ),
@@ -155,16 +161,7 @@ pub(super) const GAIN_ERROR: Effect = Effect {
         }
         Ok(())
     },
-    other_form: Some(OtherForm {
-        description: "not linear: right at zero, off by the error at the channel's usual reading, by \
-                      twice that at twice the reading",
-        not_on: &["sinkage"],
-        law: |setup, error, seated| {
-            let usual = usual(setup, seated);
-            transducer(setup, seated)?.curvature += error / usual;
-            Ok(())
-        },
-    }),
+    other_form: None,
 };
 
 const GAIN: Seat = Seat::new(
@@ -177,6 +174,46 @@ const GAIN: Seat = Seat::new(
     },
 );
 
+pub(super) const NONLINEARITY: Effect = Effect {
+    name: "nonlinearity",
+    title: "a channel reads in no straight proportion",
+    edits: "curvature of the channel",
+    stage: Stage::Sensors,
+    seats: &[
+        BEND.on("drawbar_pull"),
+        BEND.on("normal_force"),
+        BEND.on("driving_torque"),
+        BEND.on("acceleration_y"),
+    ],
+    signature: Signature {
+        channels: &["drawbar_pull", "normal_force", "driving_torque"],
+        bound: Bound::Condition,
+        dependence: "right at zero, off by the magnitude at the channel's usual reading and by twice that at \
+                     twice the reading: peaks more than the mean, and more at high loads",
+    },
+    confusers: &["gain_error", "clipping"],
+    source: Source::Cited(
+        "data sheet of the ADXL350: 0.5 % of full scale; forces alike, a guess, for a sensor used over all of \
+         its range or over a tenth of it",
+    ),
+    law: |setup, error, seated| {
+        let usual = usual(setup, seated);
+        transducer(setup, seated)?.curvature += error / usual;
+        Ok(())
+    },
+    other_form: None,
+};
+
+const BEND: Seat = Seat::new(
+    "-",
+    [-0.5, 0.5],
+    [0.002, 0.005, 0.03],
+    Prior::Normal {
+        mean: 0.0,
+        sd: 0.01,
+    },
+);
+
 /// What a channel reads in a usual run, in its unit.
 fn usual(setup: &Setup, seated: Seated) -> f64 {
     let load = setup.rig.load();
@@ -184,7 +221,6 @@ fn usual(setup: &Setup, seated: Seated) -> f64 {
         "normal_force" => load,
         "drawbar_pull" => 0.3 * load,
         "driving_torque" => 0.4 * load * setup.wheel.radius,
-        "forward_speed" => setup.rig.drive().forward_speed.abs().max(1.0e-3),
         _ => 0.5,
     }
 }
@@ -216,10 +252,10 @@ pub(super) const BIAS_DRIFT: Effect = Effect {
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "grows during the run, from zero to the magnitude in a minute",
+        description: "grows during the run, from zero to the magnitude in ten seconds",
         not_on: &[],
         law: |setup, offset, seated| {
-            transducer(setup, seated)?.drift += offset / MINUTE;
+            transducer(setup, seated)?.drift += offset / WARMING;
             Ok(())
         },
     }),
@@ -304,10 +340,12 @@ pub(super) const MAINS_HUM: Effect = Effect {
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "the ripple of a rectifier, at 100 Hz",
+        description: "distorted by a rectifier: half of it at 100 Hz",
         not_on: &[],
         law: |setup, amplitude, seated| {
-            transducer(setup, seated)?.ripple += amplitude;
+            let channel = transducer(setup, seated)?;
+            channel.hum += amplitude;
+            channel.ripple += 0.5 * amplitude;
             Ok(())
         },
     }),

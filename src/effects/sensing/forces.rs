@@ -1,6 +1,6 @@
 //! Sensors that look elsewhere than they should: leaning ones, and axes that mix.
 
-use crate::effects::{Bound, Effect, OtherForm, Prior, Seat, Signature, Source, Stage};
+use crate::effects::{Bound, Effect, Prior, Seat, Signature, Source, Stage};
 use crate::sensors::force_torque::ForceTorque;
 
 /// Rows and columns of the force sensor's matrix.
@@ -40,14 +40,7 @@ pub(super) const SENSOR_TILT: Effect = Effect {
         }
         Ok(())
     },
-    other_form: Some(OtherForm {
-        description: "transverse sensitivity of sin t in place of a lean: gravity is not felt",
-        not_on: &["drawbar_pull"],
-        law: |setup, tilt, _| {
-            setup.sensors.accelerometer.cross_axis += libm::sin(tilt.to_radians());
-            Ok(())
-        },
-    }),
+    other_form: None,
 };
 
 pub(super) const FORCE_CROSSTALK: Effect = Effect {
@@ -89,16 +82,7 @@ pub(super) const FORCE_CROSSTALK: Effect = Effect {
         }
         Ok(())
     },
-    other_form: Some(OtherForm {
-        description: "both ways alike between normal force and pull",
-        not_on: &["driving_torque"],
-        law: |setup, share, _| {
-            let matrix = &mut setup.sensors.force_torque.crosstalk;
-            matrix[NORMAL][PULL] += share;
-            matrix[PULL][NORMAL] += share;
-            Ok(())
-        },
-    }),
+    other_form: None,
 };
 
 const CROSSED: Seat = Seat::new(
