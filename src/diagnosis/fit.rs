@@ -112,6 +112,8 @@ pub(super) struct Fit {
     pub gains: Vec<f64>,
     /// What it can score at most [-].
     pub most: f64,
+    /// Mean square [-] that it leaves of all conditions beyond what measurements and replicates spread.
+    pub left: f64,
     /// What the other conditions say of each.
     pub held_out: Vec<HeldOut>,
     /// Of each condition's numbers.
@@ -224,6 +226,7 @@ impl Fit {
             },
             gains: gains(problem, &posterior, (&about, &precisions), &spreads),
             most: f64::INFINITY,
+            left: left(problem, &posterior.best()),
             held_out,
             spreads,
             hypothesis,
@@ -332,6 +335,20 @@ fn gains(
         likelihood(&fitted.effects, &beside) - likelihood(&without, &beside)
     };
     fitted.effects.iter().map(gain).collect()
+}
+
+/// Mean square [-] that a fit which ends here leaves of all conditions beyond what measurements and replicates
+/// spread.
+fn left(problem: Problem, best: &Point) -> f64 {
+    let defects = problem.emulator.defects(best);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for ((emulated, observed), defect) in problem.conditions().zip(&defects) {
+        let departure = Model::new(emulated, best, defect).departure(observed);
+        let precision = emulated.scatter.precision(&observed.variance);
+        sum += product(&departure, &scaled(&departure, &precision));
+        count += emulated.scatter.independent * departure.len() as f64;
+    }
+    (sum / count - 1.0).max(0.0)
 }
 
 /// What a fit's numbers tell beside the whole error of form of some of its effects.

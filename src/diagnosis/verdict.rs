@@ -268,80 +268,57 @@ impl Weighing {
         weighing
     }
 
-    /// Where every refit fails and leaves much of the gap, the unknown takes what they had; where
-    /// one leaves little of a gap, the unknown has a small share of what it had. That the unknown itself
-    /// foretells better than all of them is not asked for: it did not, and a wrong pair was named,
-    /// where a world lacked an effect.
+    /// What neither passes its check nor explains the gap gives its share to the unknown; where the best does
+    /// explain it, the unknown has a small share of what it had. That the unknown itself foretells
+    /// better than all of them is not asked for: it did not, and a wrong pair was named, where a world
+    /// lacked an effect.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
-        let calibration = problem.calibration;
-        let shipped = &ranking.fits[0].hypothesis;
-        let checks = ranking
-            .ranked
-            .iter()
-            .filter_map(|ranked| Some((&ranked.hypothesis, ranked.check?)));
-        let before = checks
-            .clone()
-            .find(|(hypothesis, _)| *hypothesis == shipped);
-        let before = before.map_or(0.0, |(_, check)| check.excess);
-        let explains = |check: &Check| check.excess < calibration.left_over * before;
-        let best = checks
-            .clone()
-            .map(|(_, check)| if explains(&check) { 1.0 } else { check.p })
-            .fold(0.0, f64::max);
-        let kept = (best / calibration.failed).min(1.0);
-        if kept < 1.0 {
-            self.reasons.push(format!(
-                "no refit passes its check on held-out conditions (best p = {best:.1e})"
-            ));
-        }
-        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
-        let explained = before > NOTICEABLE && checks.clone().any(|(_, check)| explains(&check));
-        let of_unknown = match explained {
-            true => DOUBT * unknown,
-            false => unknown + (1.0 - kept) * (1.0 - unknown),
-        };
+        let trust = Trust::of(problem, ranking);
         let others = ranking.ranked.iter();
-        let others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
-        let all = log_sum(others.map(|ranked| ranked.log_probability));
+        let mut others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
+        let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
+        let best = others.next().map(|ranked| &ranked.hypothesis);
+        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let explained = trust.noticeable && best.is_some_and(|best| trust.explains(best));
+        let of_unknown = if explained { DOUBT * unknown } else { unknown };
         for ((hypothesis, mass), ranked) in self.masses.iter_mut().zip(&ranking.ranked) {
             *mass = match hypothesis {
                 Hypothesis::Unknown => of_unknown,
                 _ => (1.0 - of_unknown) * libm::exp(ranked.log_probability - all),
             };
         }
-        let failing = |h: &Hypothesis| {
-            let mut checks = checks.clone();
-            checks.any(|(other, check)| other == h && check.p < calibration.failed)
-        };
-        let alone = checks.clone().filter(|(_, check)| explains(check));
-        let alone: Vec<&Hypothesis> = alone.map(|(hypothesis, _)| hypothesis).collect();
-        self.without_seconds(&failing, &alone);
-        let healthy = &healthy(ranking).hypothesis;
-        let check = checks
-            .clone()
-            .find(|(hypothesis, _)| *hypothesis == healthy)
-            .map(|(_, check)| check);
-        self.cleared = check.is_none_or(|check| check.p >= calibration.failed || explains(&check));
+        self.without_seconds(&trust);
+        let mut lost = 0.0;
+        for (hypothesis, mass) in &mut self.masses {
+            let kept = trust.kept(hypothesis);
+            lost += (1.0 - kept) * *mass;
+            *mass *= kept;
+        }
+        let mut masses = self.masses.iter_mut();
+        if let Some((_, mass)) = masses.find(|(h, _)| *h == Hypothesis::Unknown) {
+            *mass += lost;
+        }
+        if lost >= problem.calibration.presumed {
+            let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
+            self.reasons.push(why.to_owned());
+        }
+        self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
     }
 
     /// Of a pair that fails its check, leaves the effect that explains the gap alone, the better of these,
     /// best first: where the form of the first is off, a second that is not there always helps.
-    fn without_seconds(&mut self, failing: &dyn Fn(&Hypothesis) -> bool, alone: &[&Hypothesis]) {
+    fn without_seconds(&mut self, trust: &Trust) {
         for place in 0..self.masses.len() {
             let (pair, mass) = self.masses[place].clone();
-            if pair.effects().len() < 2 || !failing(&pair) {
+            if pair.effects().len() < 2 || trust.passes(&pair) {
                 continue;
             }
-            let within = |other: &&&Hypothesis| match other.effects() {
-                [one] => pair.effects().contains(one),
+            let alone = |(other, _): &(Hypothesis, f64)| match other.effects() {
+                [one] => pair.effects().contains(one) && trust.explains(other),
                 _ => false,
             };
-            let Some(single) = alone.iter().find(within) else {
-                continue;
-            };
-            let mut masses = self.masses.iter_mut();
-            if let Some((_, of_single)) = masses.find(|(hypothesis, _)| hypothesis == *single) {
-                *of_single += mass;
+            if let Some(single) = self.masses.iter().position(alone) {
+                self.masses[single].1 += mass;
                 self.masses[place].1 = 0.0;
             }
         }
@@ -395,9 +372,6 @@ impl Weighing {
         let [none, parameter, unknown] =
             [Hypothesis::None, Hypothesis::Parameter, Hypothesis::Unknown]
                 .map(|known| self.mass(|h| *h == known));
-        if unknown >= confident {
-            return (Answer::Unknown, Vec::new());
-        }
         if self.undecided > 1.0 - confident {
             return (Answer::Undecided, Vec::new());
         }
@@ -408,6 +382,9 @@ impl Weighing {
                 false => Answer::Parameter,
             };
             return (answer, Vec::new());
+        }
+        if unknown >= confident {
+            return (Answer::Unknown, Vec::new());
         }
         let alike = |a: usize, b: usize| a == b || equivalent(problem, projected, a, b);
         let same = |a: &[usize], b: &[usize]| match (a, b) {
@@ -504,6 +481,71 @@ impl Weighing {
             detectable: screened.detectable,
             absorbed: screened.absorbed,
         })
+    }
+}
+
+/// Which explanations are good enough to be named.
+struct Trust<'a> {
+    ranking: &'a Ranking,
+    /// p-value [-] below which a check fails, and share [-] of a gap that what explains it may leave.
+    failed: f64,
+    left_over: f64,
+    /// Mean square [-] beyond what spread explains that the scenario as shipped leaves, outlying numbers cut, and that
+    /// recalibration does, all numbers whole.
+    shipped: f64,
+    recalibrated: f64,
+    /// Whether there is a gap to explain.
+    noticeable: bool,
+}
+
+impl<'a> Trust<'a> {
+    fn of(problem: Problem, ranking: &'a Ranking) -> Self {
+        let shipped = &ranking.fits[0];
+        let excess = Check::of(problem, shipped).excess;
+        Self {
+            ranking,
+            failed: problem.calibration.failed,
+            left_over: problem.calibration.left_over,
+            shipped: excess,
+            recalibrated: healthy(ranking).left,
+            noticeable: excess > NOTICEABLE,
+        }
+    }
+
+    fn checked(&self, hypothesis: &Hypothesis) -> Option<Check> {
+        let mut ranked = self.ranking.ranked.iter();
+        ranked
+            .find(|ranked| ranked.hypothesis == *hypothesis)?
+            .check
+    }
+
+    fn passes(&self, hypothesis: &Hypothesis) -> bool {
+        let check = self.checked(hypothesis);
+        check.is_none_or(|check| check.p >= self.failed)
+    }
+
+    /// Whether an explanation leaves little of the gap: recalibration of that as shipped, effects of what
+    /// recalibration leaves. An effect's loudest numbers count whole: it is there that one of another form is
+    /// told from a wrong one.
+    fn explains(&self, hypothesis: &Hypothesis) -> bool {
+        match hypothesis.effects() {
+            [] => {
+                let check = self.checked(hypothesis);
+                check.is_some_and(|check| check.excess < self.left_over * self.shipped)
+            }
+            _ => {
+                let fit = self.ranking.fit(hypothesis);
+                fit.is_some_and(|fit| fit.left < self.left_over * self.recalibrated)
+            }
+        }
+    }
+
+    /// Share [-] of its probability that an explanation keeps.
+    fn kept(&self, hypothesis: &Hypothesis) -> f64 {
+        match self.checked(hypothesis) {
+            Some(check) if !self.explains(hypothesis) => (check.p / self.failed).min(1.0),
+            _ => 1.0,
+        }
     }
 }
 
