@@ -24,7 +24,7 @@ const STRONG: f64 = 4.0;
 
 /// Mean square [-] beyond what spread explains from which on there is a gap to explain.
 const NOTICEABLE: f64 = 0.2;
-/// Share [-] that the unknown keeps where a refit explains the gap.
+/// Share [-] that the unknown keeps where the best refit passes its check or explains the gap.
 const DOUBT: f64 = 0.1;
 /// Share [-] that stays decided where the simulator refutes the answer.
 const REFUTED: f64 = 0.4;
@@ -269,7 +269,7 @@ impl Weighing {
     }
 
     /// What neither passes its check nor explains the gap gives its share to the unknown; where the best does
-    /// explain it, the unknown has a small share of what it had. That the unknown itself foretells
+    /// either, the unknown has a small share of what it had. That the unknown itself foretells
     /// better than all of them is not asked for: it did not, and a wrong pair was named, where a world
     /// lacked an effect.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
@@ -279,8 +279,8 @@ impl Weighing {
         let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
         let best = others.next().map(|ranked| &ranked.hypothesis);
         let unknown = self.mass(|h| *h == Hypothesis::Unknown);
-        let explained = trust.noticeable && best.is_some_and(|best| trust.explains(best));
-        let of_unknown = if explained { DOUBT * unknown } else { unknown };
+        let is_good = trust.noticeable && best.is_some_and(|best| trust.kept(best) == 1.0);
+        let of_unknown = if is_good { DOUBT * unknown } else { unknown };
         for ((hypothesis, mass), ranked) in self.masses.iter_mut().zip(&ranking.ranked) {
             *mass = match hypothesis {
                 Hypothesis::Unknown => of_unknown,

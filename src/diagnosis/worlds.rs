@@ -1028,6 +1028,34 @@ fn an_effect_that_is_not_in_the_library_is_unknown_and_no_other_effect() {
 }
 
 #[test]
+fn an_effect_that_is_not_in_the_library_is_unknown_though_one_that_is_takes_half_of_its_gap() {
+    let mut world = World::new(SMALL, 1);
+    let mut rng = Seed(1).rng("half alike", 0);
+    for signatures in &mut world.signatures {
+        let [left_out, own] = [signatures[3].clone(), pattern(SMALL.cells, 1.0, &mut rng)];
+        let size = product::product(&left_out, &left_out) / product::product(&own, &own);
+        let mut alike = left_out;
+        product::add(&mut alike, libm::sqrt(size), &own);
+        signatures[4] = alike;
+    }
+    let mut library = world.library(1);
+    library.candidates.remove(3);
+    for condition in &mut library.conditions {
+        condition.effects.remove(3);
+    }
+    let bench = Bench::of(world, library, 2, 1);
+    for seed in 0..4 {
+        let verdict = bench.verdict(&Truth::effect(3, 6.0), 920 + seed);
+        assert_eq!(
+            verdict.verdict,
+            Answer::Unknown,
+            "{:?}",
+            verdict.probabilities
+        );
+    }
+}
+
+#[test]
 fn an_effect_of_another_form_among_runs_that_went_astray_is_named_all_the_same() {
     let bench = &*BENCH;
     let mut named = 0;

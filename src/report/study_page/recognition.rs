@@ -4,7 +4,7 @@ use super::value_cell;
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{FeaturePoint, Group, confusion_figure, feature_planes, feature_values};
-use crate::study::score::features::{FeaturesOfScenario, Slope};
+use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
 
 /// How many answers were right, method by method, beside those published.
@@ -188,29 +188,43 @@ fn features(score: &RecognitionScore) -> Option<Section> {
 
 const NAMES: [&str; 4] = ["p1 frequency", "p2 amplitudes", "p3 mean", "p4 mean square"];
 
+/// A row a feature: side by side the four are wider than a page.
 fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
-    let row = |of: &FeaturesOfScenario| {
-        let features = of.features.iter().flat_map(|spread| {
-            let [low, middle, high] = spread.percentiles.map(|p| format!("{p:.2}"));
+    let rows = |of: &FeaturesOfScenario| -> Vec<Vec<Cell>> {
+        let row = |(name, spread): (&&str, &FeatureSpread)| {
+            let [low, middle, high] = spread.percentiles.map(hundredths);
             let text = format!("{middle} ({low} to {high})").replace('-', "−");
-            [
+            vec![
+                Cell::text(&of.scenario),
+                Cell::text(*name),
                 Cell::Written(text, spread.percentiles[1]),
                 Cell::Count(spread.within as u64),
+                Cell::Count(of.n as u64),
             ]
-        });
-        let first = [Cell::text(&of.scenario), Cell::Count(of.n as u64)];
-        first.into_iter().chain(features).collect()
+        };
+        NAMES.iter().zip(&of.features).map(row).collect()
     };
-    let names = NAMES.iter().flat_map(|name| {
-        let symbol = name.split(' ').next().unwrap_or(name);
-        [(*name).to_owned(), format!("{symbol} in its region")]
-    });
+    let columns = [
+        "scenario",
+        "feature",
+        "median (10 % to 90 %)",
+        "in the region",
+        "windows",
+    ];
     Table {
-        caption: "Median of each feature (10 % to 90 % of the windows), and windows within the paper's limits \
-                  for what the ground stands for"
+        caption: "Each feature over all windows, and windows within the paper's limits for what the ground \
+                  stands for"
             .to_owned(),
-        columns: Column::named(["scenario", "windows"].map(str::to_owned).into_iter().chain(names)),
-        rows: scenarios.iter().map(row).collect(),
+        columns: Column::named(columns.into_iter().map(str::to_owned)),
+        rows: scenarios.iter().flat_map(rows).collect(),
+    }
+}
+
+/// With two places, and a zero that has no sign.
+fn hundredths(value: f64) -> String {
+    match libm::round(100.0 * value) / 100.0 {
+        0.0 => "0.00".to_owned(),
+        rounded => format!("{rounded:.2}"),
     }
 }
 
