@@ -52,6 +52,7 @@ mod scatter;
 mod screen;
 mod shape;
 mod shrinkage;
+mod shrinking;
 mod unknown;
 mod verdict;
 #[cfg(test)]

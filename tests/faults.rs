@@ -129,7 +129,8 @@ fn a_study_killed_at_ten_moments_and_resumed_leaves_the_bytes_of_one_that_was_no
 fn parts_of_killed_processes_are_removed_when_the_study_is_whole() {
     let folder = copy();
     let out = folder.path().join("out");
-    for part in ["out/.lugwheel-a.part", "out/shards/.lugwheel-b.part"] {
+    for place in ["", "shards/", "scenarios/"] {
+        let part = format!("out/{place}.lugwheel-a.part");
         fs::write(folder.path().join(part), "half a li").unwrap();
     }
     done(&study(folder.path(), "--resume").output().unwrap());

@@ -106,7 +106,8 @@ pub(super) struct Design {
 }
 
 impl Design {
-    /// The committed design of a ground of that name, with runs of `duration` [s] where given.
+    /// The committed design of a ground of that name, with runs of `duration` [s] where given, and
+    /// no longer lead-in.
     ///
     /// # Errors
     /// `ScenarioError` where the scenario cannot be that long.
@@ -189,6 +190,9 @@ impl Committed {
         let mut set = table.set;
         if let Some(duration) = duration {
             set.insert("duration".to_owned(), duration);
+            // Runs cut short are for trying a trial: they are not to cost what the others do.
+            set.entry("lead_in".to_owned())
+                .and_modify(|lead_in| *lead_in = lead_in.min(duration));
         }
         let assigned: Vec<String> = set
             .iter()

@@ -71,7 +71,7 @@ struct Make {
     /// Ground of the campaigns: sand, hard, gravel (nine times the time); may be given several times
     #[arg(long, value_name = "NAME", default_values_t = ["sand".to_owned(), "hard".to_owned()], value_parser = GROUNDS)]
     ground: Vec<String>,
-    /// Duration of each of the twelve runs of a case [s]; 8 if not given
+    /// Duration of each of the twelve runs of a case, and their longest lead-in [s]; 8 and 2 if not given
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
     /// Seed of all cases and salts: whoever knows it knows the truth. Drawn by the operating system

@@ -9,7 +9,7 @@
 //! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it. What spread
 //! they have in a run that had no part in it, and how many of them count, is tried on
 //! replicates left out ([`Scatter`]). The scatter of the changes from
-//! stream to stream is the emulator's own error; changes are drawn to zero by it. Where several are
+//! stream to stream is the emulator's own error; changes are [shrunk](shrink) by it. Where several are
 //! off together it errs: [pins](super::pins) set it right there.
 
 use super::library::Beside;
@@ -18,6 +18,7 @@ use super::product::{middle, product};
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::scatter::Scatter;
 use super::shape::{Knot, Shape};
+use super::shrinking::shrink;
 use crate::gap::{Cell, Condition, FEWEST_REPLICATES, Reading, Readings, Whitening};
 use std::collections::BTreeSet;
 
@@ -140,7 +141,7 @@ impl Emulated {
             condition: responses.condition.clone(),
             covariates: responses.covariates,
             cells: transform.cells().to_vec(),
-            parts: parts(transform.cells()),
+            parts: transform.parts.clone(),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
             scatter: Scatter::of(
                 left_out,
@@ -179,8 +180,7 @@ impl Emulated {
         }
     }
 
-    /// What it lacks at a point that was simulated, a pair of runs a stream; drawn to zero where that
-    /// does not exceed its error.
+    /// What it lacks at a point that was simulated, a pair of runs a stream; [shrunk](shrink) by its error.
     ///
     /// What the runs without it are off their mean is taken from those with it in part (a control
     /// variate): near the scenario as shipped both see the same ground alike, far from it a lug meets
@@ -202,7 +202,7 @@ impl Emulated {
         self.add_parameters(&point.offsets, &mut told);
         self.add_effects(&point.effects, &mut told);
         super::product::add(&mut change, -1.0, &told);
-        drawn_to_zero(&mut change, &error);
+        shrink(&mut change, &error, &self.parts);
         Defect {
             change,
             error,
@@ -229,6 +229,7 @@ fn parts(cells: &[Cell]) -> Vec<usize> {
 struct Transform {
     whitening: Whitening,
     cells: Vec<Cell>,
+    parts: Vec<usize>,
     mean: Vec<f64>,
     /// The mean, whitened.
     centre: Vec<f64>,
@@ -245,6 +246,7 @@ impl Transform {
         let whitening = Whitening::of(&readings.iter().collect::<Vec<_>>())?;
         let mut transform = Self {
             centre: vec![0.0; cells.len()],
+            parts: parts(whitening.cells()),
             whitening,
             cells,
             mean: middle(rows),
@@ -275,12 +277,11 @@ impl Transform {
         self.apply(&row)
     }
 
-    /// Mean change over the streams, drawn to zero where it does not exceed its error, and the
-    /// variance of that mean.
+    /// Mean change over the streams, [shrunk](shrink) by its error, and the variance of that mean.
     fn change(&self, rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
         let white: Vec<Vec<f64>> = rows.iter().map(|row| self.moved(row)).collect();
         let (mut means, errors) = mean(&white);
-        drawn_to_zero(&mut means, &errors);
+        shrink(&mut means, &errors, &self.parts);
         (means, errors)
     }
 
@@ -340,12 +341,6 @@ fn shared(with: &[Vec<f64>], without: &[Vec<f64>]) -> f64 {
     };
     let scatter = sum(&without, &without).max(f64::MIN_POSITIVE);
     (sum(&with, &without) / scatter).clamp(0.0, 1.0)
-}
-
-fn drawn_to_zero(means: &mut [f64], errors: &[f64]) {
-    for (mean, error) in means.iter_mut().zip(errors) {
-        *mean *= (1.0 - error / (*mean * *mean).max(f64::MIN_POSITIVE)).max(0.0);
-    }
 }
 
 fn readings(cells: &[Cell], sizes: &[f64], row: &[f64]) -> Readings {

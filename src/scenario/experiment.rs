@@ -317,16 +317,16 @@ mod tests {
 
     #[test]
     fn an_effect_stands_in_the_text_once_with_its_last_magnitude_and_form() {
-        let tilt = |magnitude| Application::new("sensor_tilt.acceleration_y", magnitude).unwrap();
-        let scenario = short("quick").with_effect(&tilt(2.0)).unwrap();
-        let other = tilt(-3.0).in_form(Form::Other).unwrap();
+        let bias = |magnitude| Application::new("bias_drift.normal_force", magnitude).unwrap();
+        let scenario = short("quick").with_effect(&bias(2.0)).unwrap();
+        let other = bias(-3.0).in_form(Form::Other).unwrap();
         let scenario = scenario.with_effect(&other).unwrap();
         assert_eq!(scenario.effects, [other]);
         assert_eq!(scenario.text().matches("[[effect]]").count(), 1);
         let again = Scenario::from_toml(&scenario.to_toml(), "again").unwrap();
         assert_eq!(again.effects, [other]);
-        let own = again.with_effect(&tilt(1.0)).unwrap();
-        assert_eq!(own.effects, [tilt(1.0)]);
+        let own = again.with_effect(&bias(1.0)).unwrap();
+        assert_eq!(own.effects, [bias(1.0)]);
     }
 
     #[test]

@@ -120,10 +120,12 @@ impl Folder {
         entries.flatten().flatten().filter_map(number).collect()
     }
 
-    /// Removes what processes that were killed were writing.
+    /// Removes what processes that were killed were writing, here and in the folders in it.
     pub(super) fn remove_abandoned_parts(&self) {
-        for folder in [&self.path, &self.path.join(SHARDS)] {
-            whole_file::remove_abandoned_parts(folder);
+        whole_file::remove_abandoned_parts(&self.path);
+        let entries = std::fs::read_dir(&self.path).into_iter().flatten();
+        for entry in entries.flatten() {
+            whole_file::remove_abandoned_parts(&entry.path());
         }
     }
 
