@@ -9,7 +9,7 @@ use crate::scenario::Scenario;
 use crate::sensors::Sensors;
 use crate::simulation::rig::Rig;
 use crate::soil::Soil;
-use crate::terrain::{HardContact, Roughness, Stones, TerrainSpec};
+use crate::terrain::{HardContact, Joints, Roughness, Stones, TerrainSpec};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -109,6 +109,15 @@ pub const PARAMETERS: &[Parameter] = &[
         sd: 0.5,
         source: Source::Guess("judged by eye"),
         places: |scenario| each(roughness(&mut scenario.terrain), |it| vec![&mut it.rms]),
+    },
+    Parameter {
+        name: "joint_step",
+        title: "height between neighbouring bricks",
+        unit: "m",
+        coordinate: Coordinate::Logarithm,
+        sd: 0.5,
+        source: Source::Guess("judged by eye, as the roughness"),
+        places: |scenario| each(joints(&mut scenario.terrain), |it| vec![&mut it.step]),
     },
     Parameter {
         name: "wheel_friction",
@@ -258,6 +267,18 @@ fn roughness(terrain: &mut TerrainSpec) -> Vec<&mut Roughness> {
             }
             _ => None,
         })
+        .collect()
+}
+
+fn joints(terrain: &mut TerrainSpec) -> Vec<&mut Joints> {
+    let grounds = grounds(terrain).into_iter();
+    grounds
+        .filter_map(|ground| match ground {
+            TerrainSpec::Hard { joints, .. } => joints.as_mut(),
+            _ => None,
+        })
+        // What is level stays level by any factor.
+        .filter(|joints| joints.step > 0.0)
         .collect()
 }
 
@@ -426,6 +447,7 @@ mod tests {
             "moving_mass",
         ];
         assert_eq!(names("single_wheel_ref"), flat);
+        assert!(names("single_wheel_ht").contains(&"joint_step"));
     }
 
     #[test]

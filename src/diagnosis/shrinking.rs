@@ -56,7 +56,7 @@ impl Slab {
             variance: square / count.max(1.0),
         };
         for _ in 0..STEPS {
-            if !(slab.variance > 0.0) {
+            if slab.variance <= 0.0 {
                 return None;
             }
             let (mut weights, mut squares) = (0.0, 0.0);
