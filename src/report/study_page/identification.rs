@@ -7,7 +7,6 @@ use crate::recognition::confusion::Share;
 use crate::report::page::{Cell, Column, Figure, Section, Table, four_digits};
 use crate::report::{IdentifiedGround, force_curves, parameter_figure};
 use crate::soil::{Soil, table_6};
-use crate::study::identification::Published;
 use crate::study::identification::score::{
     Accuracy, CarriedScore, Choice, GroundScore, GroupScore, IdentificationScore, ModelScore,
     ParameterScore, PredictionScore, Source,
@@ -64,25 +63,33 @@ pub fn sections(score: &IdentificationScore) -> Vec<Section> {
     sections
 }
 
-/// The force errors of every ground and model, beside those published.
+/// The force errors of every ground and model, beside those published, a row a force.
 pub fn force_errors(score: &IdentificationScore) -> Table {
     let rows = score.grounds.iter().flat_map(|ground| {
         let fitted = ground.models.iter().filter(|model| model.groups > 0);
-        let models = fitted.map(|model| model_row(ground, model));
-        let published = score
-            .published
-            .map(|published| published_row(ground, &published));
+        let models = fitted.flat_map(|model| {
+            let name = model_name(ground, model);
+            Force::ALL.map(|force| {
+                let numbers = model_errors(model, force);
+                row_of_force(ground, &name, force, numbers)
+            })
+        });
+        let published = score.published.into_iter().flat_map(|published| {
+            Force::ALL.map(|force| {
+                // It stands for all rows of a ground: they were fitted.
+                let error = percent_cell(published.error(ground.label.class(), force));
+                let numbers = std::iter::once(error).chain(std::iter::repeat_n(Cell::Missing, 4));
+                row_of_force(ground, "published", force, numbers)
+            })
+        });
         models.chain(published).collect::<Vec<_>>()
     });
-    let of_forces = ["fitted", "means", "left out", "scatter of means", "covered"];
-    let columns = of_forces.iter().flat_map(|what| {
-        Force::ALL.map(|force| Column::new(format!("{what}, {}", short(force)), "%"))
-    });
+    let errors = ["fitted", "means", "left out", "scatter of means", "covered"];
     Table {
         caption: "Errors of drawbar pull, load and driving torque".to_owned(),
-        columns: Column::named(["scenario", "ground", "model"])
+        columns: Column::named(["scenario", "ground", "model", "force"])
             .into_iter()
-            .chain(columns)
+            .chain(errors.map(|what| Column::new(what, "%")))
             .collect(),
         rows: rows.collect(),
     }
@@ -96,7 +103,7 @@ fn short(force: Force) -> &'static str {
     }
 }
 
-fn model_row(ground: &GroundScore, model: &ModelScore) -> Vec<Cell> {
+fn model_name(ground: &GroundScore, model: &ModelScore) -> String {
     let class = ground.label.class();
     let name = match model.choice {
         Choice::Recognized => "of the class recognised".to_owned(),
@@ -104,39 +111,29 @@ fn model_row(ground: &GroundScore, model: &ModelScore) -> Vec<Cell> {
         Choice::Always(of) => format!("{of} (wrong here)"),
     };
     // Else its errors would be read beside those of other fits.
-    let name = match model.groups < ground.groups {
+    match model.groups < ground.groups {
         true => format!("{name}: {} of {} fits", model.groups, ground.groups),
         false => name,
-    };
-    let ModelScore {
-        fitted,
-        means,
-        left_out,
-        ..
-    } = model;
-    let mut cells = first_cells(ground, name);
-    for accuracy in [fitted, means, left_out] {
-        cells.extend(errors(accuracy));
     }
-    cells.extend(Force::ALL.map(|force| percent_cell(means.scatter_percent.get(force))));
-    cells.extend(covered(left_out));
-    cells
 }
 
-/// The published errors stand for all rows of a ground: they were fitted.
-fn published_row(ground: &GroundScore, published: &Published) -> Vec<Cell> {
-    let errors = Force::ALL.map(|force| percent_cell(published.error(ground.label.class(), force)));
-    let mut cells = first_cells(ground, "published".to_owned());
-    cells.extend(errors);
-    cells.extend(std::iter::repeat_n(Cell::Missing, 12));
-    cells
+fn row_of_force(
+    ground: &GroundScore,
+    model: &str,
+    force: Force,
+    numbers: impl IntoIterator<Item = Cell>,
+) -> Vec<Cell> {
+    let names = [&ground.scenario, ground.label.as_str(), model, short(force)];
+    names.into_iter().map(Cell::text).chain(numbers).collect()
 }
 
-fn first_cells(ground: &GroundScore, model: String) -> Vec<Cell> {
-    vec![
-        Cell::text(&ground.scenario),
-        Cell::text(ground.label.as_str()),
-        Cell::Text(model),
+fn model_errors(model: &ModelScore, force: Force) -> [Cell; 5] {
+    [
+        percent_cell(model.fitted.error(force)),
+        percent_cell(model.means.error(force)),
+        percent_cell(model.left_out.error(force)),
+        percent_cell(model.means.scatter_percent.get(force)),
+        covered(&model.left_out, force),
     ]
 }
 
@@ -144,13 +141,9 @@ fn errors(accuracy: &Accuracy) -> [Cell; 3] {
     Force::ALL.map(|force| percent_cell(accuracy.error(force)))
 }
 
-fn covered(accuracy: &Accuracy) -> [Cell; 3] {
-    Force::ALL.map(|force| {
-        let share = accuracy.covered.get(&force);
-        let told =
-            |share: &Share| Cell::Written(format!("{:.0}", 100.0 * share.value), share.value);
-        share.map_or(Cell::Missing, told)
-    })
+fn covered(accuracy: &Accuracy, force: Force) -> Cell {
+    let told = |share: &Share| Cell::Written(format!("{:.0}", 100.0 * share.value), share.value);
+    accuracy.covered.get(&force).map_or(Cell::Missing, told)
 }
 
 fn percent_cell(value: Option<f64>) -> Cell {
@@ -160,7 +153,7 @@ fn percent_cell(value: Option<f64>) -> Cell {
 }
 
 fn parameters(score: &IdentificationScore) -> Section {
-    Section::new("Which parameters does the ground have?")
+    let section = Section::new("Which parameters does the ground have?")
         .prose(
             "By the model of the class recognised, or of the label's class where none was. A rim stands for the wheel \
              in every model: what lugs do is in the parameters, so that an interval need not hold the soil's own \
@@ -170,7 +163,42 @@ fn parameters(score: &IdentificationScore) -> Section {
             parameter_drawing(score),
             "Parameters and their 95 % intervals by ground; a diamond is the scenario's own value.",
         ))
-        .table(identified_parameters(score))
+        .table(identified_parameters(score));
+    match numbered(score) {
+        true => section.table(fits(score)),
+        false => section,
+    }
+}
+
+/// Keys beyond which a fit is told by its number: their values would fill the table.
+const KEYS: usize = 2;
+
+fn numbered(score: &IdentificationScore) -> bool {
+    score.groups.iter().any(|group| group.shared.len() > KEYS)
+}
+
+/// What each number of a fit stands for.
+fn fits(score: &IdentificationScore) -> Table {
+    let keys = score.groups.iter().map(|group| &group.shared);
+    let keys = keys.max_by_key(|shared| shared.len());
+    let keys = keys.into_iter().flatten();
+    let keys = keys.map(|(key, _)| last_part(key).replace('_', " "));
+    let first = ["fit", "scenario"].map(str::to_owned);
+    let row = |(number, group): (usize, &GroupScore)| {
+        let values = group.shared.iter().map(|(_, value)| value_cell(value));
+        let first = [Cell::Count(number as u64 + 1), Cell::text(&group.scenario)];
+        first.into_iter().chain(values).collect()
+    };
+    Table {
+        caption: "The fits by their numbers".to_owned(),
+        columns: Column::named(first.into_iter().chain(keys)),
+        rows: score.groups.iter().enumerate().map(row).collect(),
+    }
+}
+
+/// Of `sensors.vision.delay` the `delay`.
+fn last_part(key: &str) -> &str {
+    key.rsplit('.').next().unwrap_or(key)
 }
 
 /// The parameters of one group of every ground, drawn.
@@ -192,10 +220,15 @@ pub fn parameter_drawing(score: &IdentificationScore) -> String {
 /// has published errors, beside those of Table 6.
 pub fn identified_parameters(score: &IdentificationScore) -> Table {
     let is_beside = score.published.is_some();
-    let rows = score.groups.iter().flat_map(|group| {
+    let numbered = numbered(score);
+    let rows = score.groups.iter().enumerate().flat_map(|(number, group)| {
+        let fit = match numbered {
+            true => Cell::Count(number as u64 + 1),
+            false => Cell::Text(place(&group.scenario, &group.shared)),
+        };
         let (class, parameters) = group.parameters().unwrap_or((Wtic::Uwtic, &[]));
         let row = move |told: &ParameterScore| {
-            let mut cells = vec![Cell::text(place(&group.scenario, &group.shared))];
+            let mut cells = vec![fit.clone()];
             cells.push(Cell::text(class.as_str()));
             cells.push(Cell::text(told.parameter.name()));
             cells.push(Cell::text(told.unit));
@@ -210,7 +243,7 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
         parameters.iter().map(row)
     });
     let mut names = vec![
-        "fitted",
+        "fit",
         "model",
         "parameter",
         "unit",
@@ -265,7 +298,7 @@ fn table_6_value(label: TerrainLabel, parameter: Parameter) -> Option<f64> {
 fn place(scenario: &str, shared: &[(String, String)]) -> String {
     let values = shared
         .iter()
-        .map(|(key, value)| format!(", {key} = {value}"));
+        .map(|(key, value)| format!(", {} = {value}", last_part(key)));
     format!("{scenario}{}", values.collect::<String>())
 }
 
@@ -304,7 +337,7 @@ fn predictions(score: &IdentificationScore) -> Option<Section> {
             Cell::text(told.class.as_str()),
         ];
         cells.extend(errors(&told.accuracy));
-        cells.extend(covered(&told.accuracy));
+        cells.extend(Force::ALL.map(|force| covered(&told.accuracy, force)));
         cells.push(Cell::Text(beyond.join(", ")));
         cells
     };

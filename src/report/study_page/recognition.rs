@@ -4,7 +4,7 @@ use super::value_cell;
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{FeaturePoint, Group, confusion_figure, feature_planes, feature_values};
-use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope};
+use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
 
 /// How many answers were right, method by method, beside those published.
@@ -217,14 +217,6 @@ fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
             .to_owned(),
         columns: Column::named(columns.into_iter().map(str::to_owned)),
         rows: scenarios.iter().flat_map(rows).collect(),
-    }
-}
-
-/// With two places, and a zero that has no sign.
-fn hundredths(value: f64) -> String {
-    match libm::round(100.0 * value) / 100.0 {
-        0.0 => "0.00".to_owned(),
-        rounded => format!("{rounded:.2}"),
     }
 }
 

@@ -141,6 +141,14 @@ fn slope(points: &[[f64; 2]]) -> Option<Slope> {
     })
 }
 
+/// A feature with two places, and a zero that has no sign.
+pub(crate) fn hundredths(value: f64) -> String {
+    match libm::round(100.0 * value) / 100.0 {
+        0.0 => "0.00".to_owned(),
+        rounded => format!("{rounded:.2}"),
+    }
+}
+
 /// Writes the tables of features for reading.
 pub(super) fn write(f: &mut fmt::Formatter<'_>, scenarios: &[FeaturesOfScenario]) -> fmt::Result {
     writeln!(
@@ -166,12 +174,12 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, scenarios: &[FeaturesOfScenario]
     {
         write!(f, "  {scenario:width$}{n:>7}")?;
         for FeatureSpread {
-            percentiles: [low, middle, high],
+            percentiles,
             within,
             ..
         } in features
         {
-            let spread = format!("{low:.2} {middle:.2} {high:.2}");
+            let spread = percentiles.map(hundredths).join(" ");
             write!(f, "   {spread:<19}{within:>5}    ")?;
         }
         writeln!(f)?;
