@@ -29,6 +29,7 @@ mod calibration;
 mod check;
 pub mod condition;
 pub mod cost;
+mod denoising;
 mod emulator;
 mod fit;
 mod forest;
@@ -52,7 +53,6 @@ mod scatter;
 mod screen;
 mod shape;
 mod shrinkage;
-mod shrinking;
 mod unknown;
 mod verdict;
 #[cfg(test)]

@@ -244,6 +244,13 @@ pub fn catalogue() -> impl Iterator<Item = &'static Effect> {
     .flatten()
 }
 
+/// Names of all effects but these, without channels.
+pub fn names_but(these: &[&str]) -> Vec<String> {
+    let others = catalogue().map(|effect| effect.name);
+    let others = others.filter(|name| !these.contains(name));
+    others.map(str::to_owned).collect()
+}
+
 /// The effect of that name, without a channel.
 ///
 /// # Errors

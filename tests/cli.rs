@@ -480,7 +480,7 @@ fn a_study_ends_with_its_report_that_has_its_question_its_runs_and_its_command()
 }
 
 #[test]
-#[ignore = "simulates for a minute on two cores: cargo test --test cli -- --ignored"]
+#[ignore = "simulates for a minute on two cores: cargo test --test all cli:: -- --ignored"]
 fn the_demo_ends_with_its_report_whose_commands_write_the_same_bytes() {
     let folder = folder();
     let at = folder.path();

@@ -1,7 +1,7 @@
 //! Which physics rate each ground needs: statistics at cheaper rates over those at 128 kHz, on the
 //! same grounds. The default rates follow from the table, `output/reference/convergence.csv`.
 //!
-//! `cargo test --release --test convergence -- --ignored --nocapture` makes it anew, in half an
+//! `cargo test --release --test all convergence:: -- --ignored --nocapture` makes it anew, in half an
 //! hour on two cores; it goes on with what `output/convergence_*` hold.
 
 use lugwheel::study::{Options, Study};
@@ -120,7 +120,7 @@ fn interval(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[ignore = "half an hour: 240 runs on fixed ground, 300 on gravel"]
 fn default_rates_change_no_statistic_by_more_than_the_stated_bounds() {
     let mut out = String::from(
-        "# cargo test --release --test convergence -- --ignored; seeds 101 and 102; ratio to 128 kHz with 95 % interval\n\
+        "# cargo test --release --test all convergence:: -- --ignored; seeds 101 and 102; ratio to 128 kHz with 95 % interval\n\
          scenario,physics_rate_hz,metric,runs,kind,value,low,high\n",
     );
     let mut faults = Vec::new();

@@ -1,8 +1,6 @@
 //! The page of a diagnosis, as a reader meets it who was not there.
 
-mod chromium;
-
-use chromium::{look, sheets};
+use crate::chromium::{look, sheets};
 use lugwheel::diagnosis::arm::Arm;
 use lugwheel::diagnosis::condition::{Case, Cases, LONGEST};
 use lugwheel::diagnosis::cost::Cost;

@@ -10,11 +10,9 @@
 //! The cleaner score calibrates the sinkage exponent on two sinkages of the smooth wheel and
 //! predicts the lugged wheel, of which it has seen nothing.
 //!
-//! `cargo test --release --test ding2011 -- --nocapture` prints the tables.
+//! `cargo test --release --test all ding2011:: -- --nocapture` prints the tables.
 
-mod common;
-
-use common::{mean, rig, run};
+use crate::common::{mean, rig, run};
 use lugwheel::soil::departures::Departures;
 use lugwheel::soil::wheel_load::{WheelLoad, loads, sinkage_at};
 use lugwheel::soil::{Soil, StressConvention};

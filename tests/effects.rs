@@ -1,8 +1,6 @@
 //! Every effect shows as its entry in the catalogue says.
 
-mod common;
-
-use common::{drive, leg, mean, reference, rig, rms, run, steady};
+use crate::common::{drive, leg, mean, reference, rig, rms, run, steady};
 use lugwheel::effects::{Application, Form, Setup, catalogue};
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;

@@ -1,8 +1,6 @@
 //! Promises that hold on every ground a scenario is ready for.
 
-mod common;
-
-use common::{mean, rms};
+use crate::common::{mean, rms};
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::Wtic;

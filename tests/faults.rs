@@ -1,12 +1,9 @@
 //! What may befall a study - killed, no room, damaged files, a wrong clock - costs time, and no
 //! byte of its results.
 
-#[path = "common/results.rs"]
-mod results;
-
+use crate::common::results::contents;
 use lugwheel::quantity::Seed;
 use rand::RngExt;
-use results::contents;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -248,7 +245,7 @@ fn with_mounts(folder: &Path, line: &str) -> Output {
 }
 
 #[test]
-#[ignore = "mounts a small disk: cargo test --test faults -- --ignored"]
+#[ignore = "mounts a small disk: cargo test --test all faults:: -- --ignored"]
 fn a_full_disk_stops_the_study_and_more_room_lets_it_finish() {
     let folder = new_folder();
     // A page a file: 32 shards take a quarter of a mebibyte.
@@ -272,7 +269,7 @@ fn a_full_disk_stops_the_study_and_more_room_lets_it_finish() {
 }
 
 #[test]
-#[ignore = "mounts a read-only disk: cargo test --test faults -- --ignored"]
+#[ignore = "mounts a read-only disk: cargo test --test all faults:: -- --ignored"]
 fn a_folder_that_turned_read_only_stops_the_study_and_keeps_its_shards() {
     let folder = copy();
     let line = "mkdir disk && mount -t tmpfs tmpfs disk && cp -r out disk
@@ -291,7 +288,7 @@ fn a_folder_that_turned_read_only_stops_the_study_and_keeps_its_shards() {
 }
 
 #[test]
-#[ignore = "needs Debian's faketime: cargo test --test faults -- --ignored"]
+#[ignore = "needs Debian's faketime: cargo test --test all faults:: -- --ignored"]
 fn a_clock_that_is_wrong_and_runs_at_another_speed_changes_no_byte() {
     for clock in ["@1970-01-02 00:00:00 x50", "+70y x0.1", "-3d i2.0"] {
         let folder = new_folder();

@@ -1,7 +1,7 @@
 //! What the paper leaves open about its features, decided by what the choices do to windows of
 //! known ground. These seeds choose; no table of results uses them.
 //!
-//! `cargo test --release --test feature_choices -- --ignored --nocapture`
+//! `cargo test --release --test all feature_choices:: -- --ignored --nocapture`
 
 use lugwheel::features::lug_passes::lug_passes;
 use lugwheel::features::record::Record;

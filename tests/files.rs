@@ -536,8 +536,7 @@ fn a_full_disk_is_reported_and_leaves_nothing() {
     write(&folder.path().join("runs.h5"), &[("old", &noisy(10))]).unwrap();
     // `ulimit -f` counts blocks of 512 bytes in sh, 1024 in bash: 100 or 200 KiB, and the runs
     // have 500 KiB each.
-    let script =
-        "trap '' XFSZ; ulimit -f 200; exec \"$0\" --exact write_more_than_the_limit --ignored";
+    let script = "trap '' XFSZ; ulimit -f 200; exec \"$0\" --exact files::write_more_than_the_limit --ignored";
     let output = Command::new("sh")
         .args(["-c", script])
         .arg(std::env::current_exe().unwrap())

@@ -1,8 +1,6 @@
 //! Where measured and simulated runs differ: statistics read what was put in, p-values are uniform
 //! where nothing is wrong, and a difference is found where it is.
 
-mod common;
-
 use lugwheel::dataset::csv::Campaign;
 use lugwheel::features::Settings;
 use lugwheel::features::reference::Reference;

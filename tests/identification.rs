@@ -4,7 +4,7 @@
 //! Hard ground and gravel have one sinkage and so, by Eq. (62), one load for each slip, whatever
 //! the rig does: there three repeats take the place of three loads.
 //!
-//! `cargo test --release --test identification -- --ignored --nocapture` prints the tables.
+//! `cargo test --release --test all identification:: -- --ignored --nocapture` prints the tables.
 
 use lugwheel::identification::{
     Combination, Estimate, ForceErrors, Identification, Parameter, PredictedForce, RIGID_SINKAGE,

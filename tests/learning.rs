@@ -1,12 +1,9 @@
 //! Data sets for learners: the small variant of the published one, its files, its splits.
 
-#[path = "common/results.rs"]
-mod results;
-
+use crate::common::results::{done, into, resumed};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::learning::DataSet;
 use lugwheel::study::{Options, Study, StudyError};
-use results::{done, into, resumed};
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;

@@ -1,6 +1,6 @@
 //! Measured wheels: fitted at some slips, foretold at the others.
 //!
-//! `cargo test --release --test measured_soils -- --include-ignored --nocapture --test-threads 1`
+//! `cargo test --release --test all measured_soils:: -- --include-ignored --nocapture --test-threads 1`
 //! prints the tables.
 //!
 //! What may be fixed is what was measured otherwise: of Ding's soil `n` under plates, `K`, `c` and

@@ -1,8 +1,6 @@
 //! Pages as a reader meets them: on a screen, on a telephone, on paper.
 
-mod chromium;
-
-use chromium::{look, sheets};
+use crate::chromium::{look, sheets};
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::report::page::{Cell, Code, Column, Figure, Page, Provenance, Section, Table};
 use lugwheel::report::{ToldStudy, confusion_figure, page, study_page};

@@ -1,8 +1,6 @@
 //! The simulator against mechanics: statics, kinematics of the paper, signs, balances.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use lugwheel::scenario::Scenario;
 use lugwheel::simulation::rig::{Rig, SingleWheel};
 use lugwheel::soil::{Soil, StressConvention, wheel_load};

@@ -1,12 +1,9 @@
 //! A cluster changes where a study is computed, and no byte of its results: first on a queue in
 //! this process, then on a real Slurm that the tests start and damage.
 
-#[path = "common/results.rs"]
-mod results;
-
+use crate::common::results::contents;
 use lugwheel::study::slurm::{Job, JobState, News, Queue, SlurmError, Submission, TRIES};
 use lugwheel::study::{Options, Study, StudyError};
-use results::contents;
 use std::cell::{Cell, RefCell};
 use std::fs;
 use std::num::NonZeroUsize;
@@ -487,7 +484,7 @@ fn end(mut child: Child) -> (Option<i32>, String, String) {
 }
 
 #[test]
-#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test slurm -- --ignored"]
+#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test all slurm:: -- --ignored"]
 fn slurm_runs_a_whole_study_to_the_bytes_of_a_local_run_figures_included() {
     let cluster = Cluster::start(0.15);
     let options = "--slurm-tasks 5 --slurm-option=--time=10 --slurm-option=--comment=a_test";
@@ -507,7 +504,7 @@ fn slurm_runs_a_whole_study_to_the_bytes_of_a_local_run_figures_included() {
 }
 
 #[test]
-#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test slurm -- --ignored"]
+#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test all slurm:: -- --ignored"]
 fn node_and_controller_may_be_lost_midway_and_nothing_else_is() {
     let cluster = Cluster::start(3.0);
     let child = cluster.study("--slurm-tasks 4");
@@ -528,7 +525,7 @@ fn node_and_controller_may_be_lost_midway_and_nothing_else_is() {
 }
 
 #[test]
-#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test slurm -- --ignored"]
+#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test all slurm:: -- --ignored"]
 fn a_task_that_dies_is_tried_again() {
     let cluster = Cluster::start(3.0);
     let child = cluster.study("--slurm-tasks 3");
@@ -545,7 +542,7 @@ fn a_task_that_dies_is_tried_again() {
 }
 
 #[test]
-#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test slurm -- --ignored"]
+#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test all slurm:: -- --ignored"]
 fn a_shard_that_can_never_be_written_ends_the_study_after_three_tries() {
     let cluster = Cluster::start(0.15);
     fs::create_dir_all(cluster.at("out/shards/00003.runs.csv/x")).unwrap();
@@ -568,7 +565,7 @@ fn a_shard_that_can_never_be_written_ends_the_study_after_three_tries() {
 }
 
 #[test]
-#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test slurm -- --ignored"]
+#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test all slurm:: -- --ignored"]
 fn ctrl_c_leaves_the_jobs_running_and_resume_follows_them() {
     let cluster = Cluster::start(3.0);
     let child = cluster.study("--slurm-tasks 4");
@@ -592,7 +589,7 @@ fn ctrl_c_leaves_the_jobs_running_and_resume_follows_them() {
 }
 
 #[test]
-#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test slurm -- --ignored"]
+#[ignore = "starts Slurm (apt-get install slurm-wlm munge): cargo test --test all slurm:: -- --ignored"]
 fn an_option_that_slurm_refuses_is_told_in_its_words() {
     let cluster = Cluster::start(0.15);
     let (code, _, words) = end(cluster.study("--slurm-option=--partition=none"));

@@ -1,12 +1,9 @@
 //! A study's results depend on its file alone: not on threads, interruptions or how it was shared.
 
-#[path = "common/results.rs"]
-mod results;
-
+use crate::common::results::{contents, done, into, resumed};
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::{Options, Outcome, Progress, Run, Study, StudyError};
 use lugwheel::terrain::class::Wtic;
-use results::{contents, done, into, resumed};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

@@ -1,18 +1,15 @@
 //! A study's runs read as campaigns of a rig: as `diagnose` reads them, and to the same bytes however
 //! they are computed.
 
-#[path = "common/results.rs"]
-mod results;
-
+use crate::common::results::{contents, done, into, resumed};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::diagnosis::condition::LONGEST;
 use lugwheel::diagnosis::{Calibration, Investigation, Settings};
-use lugwheel::effects::catalogue;
+use lugwheel::effects::names_but;
 use lugwheel::scenario::Scenario;
 use lugwheel::study::diagnosis::score::{DiagnosisScore, Truth};
 use lugwheel::study::{Options, Study, StudyError};
 use lugwheel::trace::Trace;
-use results::{contents, done, into, resumed};
 use std::fs;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -22,8 +19,7 @@ use tempfile::TempDir;
 
 /// Effects left out to be fast: all but the gains of the channels.
 fn left_out() -> Vec<String> {
-    let others = catalogue().map(|effect| effect.name.to_owned());
-    others.filter(|name| name != "gain_error").collect()
+    names_but(&["gain_error"])
 }
 
 /// Budget [s] that does for the shallowest diagnosis of the short runs.

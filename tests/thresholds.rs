@@ -1,12 +1,9 @@
 //! The limits of Eq. (55) to (58), put to the windows of a study.
 
-#[path = "common/results.rs"]
-mod results;
-
+use crate::common::results::{done, into, resumed};
 use lugwheel::report::threshold_figure;
 use lugwheel::study::thresholds::{Statement, ThresholdScore};
 use lugwheel::study::{Options, Study};
-use results::{done, into, resumed};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use tempfile::TempDir;

@@ -3,9 +3,7 @@
 //! The simulated wheel presses 10.6 µm into its ground under the load of 100 N; no model of a rigid
 //! wheel knows that, and it is the tolerance of what follows.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use lugwheel::quantity::Seed;
 use lugwheel::simulation::WheelState;
 use lugwheel::terrain::{Joints, Roughness, Terrain, TerrainSpec};

@@ -191,8 +191,9 @@ impl Committed {
         if let Some(duration) = duration {
             set.insert("duration".to_owned(), duration);
             // Runs cut short are for trying a trial: they are not to cost what the others do.
-            set.entry("lead_in".to_owned())
-                .and_modify(|lead_in| *lead_in = lead_in.min(duration));
+            if let Some(lead_in) = set.get_mut("lead_in") {
+                *lead_in = lead_in.min(duration);
+            }
         }
         let assigned: Vec<String> = set
             .iter()

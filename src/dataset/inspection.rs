@@ -662,6 +662,16 @@ mod tests {
     }
 
     #[test]
+    fn a_pull_beyond_the_load_is_doubted_and_one_below_it_is_not() {
+        let pull = |by: f64| with("drawbar_pull", scaled(by));
+        let caught = "more than the load of 100 N";
+        for by in [6.0, -6.0] {
+            expect(&pull(by), Some("drawbar_pull"), Severity::Warning, caught);
+        }
+        assert_eq!(findings("run", &pull(4.0)), []);
+    }
+
+    #[test]
     fn a_braking_wheel_that_pulls_forward_has_a_wrong_sign() {
         let mut trace = sound();
         trace.attributes.slip_ratio = -0.5;

@@ -9,16 +9,16 @@
 //! numbers are whitened by the replicates' covariance, shrunk as [`Whitening`] has it. What spread
 //! they have in a run that had no part in it, and how many of them count, is tried on
 //! replicates left out ([`Scatter`]). The scatter of the changes from
-//! stream to stream is the emulator's own error; changes are [shrunk](shrink) by it. Where several are
+//! stream to stream is the emulator's own error; changes are [freed of noise](denoise) by it. Where several are
 //! off together it errs: [pins](super::pins) set it right there.
 
+use super::denoising::denoise;
 use super::library::Beside;
 use super::pins::{Defect, Point};
 use super::product::{middle, product};
 use super::responses::{Candidate, DiagnosisError, Library, Responses};
 use super::scatter::Scatter;
 use super::shape::{Knot, Shape};
-use super::shrinking::shrink;
 use crate::gap::{Cell, Condition, FEWEST_REPLICATES, Reading, Readings, Whitening};
 use std::collections::BTreeSet;
 
@@ -102,7 +102,8 @@ impl Emulated {
         };
         let rows: Vec<&[f64]> = responses.base.iter().map(Vec::as_slice).collect();
         let transform = Transform::of(responses, &rows).map_err(of_replicates)?;
-        let change = |rows: &[Vec<f64>]| transform.change(rows);
+        let parts = parts(transform.cells());
+        let change = |rows: &[Vec<f64>]| transform.change(rows, &parts);
         let knots = |number: usize| {
             responses.effects[number]
                 .iter()
@@ -141,7 +142,6 @@ impl Emulated {
             condition: responses.condition.clone(),
             covariates: responses.covariates,
             cells: transform.cells().to_vec(),
-            parts: transform.parts.clone(),
             replicates: rows.iter().map(|row| transform.apply(row)).collect(),
             scatter: Scatter::of(
                 left_out,
@@ -152,6 +152,7 @@ impl Emulated {
             jacobian,
             jacobian_error,
             shapes,
+            parts,
             pinned: Vec::new(),
             transform,
         })
@@ -180,7 +181,7 @@ impl Emulated {
         }
     }
 
-    /// What it lacks at a point that was simulated, a pair of runs a stream; [shrunk](shrink) by its error.
+    /// What it lacks at a point that was simulated, a pair of runs a stream; [freed of noise](denoise).
     ///
     /// What the runs without it are off their mean is taken from those with it in part (a control
     /// variate): near the scenario as shipped both see the same ground alike, far from it a lug meets
@@ -202,7 +203,7 @@ impl Emulated {
         self.add_parameters(&point.offsets, &mut told);
         self.add_effects(&point.effects, &mut told);
         super::product::add(&mut change, -1.0, &told);
-        shrink(&mut change, &error, &self.parts);
+        denoise(&mut change, &error, &self.parts);
         Defect {
             change,
             error,
@@ -229,7 +230,6 @@ fn parts(cells: &[Cell]) -> Vec<usize> {
 struct Transform {
     whitening: Whitening,
     cells: Vec<Cell>,
-    parts: Vec<usize>,
     mean: Vec<f64>,
     /// The mean, whitened.
     centre: Vec<f64>,
@@ -246,7 +246,6 @@ impl Transform {
         let whitening = Whitening::of(&readings.iter().collect::<Vec<_>>())?;
         let mut transform = Self {
             centre: vec![0.0; cells.len()],
-            parts: parts(whitening.cells()),
             whitening,
             cells,
             mean: middle(rows),
@@ -277,11 +276,11 @@ impl Transform {
         self.apply(&row)
     }
 
-    /// Mean change over the streams, [shrunk](shrink) by its error, and the variance of that mean.
-    fn change(&self, rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    /// Mean change over the streams, freed of noise [part by part](denoise), and the variance of that mean.
+    fn change(&self, rows: &[Vec<f64>], parts: &[usize]) -> (Vec<f64>, Vec<f64>) {
         let white: Vec<Vec<f64>> = rows.iter().map(|row| self.moved(row)).collect();
         let (mut means, errors) = mean(&white);
-        shrink(&mut means, &errors, &self.parts);
+        denoise(&mut means, &errors, parts);
         (means, errors)
     }
 

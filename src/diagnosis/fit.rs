@@ -206,6 +206,7 @@ impl Fit {
             let axes = Some(posterior.axes);
             posterior = Posterior::new(problem, &hypothesis, (&about, &precisions), axes);
         }
+        let best = posterior.best();
         let held_out = problem.conditions().enumerate();
         let held_out = held_out
             .map(|(number, _)| {
@@ -215,7 +216,6 @@ impl Fit {
             })
             .collect();
         Self {
-            best: posterior.best(),
             strengths: posterior.estimates(),
             offsets: posterior.offsets(),
             occam: posterior.occam(),
@@ -224,9 +224,15 @@ impl Fit {
                 true => posterior.determined(),
                 false => 0.0,
             },
-            gains: gains(problem, &posterior, (&about, &precisions), &spreads),
+            gains: gains(
+                problem,
+                (&posterior, &best),
+                (&about, &precisions),
+                &spreads,
+            ),
             most: f64::INFINITY,
-            left: left(problem, &posterior.best()),
+            left: left(problem, &best),
+            best,
             held_out,
             spreads,
             hypothesis,
@@ -315,11 +321,10 @@ impl<'a> Model<'a> {
 /// pins are off by chance is in neither. Beside others it has to show where their error of form does not.
 fn gains(
     problem: Problem,
-    fitted: &Posterior,
+    (fitted, best): (&Posterior, &Point),
     (about, precisions): (&[Local], &[Vec<f64>]),
     spreads: &[Spread],
 ) -> Vec<f64> {
-    let best = fitted.best();
     let likelihood = |effects: &[usize], precisions: &[Vec<f64>]| {
         let hypothesis = Hypothesis::Effects(effects.to_vec());
         Posterior::new(problem, &hypothesis, (about, precisions), None).likelihood()
@@ -331,7 +336,7 @@ fn gains(
         if others.is_empty() {
             return fitted.likelihood() - likelihood(&without, precisions);
         }
-        let beside = beside(problem, &best, &others, spreads);
+        let beside = beside(problem, best, &others, spreads);
         likelihood(&fitted.effects, &beside) - likelihood(&without, &beside)
     };
     fitted.effects.iter().map(gain).collect()

@@ -21,7 +21,7 @@ use super::ranking::Ranking;
 use super::responses::{DiagnosisError, Library};
 use super::screen::{Screened, isolability, screen};
 use super::verdict::{Recalibrated, Verdict};
-use crate::effects::{Application, catalogue};
+use crate::effects::{Application, EffectError, seat_of};
 use crate::gap::{
     self, Closed, Colour, Comparison, Entry, GapError, Global, Margins, ParameterSpread, Run,
 };
@@ -98,8 +98,8 @@ pub enum InvestigationError {
     #[error(transparent)]
     Range(#[from] RangeError),
     /// An effect to be left out that there is not.
-    #[error("there is no effect `{0}` to leave out; `lugwheel effects` lists them")]
-    NoEffect(String),
+    #[error(transparent)]
+    NoEffect(#[from] EffectError),
 }
 
 fn reasons(failures: &[String]) -> String {
@@ -228,8 +228,8 @@ impl<'a> Investigation<'a> {
         settings: &'a Settings,
         (folder, version): (&'a Path, &'a str),
     ) -> Result<Self, InvestigationError> {
-        if let Some(unknown) = settings.without.iter().find(|name| !is_effect(name)) {
-            return Err(InvestigationError::NoEffect(unknown.clone()));
+        for name in &settings.without {
+            seat_of(name)?;
         }
         let cases = Cases::of(scenario, measured, settings.longest)?;
         let mut statistician = statistician()?;
@@ -571,14 +571,6 @@ fn problem<'a>(
         observation,
         calibration,
     }
-}
-
-fn is_effect(name: &str) -> bool {
-    let (effect, channel) = name.split_once('.').unwrap_or((name, ""));
-    let known = catalogue().find(|known| known.name == effect);
-    known.is_some_and(|known| {
-        channel.is_empty() || known.seats.iter().any(|seat| seat.channel == channel)
-    })
 }
 
 fn ask(

@@ -4,6 +4,7 @@
 //! fails on held-out conditions gives its probability to the unknown, and what rests on too little
 //! is undecided for the share that the table of constants says.
 
+use super::calibration::Calibration;
 use super::check::Check;
 use super::fit::{Fit, Problem};
 use super::hypothesis::Hypothesis;
@@ -279,7 +280,7 @@ impl Weighing {
         let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
         let best = others.next().map(|ranked| &ranked.hypothesis);
         let unknown = self.mass(|h| *h == Hypothesis::Unknown);
-        let is_good = trust.noticeable && best.is_some_and(|best| trust.kept(best) == 1.0);
+        let is_good = trust.is_gap() && best.is_some_and(|best| trust.kept(best) == 1.0);
         let of_unknown = if is_good { DOUBT * unknown } else { unknown };
         for ((hypothesis, mass), ranked) in self.masses.iter_mut().zip(&ranking.ranked) {
             *mass = match hypothesis {
@@ -487,29 +488,26 @@ impl Weighing {
 /// Which explanations are good enough to be named.
 struct Trust<'a> {
     ranking: &'a Ranking,
-    /// p-value [-] below which a check fails, and share [-] of a gap that what explains it may leave.
-    failed: f64,
-    left_over: f64,
+    calibration: &'a Calibration,
     /// Mean square [-] beyond what spread explains that the scenario as shipped leaves, outlying numbers cut, and that
     /// recalibration does, all numbers whole.
     shipped: f64,
     recalibrated: f64,
-    /// Whether there is a gap to explain.
-    noticeable: bool,
 }
 
 impl<'a> Trust<'a> {
-    fn of(problem: Problem, ranking: &'a Ranking) -> Self {
-        let shipped = &ranking.fits[0];
-        let excess = Check::of(problem, shipped).excess;
+    fn of(problem: Problem<'a>, ranking: &'a Ranking) -> Self {
         Self {
             ranking,
-            failed: problem.calibration.failed,
-            left_over: problem.calibration.left_over,
-            shipped: excess,
+            calibration: problem.calibration,
+            shipped: Check::of(problem, &ranking.fits[0]).excess,
             recalibrated: healthy(ranking).left,
-            noticeable: excess > NOTICEABLE,
         }
+    }
+
+    /// Whether there is a gap to explain.
+    fn is_gap(&self) -> bool {
+        self.shipped > NOTICEABLE
     }
 
     fn checked(&self, hypothesis: &Hypothesis) -> Option<Check> {
@@ -521,21 +519,22 @@ impl<'a> Trust<'a> {
 
     fn passes(&self, hypothesis: &Hypothesis) -> bool {
         let check = self.checked(hypothesis);
-        check.is_none_or(|check| check.p >= self.failed)
+        check.is_none_or(|check| check.p >= self.calibration.failed)
     }
 
     /// Whether an explanation leaves little of the gap: recalibration of that as shipped, effects of what
     /// recalibration leaves. An effect's loudest numbers count whole: it is there that one of another form is
     /// told from a wrong one.
     fn explains(&self, hypothesis: &Hypothesis) -> bool {
+        let left_over = self.calibration.left_over;
         match hypothesis.effects() {
             [] => {
                 let check = self.checked(hypothesis);
-                check.is_some_and(|check| check.excess < self.left_over * self.shipped)
+                check.is_some_and(|check| check.excess < left_over * self.shipped)
             }
             _ => {
                 let fit = self.ranking.fit(hypothesis);
-                fit.is_some_and(|fit| fit.left < self.left_over * self.recalibrated)
+                fit.is_some_and(|fit| fit.left < left_over * self.recalibrated)
             }
         }
     }
@@ -543,7 +542,9 @@ impl<'a> Trust<'a> {
     /// Share [-] of its probability that an explanation keeps.
     fn kept(&self, hypothesis: &Hypothesis) -> f64 {
         match self.checked(hypothesis) {
-            Some(check) if !self.explains(hypothesis) => (check.p / self.failed).min(1.0),
+            Some(check) if !self.explains(hypothesis) => {
+                (check.p / self.calibration.failed).min(1.0)
+            }
             _ => 1.0,
         }
     }

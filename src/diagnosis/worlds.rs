@@ -470,6 +470,19 @@ fn drawn(bench: &Bench, rng: &mut impl Rng) -> (String, Truth) {
     }
 }
 
+fn without(mut library: Library, effect: usize) -> Library {
+    library.candidates.remove(effect);
+    for condition in &mut library.conditions {
+        condition.effects.remove(effect);
+    }
+    library
+}
+
+#[track_caller]
+fn assert_answer(verdict: &Verdict, answer: Answer) {
+    assert_eq!(verdict.verdict, answer, "{:?}", verdict.probabilities);
+}
+
 fn answers(verdict: &Verdict) -> bool {
     matches!(verdict.verdict, Answer::None | Answer::Parameter)
 }
@@ -504,12 +517,7 @@ fn two_collinear_effects_are_an_equivalence_set_with_half_the_probability_each()
     let mut sum = 0.0;
     for seed in 0..6 {
         let verdict = bench.verdict(&Truth::effect(0, 1.2), 60 + seed);
-        assert_eq!(
-            verdict.verdict,
-            Answer::Effect,
-            "{:?}",
-            verdict.probabilities
-        );
+        assert_answer(&verdict, Answer::Effect);
         let mut set = verdict.named[0].clone();
         set.sort();
         assert_eq!(set, ["e0", "e1"]);
@@ -530,12 +538,7 @@ fn a_gap_outside_all_signatures_is_unknown_and_located() {
             ..Truth::default()
         };
         let verdict = bench.verdict(&truth, 50 + seed);
-        assert_eq!(
-            verdict.verdict,
-            Answer::Unknown,
-            "{:?}",
-            verdict.probabilities
-        );
+        assert_answer(&verdict, Answer::Unknown);
         let places = off.map(|(place, _)| cell(place));
         let strongest = &verdict.located[..5];
         assert!(
@@ -553,12 +556,7 @@ fn a_wrong_parameter_is_no_effect_even_where_an_effect_shows_alike() {
     for place in 0..SMALL.parameters {
         for (seed, offset) in [2.0, -2.5, 1.5].into_iter().enumerate() {
             let verdict = bench.verdict(&Truth::parameter(place, offset), 80 + seed as u64);
-            assert_eq!(
-                verdict.verdict,
-                Answer::Parameter,
-                "{:?}",
-                verdict.probabilities
-            );
+            assert_answer(&verdict, Answer::Parameter);
             let told = verdict.shrinkage.unwrap();
             assert!(told.recalibrated < told.as_shipped, "{told:?}");
         }
@@ -791,12 +789,7 @@ fn recalibration_finds_its_way_where_slopes_are_not_those_of_the_middle() {
     };
     for seed in 0..4 {
         let verdict = bench.pinned(&truth, seed);
-        assert_eq!(
-            verdict.verdict,
-            Answer::Parameter,
-            "{:?}",
-            verdict.probabilities
-        );
+        assert_answer(&verdict, Answer::Parameter);
         let found = verdict.recalibration[0].offset;
         assert!((found - 2.2).abs() < 0.1, "{:?}", verdict.recalibration);
     }
@@ -908,7 +901,7 @@ fn one_wild_cell_of_one_run_changes_no_verdict() {
         let mut measured = bench.world.measured(&truth, 2, 17);
         measured[2].runs[0][5] += 60.0;
         let verdict = bench.verdict_on(&measured);
-        assert_eq!(verdict.verdict, answer, "{:?}", verdict.probabilities);
+        assert_answer(&verdict, answer);
     }
 }
 
@@ -1009,21 +1002,12 @@ fn a_verdict_on_12_conditions_of_300_cells_and_40_effects_takes_seconds() {
 #[test]
 fn an_effect_that_is_not_in_the_library_is_unknown_and_no_other_effect() {
     let whole = &*BENCH;
-    let mut library = whole.library.clone();
-    library.candidates.remove(3);
-    for condition in &mut library.conditions {
-        condition.effects.remove(3);
-    }
+    let library = without(whole.library.clone(), 3);
     let bench = Bench::of(World::new(SMALL, 1), library, 2, 1);
     for seed in 0..4 {
         let truth = Truth::effect(3, 6.0 * whole.screened()[3].detectable.unwrap());
         let verdict = bench.verdict(&truth, 900 + seed);
-        assert_eq!(
-            verdict.verdict,
-            Answer::Unknown,
-            "{:?}",
-            verdict.probabilities
-        );
+        assert_answer(&verdict, Answer::Unknown);
     }
 }
 
@@ -1038,20 +1022,11 @@ fn an_effect_that_is_not_in_the_library_is_unknown_though_one_that_is_takes_half
         product::add(&mut alike, libm::sqrt(size), &own);
         signatures[4] = alike;
     }
-    let mut library = world.library(1);
-    library.candidates.remove(3);
-    for condition in &mut library.conditions {
-        condition.effects.remove(3);
-    }
+    let library = without(world.library(1), 3);
     let bench = Bench::of(world, library, 2, 1);
     for seed in 0..4 {
         let verdict = bench.verdict(&Truth::effect(3, 6.0), 920 + seed);
-        assert_eq!(
-            verdict.verdict,
-            Answer::Unknown,
-            "{:?}",
-            verdict.probabilities
-        );
+        assert_answer(&verdict, Answer::Unknown);
     }
 }
 

@@ -43,7 +43,8 @@ const WHEEL_ECCENTRICITY: Effect = Effect {
         channels: &["sinkage", "driving_torque", "drawbar_pull"],
         bound: Bound::WheelAngle,
         dependence: "order 1 of the wheel, sidebands of the lug line; torque W e, so it grows with load; \
-                     the same at every speed, and too slow for the accelerometer",
+                     the same at every speed, and too slow for the accelerometer; on rigid ground in the \
+                     torque alone, for the rim's depth stays what it is",
     },
     confusers: &["wheel_ovality", "short_lug", "slope"],
     source: Source::Cited(

@@ -1,6 +1,6 @@
 //! What the physics tests share: grounds, rigs, runs and means.
 
-#![allow(dead_code, reason = "every test file uses its part")]
+pub mod results;
 
 use lugwheel::quantity::{SampleRate, Seed, SlipRatio};
 use lugwheel::simulation::rig::flaws::{DriveFlaws, FrameFlaws};

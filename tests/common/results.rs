@@ -1,7 +1,5 @@
 //! What the tests of studies share: how a study is executed, what it leaves in its folder.
 
-#![allow(dead_code, reason = "every test file uses its part")]
-
 use lugwheel::study::{Options, Outcome, Study};
 use std::fs;
 use std::num::NonZeroUsize;

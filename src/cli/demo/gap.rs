@@ -7,7 +7,7 @@ use crate::cli::output;
 use crate::cli::series::Jobs;
 use lugwheel::diagnosis::Answer;
 use lugwheel::diagnosis::condition::LONGEST;
-use lugwheel::effects::catalogue;
+use lugwheel::effects::names_but;
 use lugwheel::report::page::{Figure, Section};
 use lugwheel::report::{gap_waterfall, probability_bars};
 use lugwheel::scenario::Scenario;
@@ -59,13 +59,11 @@ pub fn rig(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
 
 /// The diagnosis of the rig's runs against the sand as shipped.
 pub fn diagnosis(rig: &SmallStudy, folder: &Path, (seed, jobs): (u64, Jobs)) -> Diagnose {
-    let others = catalogue().map(|effect| effect.name);
-    let others = others.filter(|name| !TRIED.contains(name));
     Diagnose {
         measured: rig.folder.join("dataset.h5"),
         scenario: folder.join(KNOWN_FILE),
         set: vec!["physics_rate=8000".to_owned()],
-        without: others.map(str::to_owned).collect(),
+        without: names_but(&TRIED),
         run: Vec::new(),
         out: folder.join("diagnosis"),
         bank: folder.join("bank"),

@@ -301,6 +301,17 @@ fn check_sizes(trace: &Trace, doubts: &mut Doubts) {
             doubts.channel(name, Severity::Error, message);
         }
     }
+    if let Some(pull) = trace.steady_mean("drawbar_pull")
+        && (load..=MOST_GRIP * load).contains(&pull.abs())
+        && load > 0.0
+    {
+        let message = format!(
+            "mean is {} N, more than the load of {} N: a lug that hooks, a wedged stone?",
+            number(pull),
+            number(load)
+        );
+        doubts.channel("drawbar_pull", Severity::Warning, message);
+    }
 }
 
 fn check_acceleration(trace: &Trace, doubts: &mut Doubts) {

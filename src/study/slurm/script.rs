@@ -16,9 +16,8 @@ pub(super) struct Script<'s> {
 impl Script<'_> {
     /// Options of the array of these tasks.
     pub(super) fn array_options(&self, tasks: &BTreeSet<u32>) -> Vec<String> {
-        let threads = self.submission.threads;
         let first = [
-            format!("--cpus-per-task={threads}"),
+            self.cores(),
             // A task whose node is lost goes back into the queue.
             "--requeue".to_owned(),
             self.output("%A_%a"),
@@ -26,9 +25,14 @@ impl Script<'_> {
         self.options(first, [format!("--array={}", ranges(tasks))])
     }
 
-    /// Options of the job that collects once all tasks of the array have ended.
+    /// Options of the job that collects once all tasks of the array have ended. It works like a task: what a
+    /// study computes of all runs together, a diagnosis above all, may take longer than they did.
     pub(super) fn collecting_options(&self, array: u32) -> Vec<String> {
-        let first = ["--requeue".to_owned(), self.output("%j_collect")];
+        let first = [
+            self.cores(),
+            "--requeue".to_owned(),
+            self.output("%j_collect"),
+        ];
         self.options(first, [format!("--dependency=afterany:{array}")])
     }
 
@@ -43,7 +47,12 @@ impl Script<'_> {
 
     /// The text of the collecting job.
     pub(super) fn collecting(&self) -> String {
-        self.text("--collect only")
+        let threads = self.submission.threads;
+        self.text(&format!("--jobs {threads} --collect only"))
+    }
+
+    fn cores(&self) -> String {
+        format!("--cpus-per-task={}", self.submission.threads)
     }
 
     /// The user's options stand behind what they may change, and before what must be as it is.
@@ -134,6 +143,15 @@ mod tests {
             "#!/bin/sh\nexec '/opt/lug wheel' study '/home/o'\\''neil/study.toml' --out '/data/50%' \
              --quiet --jobs 2 --resume --shard \"$SLURM_ARRAY_TASK_ID/64\" --collect never\n"
         );
+    }
+
+    #[test]
+    fn the_job_that_collects_has_the_cores_of_a_task() {
+        let submission = submission("/data");
+        let script = script(&submission);
+        let options = script.collecting_options(17);
+        assert!(options.contains(&"--cpus-per-task=2".to_owned()));
+        assert!(script.collecting().ends_with("--jobs 2 --collect only\n"));
     }
 
     #[test]

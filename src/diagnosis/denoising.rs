@@ -22,7 +22,7 @@ const FEWEST: f64 = 1.0e-4;
 const GAIN: f64 = 3.0;
 
 /// Leaves of `means`, known with variances `errors`, what is no noise; `parts` are the parts they belong to.
-pub(super) fn shrink(means: &mut [f64], errors: &[f64], parts: &[usize]) {
+pub(super) fn denoise(means: &mut [f64], errors: &[f64], parts: &[usize]) {
     let last = parts.iter().max().map_or(0, |last| last + 1);
     let mut numbers = vec![Vec::new(); last];
     for (place, part) in parts.iter().enumerate() {
@@ -110,7 +110,7 @@ mod tests {
         let mut rng = Seed(3).rng("test", 0);
         let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
         let mut means: Vec<f64> = changes.iter().map(|change| change + draw()).collect();
-        shrink(&mut means, &vec![1.0; NUMBERS], &vec![0; NUMBERS]);
+        denoise(&mut means, &vec![1.0; NUMBERS], &vec![0; NUMBERS]);
         means
     }
 
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn what_is_known_without_error_is_left_alone_and_parts_do_not_mix() {
         let mut means = vec![2.0, 0.0, 0.3, -0.2];
-        shrink(&mut means, &[0.0, 0.0, 1.0, 1.0], &[0, 0, 1, 1]);
+        denoise(&mut means, &[0.0, 0.0, 1.0, 1.0], &[0, 0, 1, 1]);
         assert_eq!(means[..2], [2.0, 0.0]);
         assert!(means[2].abs() < 0.2 && means[3].abs() < 0.1, "{means:?}");
     }
