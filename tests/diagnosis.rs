@@ -575,34 +575,38 @@ fn repeats_whose_load_was_measured_and_not_told_are_still_repeats() {
     assert!(real[..3].iter().all(|run| run.attributes.load == load));
 }
 
+/// Slips at which runs are repeated that were told a slip of 0.2 and had these, and what is to be kept in mind.
+fn repeated(measured: [f64; 3]) -> (Vec<f64>, Vec<String>) {
+    let runs = measured.map(|slip| {
+        let measured = Mean {
+            value: slip,
+            ..mean("slip_ratio")
+        };
+        let mut trace = rig_run(0, 0.0);
+        trace.attributes.slip_ratio = 0.2;
+        trace.channels.clear();
+        trace.means = vec![mean("drawbar_pull"), measured];
+        trace
+    });
+    let found = cases(&scenario("single_wheel_st"), &runs);
+    let slips = found.cases.iter().map(|case| case.attributes.slip_ratio);
+    (slips.collect(), texts(&found))
+}
+
 #[test]
 fn a_run_whose_slip_contradicts_its_label_is_repeated_at_the_slip_measured() {
-    let runs: Vec<Trace> = [0.2, 0.2002, 0.2311]
-        .map(|slip| {
-            let measured = Mean {
-                value: slip,
-                ..mean("slip_ratio")
-            };
-            let mut trace = rig_run(0, 0.0);
-            trace.attributes.slip_ratio = 0.2;
-            trace.channels.clear();
-            trace.means = vec![mean("drawbar_pull"), measured];
-            trace
-        })
-        .into();
-    let found = cases(&scenario("single_wheel_st"), &runs);
-    let slips: Vec<f64> = found
-        .cases
-        .iter()
-        .map(|c| c.attributes.slip_ratio)
-        .collect();
+    let (slips, texts) = repeated([0.2, 0.2002, 0.2311]);
     assert_eq!(slips, [0.2, 0.2311]);
     let text = "run 2 ran at another slip than told: the measured one is taken";
-    assert!(
-        texts(&found).iter().any(|it| it == text),
-        "{:?}",
-        texts(&found)
-    );
+    assert!(texts.iter().any(|it| it == text), "{texts:?}");
+}
+
+#[test]
+fn where_most_runs_contradict_their_slips_the_rig_is_at_fault_and_the_slips_told_are_kept() {
+    let (slips, texts) = repeated([0.2, 0.2502, 0.2511]);
+    assert_eq!(slips, [0.2]);
+    let most = |text: &String| text.starts_with("most runs ran at another slip than told");
+    assert!(texts.iter().any(most), "{texts:?}");
 }
 
 #[test]

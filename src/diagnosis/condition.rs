@@ -1,7 +1,10 @@
 //! Measured runs -> the scenario of each condition, and how to read both sides alike.
 //!
-//! Load, speed and slip of a [`Case`] are the measured ones, its duration too; wheel, ground, rig
-//! and sensors are the scenario's. Rates and channels are those that were measured: what a run has
+//! Load, speed and slip of a [`Case`] are those told of the measured runs, its duration the measured one;
+//! wheel, ground, rig and sensors are the scenario's. What was not told is taken from the channels. So is the slip
+//! of a run whose channel contradicts it: a label is easily wrong. But where most of the runs contradict theirs,
+//! the rig drives otherwise than it was told (a wrong encoder, a wrong radius): then the slips told
+//! are kept, and the contradiction is a gap to be explained. Rates and channels are those that were measured: what a run has
 //! as a mean only, the simulated one has as a mean only.
 
 use super::layout::Layout;
@@ -96,6 +99,8 @@ pub enum Caveat {
         /// Its place in the campaign.
         run: usize,
     },
+    /// Most runs have another slip than told.
+    OtherSlips,
     /// Channels that no simulation makes.
     NotSimulated(Vec<String>),
     /// Simulated records begin as the wheel is set down.
@@ -133,6 +138,9 @@ impl fmt::Display for Caveat {
             Self::WrongSlip { run } => write!(
                 f,
                 "run {run} ran at another slip than told: the measured one is taken"
+            ),
+            Self::OtherSlips => f.write_str(
+                "most runs ran at another slip than told, as by a fault of the rig: the slips told are kept",
             ),
             Self::NotSimulated(channels) => {
                 write!(f, "no simulation makes {}", channels.join(", "))
@@ -199,11 +207,13 @@ impl Cases {
         if measured.is_empty() {
             return Err(CaseError::NoRuns);
         }
+        let slips = Slips::of(measured);
         let mut caveats = Vec::new();
+        caveats.extend(slips.caveat());
         let mut records = Vec::new();
         let mut other_wheel = None;
         for (run, trace) in measured.iter().enumerate() {
-            match Record::of((run, trace), scenario, longest) {
+            match Record::of((run, trace), slips, (scenario, longest)) {
                 Ok((record, taken)) => {
                     caveats.extend(taken);
                     records.push(record);
@@ -327,6 +337,36 @@ impl Case {
     }
 }
 
+/// Which slips hold where channels contradict those told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Slips {
+    Told,
+    Measured,
+}
+
+impl Slips {
+    fn of(measured: &[Trace]) -> Self {
+        let both = measured.iter().filter(|trace| {
+            let told = trace.attributes.slip_ratio;
+            told.is_finite() && trace.steady_mean("slip_ratio").is_some()
+        });
+        let wrong = both.clone().filter(|trace| has_wrong_slip(trace));
+        match 2 * wrong.count() > both.count() {
+            true => Self::Told,
+            false => Self::Measured,
+        }
+    }
+
+    fn caveat(self) -> Option<Caveat> {
+        (self == Self::Told).then_some(Caveat::OtherSlips)
+    }
+}
+
+/// Whether a run's channel contradicts the slip told.
+fn has_wrong_slip(trace: &Trace) -> bool {
+    (trace.slip() - trace.attributes.slip_ratio).abs() > SLIP_TOLERANCE
+}
+
 /// A measured run, its condition told or taken from its channels.
 struct Record {
     run: usize,
@@ -372,8 +412,8 @@ impl fmt::Display for Refusal {
 impl Record {
     fn of(
         (run, trace): (usize, &Trace),
-        scenario: &Scenario,
-        longest: f64,
+        slips: Slips,
+        (scenario, longest): (&Scenario, f64),
     ) -> Result<(Self, Vec<Caveat>), Refusal> {
         let wheel = &scenario.wheel;
         let layout = Layout::of(trace, longest);
@@ -391,7 +431,7 @@ impl Record {
         check_wheel(&attributes, wheel).map_err(Refusal::Wheel)?;
         let mut caveats = Vec::new();
         let mut told = told(&attributes);
-        if (trace.slip() - attributes.slip_ratio).abs() > SLIP_TOLERANCE {
+        if slips == Slips::Measured && has_wrong_slip(trace) {
             attributes.slip_ratio = trace.slip();
             told.slip_ratio = 0.0;
             caveats.push(Caveat::WrongSlip { run });
