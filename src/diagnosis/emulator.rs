@@ -37,6 +37,8 @@ pub struct Emulator {
     pub(super) conditions: Vec<Emulated>,
     /// Where it was set right.
     pub(super) pins: Vec<Point>,
+    /// Candidates whose changes were told anew where recalibration ended.
+    pub(super) told_anew: Vec<usize>,
     /// Where the best explanation so far ends, about which linear looks are taken.
     pub(super) middle: Option<Point>,
 }
@@ -84,6 +86,7 @@ impl Emulator {
             candidates: library.candidates.clone(),
             conditions,
             pins: Vec::new(),
+            told_anew: Vec::new(),
             middle: None,
         })
     }
@@ -109,15 +112,8 @@ impl Emulated {
                 .iter()
                 .filter(|level| !level.changes.is_empty())
                 .map(|level| {
-                    let (value, error) = change(&level.changes);
-                    let slope = vec![0.0; value.len()];
                     let at = library.candidates[number].strength(level.magnitude);
-                    Knot {
-                        at,
-                        value,
-                        slope,
-                        error,
-                    }
+                    Knot::new(at, change(&level.changes))
                 })
                 .collect()
         };
@@ -209,6 +205,19 @@ impl Emulated {
             error,
             ..Defect::none(self.cells.len())
         }
+    }
+
+    /// The change by an effect of this strength, from runs with it and without, a pair a stream, wherever
+    /// their parameters are; [freed of noise](denoise).
+    pub fn knot(&self, at: f64, runs: &[Beside]) -> Knot {
+        let changes = runs.iter().map(|run| {
+            let mut change = self.departure(&run.with);
+            super::product::add(&mut change, -1.0, &self.departure(&run.without));
+            change
+        });
+        let (mut change, error) = mean(&changes.collect::<Vec<_>>());
+        denoise(&mut change, &error, &self.parts);
+        Knot::new(at, (change, error))
     }
 
     /// A run's departure from the replicates' mean, whitened.

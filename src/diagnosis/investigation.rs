@@ -15,7 +15,7 @@ use super::library::{Answers, Beside, Gathered};
 use super::next_run::FurtherRuns;
 use super::observation::Observation;
 use super::parameter::{Offsets, Parameter};
-use super::pins::{Ends, Point, ROUNDS, unpinned};
+use super::pins::{self, Ends, Point, ROUNDS, unpinned};
 use super::plan::{Depth, Plan, TooSmall};
 use super::ranking::Ranking;
 use super::responses::{DiagnosisError, Library};
@@ -283,10 +283,14 @@ impl<'a> Investigation<'a> {
             let ends = unpinned(problem, round);
             emulator.middle.clone_from(&ends.best);
             let ask = (&bank, hear);
+            let stale = ends.stale.clone();
             let pinned = !ends.unpinned.is_empty()
                 && self.pin(&mut emulator, (library, ends), ask, &mut answers)?;
-            if !pinned {
+            if !pinned && stale.is_empty() {
                 break;
+            }
+            for effect in stale {
+                self.tell_anew(&mut emulator, (library, effect), ask, &mut answers)?;
             }
         }
         let problem = problem(&emulator, &observation, calibration);
@@ -376,6 +380,52 @@ impl<'a> Investigation<'a> {
             }
         }
         Ok(pinned)
+    }
+
+    /// Takes the changes of an effect of the sensors anew, where parameters are these.
+    fn tell_anew(
+        &self,
+        emulator: &mut Emulator,
+        (library, (effect, offsets)): (&Library, (usize, Vec<f64>)),
+        (bank, hear): (&Bank, Hear),
+        answers: &mut Answers,
+    ) -> Result<(), InvestigationError> {
+        let at = |effects: Vec<(usize, f64)>| Point {
+            offsets: offsets.clone(),
+            effects,
+        };
+        let candidate = &emulator.candidates[effect];
+        let streams = pins::STREAMS.min(self.plan.depth.replicates);
+        let alone = arm_at(emulator, &at(Vec::new()));
+        let levels = candidate.levels().into_iter().filter_map(|strength| {
+            let arm = arm_at(emulator, &at(vec![(effect, strength)]))?;
+            Some((strength, arm))
+        });
+        let levels: Vec<(f64, Arm)> = levels.collect();
+        let arms = levels.iter().map(|(_, arm)| arm).chain(&alone);
+        let requests = arms.flat_map(|arm| self.all_cases(arm, 0..streams));
+        ask(bank, requests.collect(), hear, answers)?;
+        let conditions: Vec<_> = library
+            .conditions
+            .iter()
+            .zip(self.places(library))
+            .collect();
+        let beside = |arm: &Arm, (responses, case): (&super::Responses, usize)| {
+            let with = answers.beside(arm, case, &responses.cells);
+            let mut without = answers.beside(alone.as_ref()?, case, &responses.cells);
+            let pairs = with.into_iter().filter_map(|(stream, run)| {
+                let without = without.remove(&stream)?.with;
+                Some(Beside { without, ..run })
+            });
+            Some(pairs.collect::<Vec<_>>()).filter(|pairs| !pairs.is_empty())
+        };
+        let levels = levels.iter().filter_map(|(strength, arm)| {
+            let runs = conditions.iter().map(|condition| beside(arm, *condition));
+            Some((*strength, runs.collect::<Option<Vec<_>>>()?))
+        });
+        let levels: Vec<_> = levels.collect();
+        emulator.tell_anew(effect, &levels);
+        Ok(())
     }
 
     fn bank(&self, cases: Vec<Case>) -> Result<Bank, BankError> {

@@ -5,6 +5,7 @@ use super::bank::{Outcome, Request};
 use super::condition::Case;
 use super::plan::{Plan, Signature, Slope};
 use super::responses::{Candidate, Level, Library, Measured, Moved, Responses};
+use crate::effects::Stage;
 use crate::gap::{Cell, Comparison, Run, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -140,6 +141,7 @@ fn candidate(signature: &Signature) -> Candidate {
     Candidate {
         name: signature.name(),
         seat: *signature.seat,
+        of_sensors: signature.effect.stage == Stage::Sensors,
     }
 }
 

@@ -12,6 +12,10 @@
 //! shipped and known where it was simulated. The share of its variance that these leave multiplies what
 //! the emulator is held to err by.
 //!
+//! An effect of the sensors needs no new motion. Its changes are told anew at the parameters at which it is first
+//! looked at, all its magnitudes at once: what is clipped of a pull depends on the friction by which the wheel pulls,
+//! and a pin at a wrong magnitude does not say that a right one explains all.
+//!
 //! A fit may rest where it should not: on slate a contact three times as stiff has its resonance in
 //! another band, and slopes taken at the scenario as shipped do not say which way to go. Where
 //! recalibration comes to rest and does not explain all, each parameter is therefore moved once by itself,
@@ -27,6 +31,7 @@ use super::kriging::Kriging;
 use super::library::Beside;
 use super::product::add;
 use super::ranking::{fits, score};
+use super::shape::Shape;
 
 /// Recalibration rests on a pin where each parameter is within its own deviation of it, but no less
 /// and no more than these distances [prior standard deviations, typical magnitudes]; fits with effects
@@ -39,7 +44,7 @@ const ANEW: f64 = 1.0;
 /// Streams of each simulation where fits end, the same in all: what their mean is off by chance is then
 /// common to all explanations. Drawn anew for each, it parted two that were the same by tens of log
 /// score. Around such an end they are fewer: slopes that these do not tell do not matter.
-const STREAMS: u64 = 4;
+pub(super) const STREAMS: u64 = 4;
 const STREAMS_AROUND: u64 = 2;
 /// Deviations [-] of a defect's slope beyond which it is no chance of the few runs that tell it.
 const BEYOND_CHANCE: f64 = 3.0;
@@ -219,6 +224,37 @@ impl Emulator {
         }
     }
 
+    /// Effects of sensors at a point away from the scenario as shipped, whose changes are those there and were not
+    /// looked at yet.
+    fn stale(&self, point: &Point) -> Vec<usize> {
+        let is_away = point.offsets.iter().any(|offset| offset.abs() > NEAR[1]);
+        let effects = point.effects.iter().map(|(effect, _)| *effect);
+        let is_stale = |effect: &usize| {
+            let mut pinned = self.pins.iter().flat_map(|pin| &pin.effects);
+            self.candidates[*effect].of_sensors
+                && !self.told_anew.contains(effect)
+                && !pinned.any(|(own, _)| own == effect)
+        };
+        effects
+            .filter(|effect| is_away && is_stale(effect))
+            .collect()
+    }
+
+    /// Takes an effect's changes at these strengths as they are in these runs: by strength and condition, a
+    /// pair of runs a stream. Without runs they stay as they were.
+    pub(super) fn tell_anew(&mut self, effect: usize, levels: &[(f64, Vec<Vec<Beside>>)]) {
+        self.told_anew.push(effect);
+        if levels.is_empty() {
+            return;
+        }
+        for (place, emulated) in self.conditions.iter_mut().enumerate() {
+            let knots = levels
+                .iter()
+                .map(|(at, runs)| emulated.knot(*at, &runs[place]));
+            emulated.shapes[effect] = Shape::new(emulated.cells.len(), knots.collect());
+        }
+    }
+
     /// What is lacking at a point, condition by condition.
     pub(super) fn defects(&self, point: &Point) -> Vec<Defect> {
         let weights = self.weights(point);
@@ -271,6 +307,8 @@ pub(super) struct Ends {
     pub best: Option<Point>,
     /// Those that are to be simulated.
     pub unpinned: Vec<Point>,
+    /// Effects of sensors whose changes are to be told anew, at which parameters.
+    pub stale: Vec<(usize, Vec<f64>)>,
     /// With so many streams each.
     pub streams: u64,
 }
@@ -299,6 +337,7 @@ fn recalibrated_end(problem: Problem) -> Option<Ends> {
     (!unpinned.is_empty()).then_some(Ends {
         best: Some(fit.best),
         unpinned,
+        stale: Vec::new(),
         streams,
     })
 }
@@ -315,12 +354,18 @@ fn ends(problem: Problem) -> Ends {
     });
     let emulator = problem.emulator;
     let mut unpinned: Vec<Point> = Vec::new();
+    let mut stale: Vec<(usize, Vec<f64>)> = Vec::new();
     let rivals = [&own_word, &ranked].map(|fits| rivals(emulator, fits));
     for fit in [&freest].into_iter().chain(rivals.into_iter().flatten()) {
         if emulator.rests(fit) {
             continue;
         }
         let end = emulator.beside_pin(&fit.best);
+        let old = emulator.stale(&end);
+        if !old.is_empty() {
+            stale.extend(old.into_iter().map(|effect| (effect, end.offsets.clone())));
+            continue;
+        }
         let alone = Point {
             effects: Vec::new(),
             ..end.clone()
@@ -333,9 +378,13 @@ fn ends(problem: Problem) -> Ends {
             unpinned.push(end);
         }
     }
+    // Of several places the first, the likeliest's.
+    stale.sort_by_key(|(effect, _)| *effect);
+    stale.dedup_by_key(|(effect, _)| *effect);
     Ends {
         best: own_word.first().map(|fit| fit.best.clone()),
         unpinned,
+        stale,
         streams: STREAMS,
     }
 }

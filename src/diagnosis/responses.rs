@@ -46,6 +46,8 @@ pub struct Candidate {
     pub name: String,
     /// Unit, neutral value, range and prior of its magnitude.
     pub seat: Seat,
+    /// Whether the motion stays what it is: it takes no simulation to see it elsewhere.
+    pub of_sensors: bool,
 }
 
 impl Candidate {

@@ -25,6 +25,18 @@ pub(super) struct Knot {
     pub error: Vec<f64>,
 }
 
+impl Knot {
+    /// Its slope follows from its neighbours.
+    pub fn new(at: f64, (value, error): (Vec<f64>, Vec<f64>)) -> Self {
+        Self {
+            slope: vec![0.0; value.len()],
+            at,
+            value,
+            error,
+        }
+    }
+}
+
 impl Shape {
     /// Through the levels; without any it is zero everywhere.
     pub fn new(length: usize, levels: Vec<Knot>) -> Self {
