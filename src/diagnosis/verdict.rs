@@ -303,6 +303,14 @@ impl Weighing {
             let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
             self.reasons.push(why.to_owned());
         }
+        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let nearest = best.filter(|best| !best.effects().is_empty());
+        if let (Some(nearest), true) = (nearest, unknown >= problem.calibration.confident) {
+            self.reasons.push(format!(
+                "of what the library has, {} foretells best: it in another form, or what is like it",
+                nearest.name(problem.emulator).replace('+', " with ")
+            ));
+        }
         self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
     }
 

@@ -1115,6 +1115,13 @@ fn an_effect_that_is_not_in_the_library_is_unknown_though_one_that_is_takes_half
     for seed in 0..4 {
         let verdict = bench.verdict(&Truth::effect(3, 6.0), 920 + seed);
         assert_answer(&verdict, Answer::Unknown);
+        // What was e4 in the world is e4 in the library too, for names stay.
+        let nearest = "of what the library has, e4";
+        assert!(
+            verdict.reasons.iter().any(|it| it.starts_with(nearest)),
+            "{:?}",
+            verdict.reasons
+        );
     }
 }
 
