@@ -4,8 +4,8 @@
 //! wheel, ground, rig and sensors are the scenario's. What was not told is taken from the channels. So is the slip
 //! of a run whose channel contradicts it: a label is easily wrong. But where most of the runs contradict theirs,
 //! the rig drives otherwise than it was told (a wrong encoder, a wrong radius): then the slips told
-//! are kept, and the contradiction is a gap to be explained. Rates and channels are those that were measured: what a run has
-//! as a mean only, the simulated one has as a mean only.
+//! are kept, and the contradiction is a gap to be explained. Rates and channels are those that were
+//! measured: what a run has as a mean only, the simulated one has as a mean only.
 
 use super::layout::Layout;
 use super::parameter::parameters;

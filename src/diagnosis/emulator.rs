@@ -208,16 +208,14 @@ impl Emulated {
     }
 
     /// The change by an effect of this strength, from runs with it and without, a pair a stream, wherever
-    /// their parameters are; [freed of noise](denoise).
+    /// their parameters are; [freed] of noise.
     pub fn knot(&self, at: f64, runs: &[Beside]) -> Knot {
         let changes = runs.iter().map(|run| {
             let mut change = self.departure(&run.with);
             super::product::add(&mut change, -1.0, &self.departure(&run.without));
             change
         });
-        let (mut change, error) = mean(&changes.collect::<Vec<_>>());
-        denoise(&mut change, &error, &self.parts);
-        Knot::new(at, (change, error))
+        Knot::new(at, freed(&changes.collect::<Vec<_>>(), &self.parts))
     }
 
     /// A run's departure from the replicates' mean, whitened.
@@ -285,12 +283,10 @@ impl Transform {
         self.apply(&row)
     }
 
-    /// Mean change over the streams, freed of noise [part by part](denoise), and the variance of that mean.
+    /// Mean change over the streams, [freed] of noise, and the variance of that mean.
     fn change(&self, rows: &[Vec<f64>], parts: &[usize]) -> (Vec<f64>, Vec<f64>) {
         let white: Vec<Vec<f64>> = rows.iter().map(|row| self.moved(row)).collect();
-        let (mut means, errors) = mean(&white);
-        denoise(&mut means, &errors, parts);
-        (means, errors)
+        freed(&white, parts)
     }
 
     /// Variance of each number where every cell is uncertain by its resolution.
@@ -309,6 +305,13 @@ impl Transform {
         }
         least
     }
+}
+
+/// Mean over the streams, freed of noise [part by part](denoise), and its variance.
+fn freed(rows: &[Vec<f64>], parts: &[usize]) -> (Vec<f64>, Vec<f64>) {
+    let (mut means, errors) = mean(rows);
+    denoise(&mut means, &errors, parts);
+    (means, errors)
 }
 
 /// Mean over the streams and its variance.

@@ -280,18 +280,16 @@ impl<'a> Investigation<'a> {
         );
         for round in 0..ROUNDS {
             let problem = problem(&emulator, &observation, calibration);
-            let ends = unpinned(problem, round);
+            let mut ends = unpinned(problem, round);
             emulator.middle.clone_from(&ends.best);
             let ask = (&bank, hear);
-            let stale = ends.stale.clone();
+            let stale = std::mem::take(&mut ends.stale);
             let pinned = !ends.unpinned.is_empty()
                 && self.pin(&mut emulator, (library, ends), ask, &mut answers)?;
             if !pinned && stale.is_empty() {
                 break;
             }
-            for effect in stale {
-                self.tell_anew(&mut emulator, (library, effect), ask, &mut answers)?;
-            }
+            self.tell_anew(&mut emulator, (library, stale), ask, &mut answers)?;
         }
         let problem = problem(&emulator, &observation, calibration);
         let ranking = Ranking::new(problem, &forest);
@@ -382,49 +380,31 @@ impl<'a> Investigation<'a> {
         Ok(pinned)
     }
 
-    /// Takes the changes of an effect of the sensors anew, where parameters are these.
+    /// Takes the changes of these effects of the sensors anew, each where parameters are these.
     fn tell_anew(
         &self,
         emulator: &mut Emulator,
-        (library, (effect, offsets)): (&Library, (usize, Vec<f64>)),
+        (library, stale): (&Library, Vec<(usize, Vec<f64>)>),
         (bank, hear): (&Bank, Hear),
         answers: &mut Answers,
     ) -> Result<(), InvestigationError> {
-        let at = |effects: Vec<(usize, f64)>| Point {
-            offsets: offsets.clone(),
-            effects,
-        };
-        let candidate = &emulator.candidates[effect];
         let streams = pins::STREAMS.min(self.plan.depth.replicates);
-        let alone = arm_at(emulator, &at(Vec::new()));
-        let levels = candidate.levels().into_iter().filter_map(|strength| {
-            let arm = arm_at(emulator, &at(vec![(effect, strength)]))?;
-            Some((strength, arm))
-        });
-        let levels: Vec<(f64, Arm)> = levels.collect();
-        let arms = levels.iter().map(|(_, arm)| arm).chain(&alone);
+        let anew: Vec<Anew> = stale
+            .iter()
+            .filter_map(|(effect, offsets)| Anew::of(emulator, *effect, offsets))
+            .collect();
+        // All at once: those at the same parameters share a motion.
+        let arms = anew.iter().flat_map(Anew::arms);
         let requests = arms.flat_map(|arm| self.all_cases(arm, 0..streams));
         ask(bank, requests.collect(), hear, answers)?;
-        let conditions: Vec<_> = library
-            .conditions
-            .iter()
-            .zip(self.places(library))
-            .collect();
-        let beside = |arm: &Arm, (responses, case): (&super::Responses, usize)| {
-            let with = answers.beside(arm, case, &responses.cells);
-            let mut without = answers.beside(alone.as_ref()?, case, &responses.cells);
-            let pairs = with.into_iter().filter_map(|(stream, run)| {
-                let without = without.remove(&stream)?.with;
-                Some(Beside { without, ..run })
-            });
-            Some(pairs.collect::<Vec<_>>()).filter(|pairs| !pairs.is_empty())
-        };
-        let levels = levels.iter().filter_map(|(strength, arm)| {
-            let runs = conditions.iter().map(|condition| beside(arm, *condition));
-            Some((*strength, runs.collect::<Option<Vec<_>>>()?))
-        });
-        let levels: Vec<_> = levels.collect();
-        emulator.tell_anew(effect, &levels);
+        let places = self.places(library);
+        for (effect, _) in &stale {
+            let mut own = anew.iter().filter(|anew| anew.effect == *effect);
+            let levels = own
+                .next()
+                .map(|anew| anew.levels(answers, library, &places));
+            emulator.tell_anew(*effect, &levels.unwrap_or_default());
+        }
         Ok(())
     }
 
@@ -582,6 +562,59 @@ impl<'a> Investigation<'a> {
             }
         }
         told
+    }
+}
+
+/// An effect of the sensors at its magnitudes, and the same without it.
+struct Anew {
+    effect: usize,
+    alone: Arm,
+    levels: Vec<(f64, Arm)>,
+}
+
+impl Anew {
+    /// None where the parameters cannot be these.
+    fn of(emulator: &Emulator, effect: usize, offsets: &[f64]) -> Option<Self> {
+        let at = |effects: Vec<(usize, f64)>| {
+            let offsets = offsets.to_vec();
+            arm_at(emulator, &Point { offsets, effects })
+        };
+        let levels = emulator.candidates[effect].levels().into_iter();
+        let levels = levels.filter_map(|strength| Some((strength, at(vec![(effect, strength)])?)));
+        Some(Self {
+            effect,
+            alone: at(Vec::new())?,
+            levels: levels.collect(),
+        })
+    }
+
+    fn arms(&self) -> impl Iterator<Item = &Arm> {
+        let levels = self.levels.iter().map(|(_, arm)| arm);
+        levels.chain([&self.alone])
+    }
+
+    /// By strength and condition, a pair of runs a stream; strengths that all conditions have.
+    fn levels(
+        &self,
+        answers: &Answers,
+        library: &Library,
+        places: &[usize],
+    ) -> Vec<(f64, Vec<Vec<Beside>>)> {
+        let beside = |arm: &Arm, (responses, case): (&super::Responses, &usize)| {
+            let with = answers.beside(arm, *case, &responses.cells);
+            let mut without = answers.beside(&self.alone, *case, &responses.cells);
+            let pairs = with.into_iter().filter_map(|(stream, run)| {
+                let without = without.remove(&stream)?.with;
+                Some(Beside { without, ..run })
+            });
+            Some(pairs.collect::<Vec<_>>()).filter(|pairs| !pairs.is_empty())
+        };
+        let levels = self.levels.iter().filter_map(|(strength, arm)| {
+            let conditions = library.conditions.iter().zip(places);
+            let runs = conditions.map(|condition| beside(arm, condition));
+            Some((*strength, runs.collect::<Option<Vec<_>>>()?))
+        });
+        levels.collect()
     }
 }
 

@@ -85,6 +85,9 @@ pub struct Explanation {
     pub p: Option<f64>,
     /// Mean square [-] of that beyond what spread explains.
     pub excess: Option<f64>,
+    /// Mean square [-] beyond spread that its fit to all conditions leaves, the loudest numbers whole;
+    /// none for the unknown.
+    pub left: Option<f64>,
 }
 
 /// A parameter as recalibrated under the best explanation.
@@ -168,7 +171,11 @@ impl Verdict {
             shrinkage: shrunk(problem, ranking, &projected, seed),
             next_run: None,
             reasons: weighing.reasons,
-            explanations: ranking.ranked.iter().map(|it| told(problem, it)).collect(),
+            explanations: ranking
+                .ranked
+                .iter()
+                .map(|it| told(problem, ranking, it))
+                .collect(),
             effects: suspects,
             verdict,
         }
@@ -220,7 +227,7 @@ impl Verdict {
     }
 }
 
-fn told(problem: Problem, ranked: &Ranked) -> Explanation {
+fn told(problem: Problem, ranking: &Ranking, ranked: &Ranked) -> Explanation {
     let [by_refit, by_forest] = ranked.engines;
     Explanation {
         name: ranked.hypothesis.name(problem.emulator),
@@ -229,6 +236,7 @@ fn told(problem: Problem, ranked: &Ranked) -> Explanation {
         by_forest,
         p: ranked.check.map(|check| check.p),
         excess: ranked.check.map(|check| check.excess),
+        left: ranking.fit(&ranked.hypothesis).map(|fit| fit.left),
     }
 }
 

@@ -394,16 +394,7 @@ impl Bench {
                 emulator.pin(point, &runs);
             }
             for (effect, offsets) in stale {
-                let at = |effects| Truth {
-                    offsets: offsets.clone(),
-                    effects,
-                    off: Vec::new(),
-                };
-                let level = |strength| {
-                    let there = at(vec![(effect, strength)]);
-                    (strength, self.beside([&there, &at(Vec::new())], &mut rng))
-                };
-                let levels: Vec<_> = LEVELS.map(level).into();
+                let levels = self.levels(effect, &offsets, &mut rng);
                 emulator.tell_anew(effect, &levels);
             }
         }
@@ -429,6 +420,24 @@ impl Bench {
         conditions
             .map(|condition| (0..STREAMS).map(|_| stream(condition)).collect())
             .collect()
+    }
+
+    /// Runs with an effect at its levels and without it, where parameters are these.
+    fn levels(
+        &self,
+        effect: usize,
+        offsets: &[f64],
+        rng: &mut impl Rng,
+    ) -> [(f64, Vec<Vec<Beside>>); 3] {
+        let at = |effects| Truth {
+            offsets: offsets.to_vec(),
+            effects,
+            off: Vec::new(),
+        };
+        LEVELS.map(|level| {
+            let there = at(vec![(effect, level)]);
+            (level, self.beside([&there, &at(Vec::new())], rng))
+        })
     }
 
     fn screened(&self) -> Vec<Screened> {
@@ -909,16 +918,7 @@ fn hiding() -> Bench {
 fn changes_told_anew_are_those_where_the_parameters_are() {
     let mut bench = hiding();
     let before = bench.emulator.conditions[2].shapes[6].at(2.0);
-    let at = |effects| Truth {
-        offsets: vec![1.5, 0.0, 0.0],
-        effects,
-        off: Vec::new(),
-    };
-    let mut rng = Seed(1).rng("anew", 0);
-    let levels = LEVELS.map(|level| {
-        let there = at(vec![(6, level)]);
-        (level, bench.beside([&there, &at(Vec::new())], &mut rng))
-    });
+    let levels = bench.levels(6, &[1.5, 0.0, 0.0], &mut Seed(1).rng("anew", 0));
     bench.emulator.tell_anew(6, &levels);
     let shape = &bench.emulator.conditions[2].shapes[6];
     let size = |change: &[f64]| libm::sqrt(product::product(change, change));

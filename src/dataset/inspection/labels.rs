@@ -35,6 +35,7 @@ pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
     check_slip(trace, doubts);
     check_signs(trace, doubts);
     check_sizes(trace, doubts);
+    check_pull(trace, doubts);
     check_acceleration(trace, doubts);
     check_sinkage(trace, doubts);
     check_class(trace, doubts);
@@ -301,6 +302,11 @@ fn check_sizes(trace: &Trace, doubts: &mut Doubts) {
             doubts.channel(name, Severity::Error, message);
         }
     }
+}
+
+/// Doubts a pull beyond the load, which a unit does not explain.
+fn check_pull(trace: &Trace, doubts: &mut Doubts) {
+    let load = trace.attributes.load;
     if let Some(pull) = trace.steady_mean("drawbar_pull")
         && (load..=MOST_GRIP * load).contains(&pull.abs())
         && load > 0.0
