@@ -545,6 +545,28 @@ fn a_wheel_without_lugs_has_windows_whose_class_is_unknown_with_the_reason() {
     assert!(reason.starts_with("the wheel has no lugs"), "{reason}");
 }
 
+#[test]
+fn a_study_stopped_before_its_parameters_are_fitted_has_its_runs_whole_and_goes_on() {
+    let folder = TempDir::new().unwrap();
+    let rest = "repeats = 1\nrandom_numbers = \"common\"\n\
+                [set]\nduration = 0.5\nphysics_rate = 4000\nrig.single_wheel.forward_speed = 0.05\n\
+                [[sweep]]\nkey = \"rig.single_wheel.slip\"\nvalues = [0.1, 0.3]\n\
+                [identification]\n";
+    let study = study(&folder, &["single_wheel_ref"], rest);
+    let out = folder.path().join("out");
+    study
+        .execute_share(&into(&out), &|_| ControlFlow::Continue(()))
+        .unwrap();
+    let stopped = study.execute(&resumed(&out), &|_| ControlFlow::Break(()));
+    let Err(StudyError::Stopped { whole, shards }) = stopped else {
+        panic!("{stopped:?}");
+    };
+    assert_eq!(whole, shards);
+    assert!(!out.join("identification.txt").exists());
+    done(&study, &resumed(&out));
+    assert!(out.join("identification.txt").exists());
+}
+
 /// Short runs at speeds and slips on stone and sand, identified.
 fn identified(folder: &TempDir, scenarios: &[&str], rest: &str) -> (IdentificationScore, PathBuf) {
     let text = format!(

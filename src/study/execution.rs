@@ -207,6 +207,15 @@ impl Study {
         }
     }
 
+    /// The error of a study that is stopped while what is computed from its shards is.
+    pub(super) fn stopped_when_whole(&self) -> StudyError {
+        let shards = shard::all(self).len();
+        StudyError::Stopped {
+            whole: shards,
+            shards,
+        }
+    }
+
     /// The shards that are not whole.
     pub(super) fn missing(&self, folder: &Folder) -> Vec<Shard> {
         let tables = self.tables();
@@ -289,8 +298,9 @@ impl Study {
             dataset = self.keep(folder, &shards, windows, failed, &|| hear(None))?;
             recognition = self.score(collected.text_of(windows::NAME))?;
             held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
-            identification = self.identify(collected.text_of(identification::NAME));
             let threads = options.threads()?;
+            let steady = collected.text_of(identification::NAME);
+            identification = threads.install(|| self.identify(steady, &|| hear(None)))?;
             diagnosis = threads.install(|| self.diagnose(folder, &|now| hear(Some(now))))?;
         }
         if let Some(score) = &recognition {

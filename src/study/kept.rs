@@ -152,11 +152,7 @@ impl Study {
             let file = traces::open(folder, shard)?;
             for id in file.runs() {
                 if stop().is_break() {
-                    let shards = shards.len();
-                    return Err(StudyError::Stopped {
-                        whole: shards,
-                        shards,
-                    });
+                    return Err(self.stopped_when_whole());
                 }
                 let trace = file.read(id)?;
                 writer.add(id, &trace)?;

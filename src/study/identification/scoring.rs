@@ -13,9 +13,10 @@ use super::score::{
 use crate::identification::{Estimate, Force, ForceErrors, Identified, PredictedForce, Warning};
 use crate::recognition::confusion::Share;
 use crate::scenario::Scenario;
-use crate::study::{Study, group};
+use crate::study::{Study, StudyError, group};
 use crate::terrain::class::Wtic;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// A group and what was fitted to it, in the order of [`MODELS`].
 struct FittedGroup {
@@ -25,22 +26,36 @@ struct FittedGroup {
 }
 
 impl Study {
-    /// Identifies the table of the steady rows, where the study has one.
-    pub(in crate::study) fn identify(&self, steady: Option<&str>) -> Option<IdentificationScore> {
-        let (plan, text) = (self.identification.as_ref()?, steady?);
+    /// Identifies the table of the steady rows, where the study has one. `stop` is asked before every
+    /// group is fitted.
+    ///
+    /// # Errors
+    /// `Stopped`.
+    pub(in crate::study) fn identify(
+        &self,
+        steady: Option<&str>,
+        stop: &(dyn Fn() -> ControlFlow<()> + Sync),
+    ) -> Result<Option<IdentificationScore>, StudyError> {
+        let (Some(plan), Some(text)) = (&self.identification, steady) else {
+            return Ok(None);
+        };
         let rows = reading::rows(text);
-        let groups = group::all(self, &plan.over);
-        let fitted: Vec<FittedGroup> = groups
-            .into_par_iter()
-            .map(|group| FittedGroup::new(GroupRows::new(self, plan, group, &rows)))
-            .collect();
-        Some(IdentificationScore {
+        let groups = group::all(self, &plan.over).into_par_iter();
+        let fitted = groups.map(|group| match stop() {
+            ControlFlow::Continue(()) => {
+                let rows = GroupRows::new(self, plan, group, &rows);
+                Ok(FittedGroup::new(rows))
+            }
+            ControlFlow::Break(()) => Err(self.stopped_when_whole()),
+        });
+        let fitted: Vec<FittedGroup> = fitted.collect::<Result<_, _>>()?;
+        Ok(Some(IdentificationScore {
             published: plan.published,
             grounds: grounds(&fitted),
             groups: fitted.iter().map(GroupScore::of).collect(),
             predictions: predictions(self, plan, &fitted),
             carried: carried(&fitted),
-        })
+        }))
     }
 }
 

@@ -1,0 +1,76 @@
+//! Which explanations are good enough to be named.
+
+use super::super::calibration::Calibration;
+use super::super::check::Check;
+use super::super::fit::Problem;
+use super::super::hypothesis::Hypothesis;
+use super::super::ranking::Ranking;
+use super::healthy;
+
+/// Mean square [-] beyond what spread explains from which on there is a gap to explain.
+const NOTICEABLE: f64 = 0.2;
+
+/// Which explanations are good enough to be named.
+pub(super) struct Trust<'a> {
+    ranking: &'a Ranking,
+    calibration: &'a Calibration,
+    /// Mean square [-] beyond what spread explains that the scenario as shipped leaves, outlying numbers cut, and that
+    /// recalibration does, all numbers whole.
+    shipped: f64,
+    recalibrated: f64,
+}
+
+impl<'a> Trust<'a> {
+    pub fn of(problem: Problem<'a>, ranking: &'a Ranking) -> Self {
+        Self {
+            ranking,
+            calibration: problem.calibration,
+            shipped: checked(ranking, &Hypothesis::None).map_or(0.0, |check| check.excess),
+            recalibrated: healthy(ranking).left,
+        }
+    }
+
+    /// Whether there is a gap to explain.
+    pub fn is_gap(&self) -> bool {
+        self.shipped > NOTICEABLE
+    }
+
+    pub fn passes(&self, hypothesis: &Hypothesis) -> bool {
+        let check = checked(self.ranking, hypothesis);
+        check.is_none_or(|check| check.p >= self.calibration.failed)
+    }
+
+    /// Whether an explanation leaves little of the gap: recalibration of that as shipped, effects of what
+    /// recalibration leaves. An effect's loudest numbers count whole: it is there that one of another form is
+    /// told from a wrong one.
+    pub fn explains(&self, hypothesis: &Hypothesis) -> bool {
+        let left_over = self.calibration.left_over;
+        match hypothesis.effects() {
+            [] => {
+                let check = checked(self.ranking, hypothesis);
+                check.is_some_and(|check| check.excess < left_over * self.shipped)
+            }
+            _ => {
+                let fit = self.ranking.fit(hypothesis);
+                fit.is_some_and(|fit| fit.left < left_over * self.recalibrated)
+            }
+        }
+    }
+
+    /// Share [-] of its probability that an explanation keeps.
+    pub fn kept(&self, hypothesis: &Hypothesis) -> f64 {
+        match checked(self.ranking, hypothesis) {
+            Some(check) if !self.explains(hypothesis) => {
+                (check.p / self.calibration.failed).min(1.0)
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+fn checked(ranking: &Ranking, hypothesis: &Hypothesis) -> Option<Check> {
+    let mut ranked = ranking.ranked.iter();
+    ranked
+        .find(|ranked| ranked.hypothesis == *hypothesis)?
+        .check
+}

@@ -1,0 +1,292 @@
+//! Probabilities after all reservations, and the answer that they give.
+
+use super::super::fit::{Fit, Problem};
+use super::super::hypothesis::Hypothesis;
+use super::super::product::log_sum;
+use super::super::ranking::Ranking;
+use super::super::screen::{END, Projected, Screened};
+use super::trust::Trust;
+use super::{Answer, Suspect, equivalent, healthy};
+use std::collections::BTreeMap;
+
+/// Share [-] that the unknown keeps where the best refit passes its check or explains the gap.
+const DOUBT: f64 = 0.1;
+
+/// Probabilities after all reservations.
+pub(super) struct Weighing {
+    masses: Vec<(Hypothesis, f64)>,
+    undecided: f64,
+    /// Effects for which parameters within their priors may stand.
+    absorbed: Vec<usize>,
+    /// Whether what is left without any effect may be chance, or is little of the gap.
+    cleared: bool,
+    pub reasons: Vec<String>,
+}
+
+impl Weighing {
+    pub fn of(problem: Problem, ranking: &Ranking, projected: &Projected) -> Self {
+        let ranked = ranking.ranked.iter();
+        let mut weighing = Self {
+            masses: ranked
+                .map(|r| (r.hypothesis.clone(), libm::exp(r.log_probability)))
+                .collect(),
+            undecided: 0.0,
+            absorbed: absorbed(problem, healthy(ranking), projected),
+            cleared: true,
+            reasons: Vec::new(),
+        };
+        weighing.check(problem, ranking);
+        weighing.disagreement(ranking);
+        weighing.stand_in(problem);
+        for (most, why) in &problem.observation.scarce {
+            weighing.keep(*most);
+            weighing.reasons.push((*why).to_owned());
+        }
+        if !weighing.cleared {
+            let why = "recalibration alone leaves more than chance would on held-out conditions";
+            weighing.reasons.push(why.to_owned());
+        }
+        weighing
+    }
+
+    /// What neither passes its check nor explains the gap gives its share to the unknown; where the best does
+    /// either, the unknown has a small share of what it had. That the unknown itself foretells
+    /// better than all of them is not asked for: it did not, and a wrong pair was named, where a world
+    /// lacked an effect.
+    fn check(&mut self, problem: Problem, ranking: &Ranking) {
+        let trust = Trust::of(problem, ranking);
+        let others = ranking.ranked.iter();
+        let mut others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
+        let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
+        let best = others.next().map(|ranked| &ranked.hypothesis);
+        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let is_good = trust.is_gap() && best.is_some_and(|best| trust.kept(best) == 1.0);
+        let of_unknown = if is_good { DOUBT * unknown } else { unknown };
+        for ((hypothesis, mass), ranked) in self.masses.iter_mut().zip(&ranking.ranked) {
+            *mass = match hypothesis {
+                Hypothesis::Unknown => of_unknown,
+                _ => (1.0 - of_unknown) * libm::exp(ranked.log_probability - all),
+            };
+        }
+        self.without_seconds(&trust);
+        let mut lost = 0.0;
+        for (hypothesis, mass) in &mut self.masses {
+            let kept = trust.kept(hypothesis);
+            lost += (1.0 - kept) * *mass;
+            *mass *= kept;
+        }
+        let mut masses = self.masses.iter_mut();
+        if let Some((_, mass)) = masses.find(|(h, _)| *h == Hypothesis::Unknown) {
+            *mass += lost;
+        }
+        if lost >= problem.calibration.presumed {
+            let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
+            self.reasons.push(why.to_owned());
+        }
+        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let nearest = best.filter(|best| !best.effects().is_empty());
+        if let (Some(nearest), true) = (nearest, unknown >= problem.calibration.confident) {
+            self.reasons.push(format!(
+                "of what the library has, {} foretells best: it in another form, or what is like it",
+                nearest.name(problem.emulator).replace('+', " with ")
+            ));
+        }
+        self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
+    }
+
+    /// Of a pair that fails its check, leaves the effect that explains the gap alone, the better of these,
+    /// best first: where the form of the first is off, a second that is not there always helps.
+    fn without_seconds(&mut self, trust: &Trust) {
+        for place in 0..self.masses.len() {
+            let (pair, mass) = self.masses[place].clone();
+            if pair.effects().len() < 2 || trust.passes(&pair) {
+                continue;
+            }
+            let alone = |(other, _): &(Hypothesis, f64)| match other.effects() {
+                [one] => pair.effects().contains(one) && trust.explains(other),
+                _ => false,
+            };
+            if let Some(single) = self.masses.iter().position(alone) {
+                self.masses[single].1 += mass;
+                self.masses[place].1 = 0.0;
+            }
+        }
+    }
+
+    /// Says which effects are not named because parameters may stand for them.
+    fn stand_in(&mut self, problem: Problem) {
+        for &effect in &self.absorbed {
+            let probability = self.mass(|h| h.effects().contains(&effect));
+            if probability >= problem.calibration.presumed {
+                let name = &problem.emulator.candidates[effect].name;
+                self.reasons
+                    .push(format!("{name} cannot be told from parameters"));
+            }
+        }
+    }
+
+    fn disagreement(&mut self, ranking: &Ranking) {
+        let first = |engine: usize| {
+            let ranked = ranking.ranked.iter();
+            ranked.max_by(|a, b| a.engines[engine].total_cmp(&b.engines[engine]))
+        };
+        let [refit, forest] = [first(0), first(1)].map(|r| r.map(|r| &r.hypothesis));
+        if refit != forest {
+            self.reasons
+                .push("refit and forest disagree on what is likeliest".to_owned());
+        }
+    }
+
+    /// Leaves at most this probability decided; the unknown keeps its own.
+    fn keep(&mut self, most: f64) {
+        for (hypothesis, mass) in &mut self.masses {
+            if *hypothesis != Hypothesis::Unknown {
+                self.undecided += (1.0 - most) * *mass;
+                *mass *= most;
+            }
+        }
+    }
+
+    fn mass(&self, counts: impl Fn(&Hypothesis) -> bool) -> f64 {
+        let masses = self
+            .masses
+            .iter()
+            .filter(|(hypothesis, _)| counts(hypothesis));
+        masses.map(|(_, mass)| mass).sum()
+    }
+
+    /// The answer and the effects it names.
+    pub fn answer(&self, problem: Problem, projected: &Projected) -> (Answer, Vec<usize>) {
+        let confident = problem.calibration.confident;
+        let [none, parameter, unknown] =
+            [Hypothesis::None, Hypothesis::Parameter, Hypothesis::Unknown]
+                .map(|known| self.mass(|h| *h == known));
+        if self.undecided > 1.0 - confident {
+            return (Answer::Undecided, Vec::new());
+        }
+        let absorbed = self.mass(|h| h.effects().iter().any(|e| self.absorbed.contains(e)));
+        if self.cleared && none + parameter + absorbed >= problem.calibration.presumed {
+            let answer = match none >= parameter + absorbed {
+                true => Answer::None,
+                false => Answer::Parameter,
+            };
+            return (answer, Vec::new());
+        }
+        if unknown >= confident {
+            return (Answer::Unknown, Vec::new());
+        }
+        let alike = |a: usize, b: usize| a == b || equivalent(problem, projected, a, b);
+        let same = |a: &[usize], b: &[usize]| match (a, b) {
+            (&[a], &[b]) => alike(a, b),
+            (&[a, b], &[c, d]) => (alike(a, c) && alike(b, d)) || (alike(a, d) && alike(b, c)),
+            _ => false,
+        };
+        let likeliest = |of: &dyn Fn(&Hypothesis) -> bool, mass: &dyn Fn(&[usize]) -> f64| {
+            let masses = self.masses.iter().filter(|(hypothesis, _)| of(hypothesis));
+            masses
+                .map(|(hypothesis, own)| {
+                    (
+                        hypothesis.effects().to_vec(),
+                        mass(hypothesis.effects()),
+                        *own,
+                    )
+                })
+                .max_by(|a, b| (a.1, a.2).partial_cmp(&(b.1, b.2)).expect("numbers"))
+        };
+        let pairs = |h: &Hypothesis| h.effects().len() == 2;
+        let of_pair = |pair: &[usize]| self.mass(|h| same(h.effects(), pair));
+        if let Some((pair, mass, _)) = likeliest(&pairs, &of_pair)
+            && mass >= confident
+        {
+            return (Answer::Effects, pair);
+        }
+        let singles = |h: &Hypothesis| h.effects().len() == 1;
+        let of_single =
+            |one: &[usize]| self.mass(|h| h.effects().iter().any(|&e| alike(e, one[0])));
+        if let Some((one, mass, _)) = likeliest(&singles, &of_single)
+            && mass >= confident
+        {
+            return (Answer::Effect, one);
+        }
+        (Answer::Undecided, Vec::new())
+    }
+
+    pub fn told(&self, problem: Problem) -> BTreeMap<String, f64> {
+        let named = self
+            .masses
+            .iter()
+            .map(|(hypothesis, mass)| (hypothesis.name(problem.emulator), *mass));
+        named
+            .chain([("undecided".to_owned(), self.undecided)])
+            .collect()
+    }
+
+    pub fn suspects(
+        &self,
+        problem: Problem,
+        ranking: &Ranking,
+        projected: &Projected,
+    ) -> Vec<Suspect> {
+        let table = projected.table(problem.emulator, problem.calibration.equivalent);
+        let mut suspects: Vec<Suspect> = table
+            .into_iter()
+            .enumerate()
+            .filter_map(|(number, screened)| {
+                let probability = self.mass(|h| h.effects().contains(&number));
+                self.suspect(problem, ranking, (number, screened), probability)
+            })
+            .collect();
+        suspects.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        suspects
+    }
+
+    /// With the magnitude of the likeliest explanation that has it.
+    fn suspect(
+        &self,
+        problem: Problem,
+        ranking: &Ranking,
+        (number, screened): (usize, Screened),
+        probability: f64,
+    ) -> Option<Suspect> {
+        let explains = self
+            .masses
+            .iter()
+            .filter(|(h, _)| h.effects().contains(&number));
+        let (hypothesis, _) = explains.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let place = hypothesis
+            .effects()
+            .iter()
+            .position(|&effect| effect == number)?;
+        let estimate = ranking.fit(hypothesis)?.strengths[place];
+        let candidate = &problem.emulator.candidates[number];
+        let mut ci95 = estimate.ci95.map(|end| candidate.magnitude(end));
+        ci95.sort_by(f64::total_cmp);
+        Some(Suspect {
+            name: screened.name,
+            probability,
+            magnitude: candidate.magnitude(estimate.value),
+            unit: candidate.seat.unit,
+            ci95,
+            equivalent_to: screened
+                .equivalent
+                .into_iter()
+                .map(|(name, _)| name)
+                .collect(),
+            detectable: screened.detectable,
+            absorbed: screened.absorbed,
+        })
+    }
+}
+
+/// Effects that parameters absorb as far as equivalent effects would each other, where
+/// recalibration keeps to the priors.
+fn absorbed(problem: Problem, recalibrated: &Fit, projected: &Projected) -> Vec<usize> {
+    let at_end = |[offset, _]: &[f64; 2]| offset.abs() > END;
+    if recalibrated.offsets.iter().any(at_end) {
+        return Vec::new();
+    }
+    let most = problem.calibration.equivalent * problem.calibration.equivalent;
+    let all = 0..problem.emulator.candidates.len();
+    all.filter(|&effect| projected.absorbed(effect) > most)
+        .collect()
+}
