@@ -5,14 +5,16 @@
 //! ```
 //!
 //! takes from a difference what recalibration within the parameters' priors could make. With the
-//! signature `d` of an effect at its typical level, `(dᵀ P r)² / (dᵀ P d)` is the χ² that the
-//! effect alone would take from a residual `r`; three over `√(dᵀ P d)` typical levels show
-//! themselves with three deviations; `1 − dᵀ P d / (dᵀ S⁻¹ d)` is absorbed by parameters.
+//! signature `d` of an effect at its typical level, whose numbers count less the worse they are known,
+//! `(dᵀ P r)² / (dᵀ P d)` is the χ² that the effect alone would take from a residual `r`; three over
+//! `√(dᵀ P d)` typical levels show themselves with three deviations; `1 − dᵀ P d / (dᵀ S⁻¹ d)` is
+//! absorbed by parameters.
 
 use super::emulator::{Emulated, Emulator};
 use super::fit::Problem;
 use super::product::{add, product, scaled};
 use super::responses::Candidate;
+use super::shape::Shape;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 
@@ -116,11 +118,9 @@ impl Screen {
         let clipped: Vec<f64> = clipped
             .map(|(r, v)| r.clamp(-OUTLYING * libm::sqrt(*v), OUTLYING * libm::sqrt(*v)))
             .collect();
-        let signatures: Vec<Vec<f64>> = emulated
-            .shapes
-            .iter()
-            .zip(&self.typical)
-            .map(|(shape, typical)| shape.at(*typical))
+        let signatures = emulated.shapes.iter().zip(&self.typical);
+        let signatures: Vec<Vec<f64>> = signatures
+            .map(|(shape, typical)| told(shape, *typical, &variance))
             .collect();
         let weighted: Vec<Vec<f64>> = signatures.iter().map(|d| scaled(d, &precision)).collect();
         for (i, weighted) in weighted.iter().enumerate() {
@@ -159,6 +159,19 @@ impl Screen {
             offsets,
         }
     }
+}
+
+/// What measurements of this variance tell of a change: `d √(v / (v + e))`, as a change that is known no better
+/// than `e` weighs in a fit.
+fn told(shape: &Shape, strength: f64, variance: &[f64]) -> Vec<f64> {
+    let mut error = vec![0.0; variance.len()];
+    shape.add_error(strength, &mut error);
+    let known = variance.iter().zip(&error).map(|(v, e)| match v + e {
+        all if all > 0.0 => libm::sqrt(v / all),
+        _ => 1.0,
+    });
+    let change = shape.at(strength).into_iter().zip(known);
+    change.map(|(d, known)| d * known).collect()
 }
 
 impl Projected {

@@ -265,6 +265,24 @@ fn a_fit_says_more_of_what_it_has_seen_than_of_what_it_has_not() {
 }
 
 #[test]
+fn a_run_that_went_astray_is_nothing_that_the_right_effect_leaves() {
+    let bench = &*BENCH;
+    let truth = Truth::effect(5, 6.0 * bench.screened()[5].detectable.unwrap());
+    let mut measured = bench.world.measured(&truth, 2, 71);
+    for number in &mut measured[2].runs[0] {
+        *number += 30.0;
+    }
+    let observation = bench.observe(&measured);
+    let left = |hypothesis| Fit::new(bench.problem(&observation), hypothesis).left;
+    let [recalibrated, with_effect] =
+        [Hypothesis::Parameter, Hypothesis::Effects(vec![5])].map(left);
+    assert!(
+        with_effect < bench.calibration.left_over * recalibrated,
+        "{with_effect} of {recalibrated}"
+    );
+}
+
+#[test]
 fn parameters_that_do_more_together_are_found_once_the_fits_were_simulated() {
     let bench = Bench::entangled(1);
     let truth = Truth {
