@@ -316,17 +316,7 @@ fn freed(rows: &[Vec<f64>], parts: &[usize]) -> (Vec<f64>, Vec<f64>) {
 
 /// Mean over the streams and its variance.
 fn mean(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
-    let streams = rows.len() as f64;
-    let (mut means, mut errors) = (Vec::new(), Vec::new());
-    for place in 0..rows.first().map_or(0, Vec::len) {
-        let mean = rows.iter().map(|row| row[place]).sum::<f64>() / streams;
-        let square: f64 = rows
-            .iter()
-            .map(|row| (row[place] - mean) * (row[place] - mean))
-            .sum();
-        means.push(mean);
-        errors.push(square / (streams - 1.0).max(1.0) / streams);
-    }
+    let (means, mut errors) = super::product::mean(rows);
     // One cell's scatter is known from few streams: half of it is what all cells show.
     let common = errors.iter().sum::<f64>() / (errors.len() as f64).max(1.0);
     for error in &mut errors {

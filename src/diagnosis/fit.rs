@@ -216,8 +216,8 @@ fn left(problem: Problem, best: &Point) -> f64 {
         let departure = Model::new(emulated, best, defect).departure(observed);
         let precision = emulated.scatter.precision(&observed.variance);
         let numbers = emulated.scatter.independent * departure.len() as f64;
-        let scattered = product(&observed.scattered, &precision);
-        sum += product(&departure, &scaled(&departure, &precision)) - scattered.max(numbers);
+        let square = product(&departure, &scaled(&departure, &precision));
+        sum += square - observed.scattered.max(numbers);
         count += numbers;
     }
     (sum / count).max(0.0)

@@ -389,21 +389,19 @@ impl<'a> Investigation<'a> {
         answers: &mut Answers,
     ) -> Result<(), InvestigationError> {
         let streams = pins::STREAMS.min(self.plan.depth.replicates);
-        let anew: Vec<Anew> = stale
+        let anew = stale
             .iter()
-            .filter_map(|(effect, offsets)| Anew::of(emulator, *effect, offsets))
-            .collect();
+            .map(|(effect, offsets)| (*effect, Anew::of(emulator, *effect, offsets)));
+        let anew: Vec<(usize, Option<Anew>)> = anew.collect();
         // All at once: those at the same parameters share a motion.
-        let arms = anew.iter().flat_map(Anew::arms);
+        let possible = anew.iter().filter_map(|(_, anew)| anew.as_ref());
+        let arms = possible.flat_map(Anew::arms);
         let requests = arms.flat_map(|arm| self.all_cases(arm, 0..streams));
         ask(bank, requests.collect(), hear, answers)?;
         let places = self.places(library);
-        for (effect, _) in &stale {
-            let mut own = anew.iter().filter(|anew| anew.effect == *effect);
-            let levels = own
-                .next()
-                .map(|anew| anew.levels(answers, library, &places));
-            emulator.tell_anew(*effect, &levels.unwrap_or_default());
+        for (effect, anew) in anew {
+            let levels = anew.map(|anew| anew.levels(answers, library, &places));
+            emulator.tell_anew(effect, &levels.unwrap_or_default());
         }
         Ok(())
     }
@@ -567,7 +565,6 @@ impl<'a> Investigation<'a> {
 
 /// An effect of the sensors at its magnitudes, and the same without it.
 struct Anew {
-    effect: usize,
     alone: Arm,
     levels: Vec<(f64, Arm)>,
 }
@@ -582,7 +579,6 @@ impl Anew {
         let levels = emulator.candidates[effect].levels().into_iter();
         let levels = levels.filter_map(|strength| Some((strength, at(vec![(effect, strength)])?)));
         Some(Self {
-            effect,
             alone: at(Vec::new())?,
             levels: levels.collect(),
         })

@@ -2,7 +2,7 @@
 
 use super::calibration::Calibration;
 use super::emulator::{Emulated, Emulator};
-use super::product::middle;
+use super::product::{mean, middle, product};
 use super::responses::{DiagnosisError, Library, Measured};
 use super::scatter::{Loudness, mean_square};
 
@@ -29,8 +29,8 @@ pub(super) struct Observed {
     pub residual: Vec<f64>,
     /// Its variance, where the model is right.
     pub variance: Vec<f64>,
-    /// Its variance as these repeats alone tell it, number by number; none of a single run.
-    pub scattered: Vec<f64>,
+    /// Sum of squares over that variance [-] that these repeats alone let it have; none of a single run.
+    pub scattered: f64,
     /// Mean square [-] of a departure over that variance, outlying numbers cut.
     pub square: f64,
     /// How loud such a departure is.
@@ -76,11 +76,13 @@ impl Observation {
                 let count = runs.len() as f64;
                 let replicates = emulated.replicates.len() as f64;
                 let share = 1.0 / replicates + ratio / count;
+                let variance: Vec<f64> = emulated.scatter.variance(share).collect();
+                let (_, of_repeats) = mean(&runs);
                 Observed {
                     days: measured.days.clone(),
-                    scattered: scattered(&runs),
                     residual: middle(&runs),
-                    variance: emulated.scatter.variance(share).collect(),
+                    scattered: product(&of_repeats, &emulated.scatter.precision(&variance)),
+                    variance,
                     square: emulated.scatter.square(runs.len()),
                     loudness: emulated.scatter.loudness(runs.len()),
                     runs,
@@ -109,20 +111,6 @@ fn spreads_of_repeats(emulator: &Emulator, departures: &[Vec<Vec<f64>>]) -> Vec<
         ((OF_SPREAD * common + squares) / (OF_SPREAD + freedom)).max(1.0)
     };
     own.iter().map(drawn).collect()
-}
-
-/// Variance of the mean of repeats, number by number, by how they lie about it.
-fn scattered(runs: &[Vec<f64>]) -> Vec<f64> {
-    let count = runs.len() as f64;
-    let middle = middle(runs);
-    let mut squares = vec![0.0; middle.len()];
-    for run in runs {
-        for ((square, number), middle) in squares.iter_mut().zip(run).zip(&middle) {
-            *square += (number - middle) * (number - middle);
-        }
-    }
-    let degrees = (count * (count - 1.0)).max(1.0);
-    squares.iter().map(|square| square / degrees).collect()
 }
 
 /// Sum of squares of repeats about their mean over that of replicates, the mean of all numbers, and

@@ -1,5 +1,7 @@
 //! Sums of products of long rows.
 
+use crate::gap::moments;
+
 /// Numbers added side by side, so that the processor need not wait for each sum.
 const LANES: usize = 4;
 
@@ -43,6 +45,17 @@ pub(super) fn middle(rows: &[impl AsRef<[f64]>]) -> Vec<f64> {
         add(&mut sums, 1.0 / rows.len() as f64, row.as_ref());
     }
     sums
+}
+
+/// Mean of rows of one length and its variance as they scatter, number by number.
+pub(super) fn mean(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let numbers = 0..rows.first().map_or(0, Vec::len);
+    let of = |place: usize| {
+        let column: Vec<f64> = rows.iter().map(|row| row[place]).collect();
+        let [mean, variance] = moments(&column);
+        (mean, variance / rows.len() as f64)
+    };
+    numbers.map(of).unzip()
 }
 
 /// `ln Σ exp`.

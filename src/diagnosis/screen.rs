@@ -166,12 +166,9 @@ impl Screen {
 fn told(shape: &Shape, strength: f64, variance: &[f64]) -> Vec<f64> {
     let mut error = vec![0.0; variance.len()];
     shape.add_error(strength, &mut error);
-    let known = variance.iter().zip(&error).map(|(v, e)| match v + e {
-        all if all > 0.0 => libm::sqrt(v / all),
-        _ => 1.0,
-    });
-    let change = shape.at(strength).into_iter().zip(known);
-    change.map(|(d, known)| d * known).collect()
+    let known = variance.iter().zip(&error);
+    let known: Vec<f64> = known.map(|(v, e)| libm::sqrt(v / (v + e))).collect();
+    scaled(&shape.at(strength), &known)
 }
 
 impl Projected {

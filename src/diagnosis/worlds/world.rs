@@ -21,7 +21,7 @@ pub(super) const SMALL: Size = Size {
     parameters: 3,
     effects: 10,
 };
-pub(super) const REPLICATES: usize = 24;
+const REPLICATES: usize = 24;
 pub(super) const STREAMS: usize = 4;
 pub(super) const LEVELS: [f64; 3] = [0.5, 1.0, 2.0];
 
@@ -55,7 +55,7 @@ pub(super) fn pattern(cells: usize, size: f64, rng: &mut impl Rng) -> Vec<f64> {
 }
 
 /// A pattern whose strength changes with the condition.
-pub(super) fn over_conditions(size: Size, strength: f64, rng: &mut impl Rng) -> Vec<Vec<f64>> {
+fn over_conditions(size: Size, strength: f64, rng: &mut impl Rng) -> Vec<Vec<f64>> {
     let [common, changing] = [0, 1].map(|_| pattern(size.cells, strength, rng));
     (0..size.conditions)
         .map(|number| {
@@ -67,7 +67,7 @@ pub(super) fn over_conditions(size: Size, strength: f64, rng: &mut impl Rng) -> 
 }
 
 /// From one list a name to one list a condition.
-pub(super) fn turned(lists: Vec<Vec<Vec<f64>>>, conditions: usize) -> Vec<Vec<Vec<f64>>> {
+fn turned(lists: Vec<Vec<Vec<f64>>>, conditions: usize) -> Vec<Vec<Vec<f64>>> {
     let of = |number: usize| lists.iter().map(|list| list[number].clone()).collect();
     (0..conditions).map(of).collect()
 }
