@@ -114,7 +114,7 @@ impl Selection {
     }
 }
 
-/// Reads the name of a set, `all` or `calibration`.
+/// Reads names of sets with commas between them, `all` or `calibration`.
 impl FromStr for Selection {
     type Err = ChallengeError;
 
@@ -124,11 +124,16 @@ impl FromStr for Selection {
             "calibration" => return Ok(Self::calibration()),
             _ => {}
         }
-        let set = Set::ALL.into_iter().find(|set| set.as_str() == text);
-        let set = set.ok_or_else(|| ChallengeError::NoSet(text.to_owned()))?;
+        let named = |name: &str| {
+            let set = Set::ALL.into_iter().find(|set| set.as_str() == name);
+            set.ok_or_else(|| ChallengeError::NoSet(name.to_owned()))
+        };
+        let mut sets: Vec<Set> = text.split(',').map(named).collect::<Result<_, _>>()?;
+        sets.sort();
+        sets.dedup();
         Ok(Self {
             family: Family::Scoring,
-            sets: vec![set],
+            sets,
         })
     }
 }
@@ -192,6 +197,7 @@ mod tests {
         let sets = |text: &str| text.parse::<Selection>().unwrap();
         assert_eq!(sets("all"), Selection::all());
         assert_eq!(sets("C2").sets, [Set::C2]);
+        assert_eq!(sets("C3,C0").sets, [Set::C0, Set::C3]);
         let calibration = sets("calibration");
         assert_eq!(calibration.family, Family::Calibration);
         assert!(!calibration.sets.contains(&Set::C2));

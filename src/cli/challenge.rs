@@ -62,7 +62,7 @@ struct Make {
     /// Folder of the trial
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// C0, C1, C2, C3, C4, all or calibration
+    /// C0, C1, C2, C3, C4, some of them with commas between, all or calibration
     #[arg(long, value_name = "NAME", default_value = "all")]
     set: Selection,
     /// Cases at most, balanced over sets, effects and magnitudes; all if not given

@@ -150,7 +150,9 @@ impl Verdict {
             .map(|&effect| set(problem, &projected, effect));
         let named: Vec<Vec<usize>> = sets.collect();
         let suspects = weighing.suspects(problem, ranking, &projected);
-        let best = &ranking.ranked[0].hypothesis;
+        // What is named need not be what scores best.
+        let answered = (!effects.is_empty()).then(|| Hypothesis::Effects(effects.clone()));
+        let best = answered.as_ref().unwrap_or(&ranking.ranked[0].hypothesis);
         let name = |&number: &usize| problem.emulator.candidates[number].name.clone();
         Self {
             named: named
@@ -164,7 +166,7 @@ impl Verdict {
             recalibration: recalibrated(problem, healthy(ranking)),
             alarms: alarms(problem),
             located: located(problem, healthy(ranking)),
-            shrinkage: shrunk(problem, ranking, &projected, seed),
+            shrinkage: shrunk(problem, ranking, (best, &projected), seed),
             next_run: None,
             reasons: weighing.reasons,
             explanations: ranking
@@ -288,19 +290,20 @@ fn located(problem: Problem, fit: &Fit) -> Vec<Located> {
     located
 }
 
-/// With the likeliest effects; the placebo is every other single effect.
+/// With the effects of the best explanation, the likeliest where it has none; the placebo is every other single
+/// effect.
 fn shrunk(
     problem: Problem,
     ranking: &Ranking,
-    projected: &Projected,
+    (best, projected): (&Hypothesis, &Projected),
     seed: Seed,
 ) -> Option<Shrinkage> {
-    let named = |h: &Hypothesis| !h.effects().is_empty();
-    let best = ranking
-        .ranked
-        .iter()
-        .find(|ranked| named(&ranked.hypothesis))?;
-    let effects = best.hypothesis.effects();
+    let ranked = ranking.ranked.iter().map(|ranked| &ranked.hypothesis);
+    let best = [best]
+        .into_iter()
+        .chain(ranked)
+        .find(|h| !h.effects().is_empty())?;
+    let effects = best.effects();
     let wrong: Vec<&Fit> = ranking
         .fits
         .iter()
@@ -311,7 +314,7 @@ fn shrunk(
             _ => false,
         })
         .collect();
-    let with_effect = ranking.fit(&best.hypothesis)?;
+    let with_effect = ranking.fit(best)?;
     Some(shrinkage(
         problem,
         healthy(ranking),

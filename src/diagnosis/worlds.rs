@@ -501,6 +501,38 @@ fn of_a_pair_one_is_named_and_mostly_both_and_the_gap_closes() {
 }
 
 #[test]
+fn a_pair_that_passes_its_check_is_named_before_the_unknown_though_one_of_it_seems_likelier() {
+    let bench = &*BENCH;
+    let truth = Truth {
+        effects: vec![(4, 1.5), (6, 1.5)],
+        ..Truth::default()
+    };
+    let observation = bench.observe(&bench.world.measured(&truth, 2, 300));
+    let problem = bench.problem(&observation);
+    let verdict = |passes: bool| {
+        let mut ranking = Ranking::new(problem, &bench.forest);
+        for ranked in &mut ranking.ranked {
+            ranked.log_probability = match ranked.hypothesis.effects() {
+                [4] => -1e-9,
+                _ => ranked.log_probability - 30.0,
+            };
+            if let (false, Some(check)) = (passes, &mut ranked.check) {
+                check.p = 1e-6;
+            }
+        }
+        let ranked = &mut ranking.ranked;
+        ranked.sort_by(|a, b| b.log_probability.total_cmp(&a.log_probability));
+        Verdict::of(problem, &ranking, Seed(1))
+    };
+    let named = verdict(true);
+    assert_answer(&named, Answer::Effects);
+    assert_eq!(named.named, [["e4"], ["e6"]]);
+    // The gap is told with what is named.
+    assert!(named.shrinkage.unwrap().closed.unwrap().value > 0.7);
+    assert_answer(&verdict(false), Answer::Unknown);
+}
+
+#[test]
 fn one_wild_cell_of_one_run_changes_no_verdict() {
     let bench = &*BENCH;
     for (truth, answer) in [

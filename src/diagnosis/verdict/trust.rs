@@ -4,7 +4,7 @@ use super::super::calibration::Calibration;
 use super::super::check::Check;
 use super::super::fit::Problem;
 use super::super::hypothesis::Hypothesis;
-use super::super::ranking::Ranking;
+use super::super::ranking::{Ranked, Ranking};
 use super::healthy;
 
 /// Mean square [-] beyond what spread explains from which on there is a gap to explain.
@@ -35,6 +35,15 @@ impl<'a> Trust<'a> {
         self.shipped > NOTICEABLE
     }
 
+    /// Whether there is nothing against an explanation by effects: it passes its check, leaves little, and foretells
+    /// better than differences of no known form.
+    pub fn is_sound(&self, hypothesis: &Hypothesis) -> bool {
+        !hypothesis.effects().is_empty()
+            && self.passes(hypothesis)
+            && self.explains(hypothesis)
+            && self.score(hypothesis) > self.score(&Hypothesis::Unknown)
+    }
+
     pub fn passes(&self, hypothesis: &Hypothesis) -> bool {
         let check = checked(self.ranking, hypothesis);
         check.is_none_or(|check| check.p >= self.calibration.failed)
@@ -57,6 +66,11 @@ impl<'a> Trust<'a> {
         }
     }
 
+    fn score(&self, hypothesis: &Hypothesis) -> f64 {
+        let found = ranked(self.ranking, hypothesis);
+        found.map_or(f64::NEG_INFINITY, |ranked| ranked.log_score)
+    }
+
     /// Share [-] of its probability that an explanation keeps.
     pub fn kept(&self, hypothesis: &Hypothesis) -> f64 {
         match checked(self.ranking, hypothesis) {
@@ -69,8 +83,10 @@ impl<'a> Trust<'a> {
 }
 
 fn checked(ranking: &Ranking, hypothesis: &Hypothesis) -> Option<Check> {
+    ranked(ranking, hypothesis)?.check
+}
+
+fn ranked<'a>(ranking: &'a Ranking, hypothesis: &Hypothesis) -> Option<&'a Ranked> {
     let mut ranked = ranking.ranked.iter();
-    ranked
-        .find(|ranked| ranked.hypothesis == *hypothesis)?
-        .check
+    ranked.find(|ranked| ranked.hypothesis == *hypothesis)
 }

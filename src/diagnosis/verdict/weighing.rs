@@ -49,8 +49,8 @@ impl Weighing {
         weighing
     }
 
-    /// What neither passes its check nor explains the gap gives its share to the unknown; where the best does
-    /// either, the unknown has a small share of what it had. That the unknown itself foretells
+    /// What neither passes its check nor explains the gap gives its share to the likeliest sound explanation, else to
+    /// the unknown; where the best does either, the unknown has a small share of what it had. That the unknown itself foretells
     /// better than all of them is not asked for: it did not, and a wrong pair was named, where a world
     /// lacked an effect.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
@@ -75,9 +75,10 @@ impl Weighing {
             lost += (1.0 - kept) * *mass;
             *mass *= kept;
         }
-        let mut masses = self.masses.iter_mut();
-        if let Some((_, mass)) = masses.find(|(h, _)| *h == Hypothesis::Unknown) {
-            *mass += lost;
+        let first = |is: &dyn Fn(&Hypothesis) -> bool| self.masses.iter().position(|(h, _)| is(h));
+        let sound = first(&|h| trust.is_sound(h));
+        if let Some(heir) = sound.or_else(|| first(&|h| *h == Hypothesis::Unknown)) {
+            self.masses[heir].1 += lost;
         }
         if lost >= problem.calibration.presumed {
             let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
