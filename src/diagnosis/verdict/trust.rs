@@ -45,8 +45,12 @@ impl<'a> Trust<'a> {
     }
 
     pub fn passes(&self, hypothesis: &Hypothesis) -> bool {
-        let check = checked(self.ranking, hypothesis);
-        check.is_none_or(|check| check.p >= self.calibration.failed)
+        self.p(hypothesis) >= self.calibration.failed
+    }
+
+    /// p-value [-] of what it leaves; one of what has no check.
+    pub fn p(&self, hypothesis: &Hypothesis) -> f64 {
+        checked(self.ranking, hypothesis).map_or(1.0, |check| check.p)
     }
 
     /// Whether an explanation leaves little of the gap: recalibration of that as shipped, effects of what

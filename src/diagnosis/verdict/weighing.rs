@@ -12,6 +12,10 @@ use std::collections::BTreeMap;
 /// Share [-] that the unknown keeps where the best refit passes its check or explains the gap.
 const DOUBT: f64 = 0.1;
 
+/// p-value [-] that a pair has to reach where one of it explains the gap alone: what is a little beside the first
+/// passes for a second.
+const WITH_SECOND: f64 = 0.01;
+
 /// Probabilities after all reservations.
 pub(super) struct Weighing {
     masses: Vec<(Hypothesis, f64)>,
@@ -95,12 +99,12 @@ impl Weighing {
         self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
     }
 
-    /// Of a pair that fails its check, leaves the effect that explains the gap alone, the better of these,
+    /// Of a pair that barely passes its check, leaves the effect that explains the gap alone, the better of these,
     /// best first: where the form of the first is off, a second that is not there always helps.
     fn without_seconds(&mut self, trust: &Trust) {
         for place in 0..self.masses.len() {
             let (pair, mass) = self.masses[place].clone();
-            if pair.effects().len() < 2 || trust.passes(&pair) {
+            if pair.effects().len() < 2 || trust.p(&pair) >= WITH_SECOND {
                 continue;
             }
             let alone = |(other, _): &(Hypothesis, f64)| match other.effects() {
