@@ -362,7 +362,7 @@ fn another_wheel_is_refused_with_both_values_and_other_lugs_are_a_caveat() {
     assert!(
         texts
             .iter()
-            .any(|text| text.starts_with("run 0 is left out: the measured wheel"))
+            .any(|text| text.starts_with("run 1 of those given is left out: the measured wheel"))
     );
 }
 
@@ -383,7 +383,7 @@ fn repeats_of_a_condition_are_one_case_as_long_as_the_shortest_that_did_not_brea
     assert_eq!(found.cases[1].scenario.rig.drive().forward_speed, 0.02);
     assert_eq!(
         texts(&found),
-        ["run 3 is left out: it lasts 0.1 s, its repeats up to 1.0 s"]
+        ["run 4 of those given is left out: it lasts 0.1 s, its repeats up to 1.0 s"]
     );
 }
 
@@ -597,7 +597,7 @@ fn repeated(measured: [f64; 3]) -> (Vec<f64>, Vec<String>) {
 fn a_run_whose_slip_contradicts_its_label_is_repeated_at_the_slip_measured() {
     let (slips, texts) = repeated([0.2, 0.2002, 0.2311]);
     assert_eq!(slips, [0.2, 0.2311]);
-    let text = "run 2 ran at another slip than told: the measured one is taken";
+    let text = "run 3 of those given ran at another slip than told: the measured one is taken";
     assert!(texts.iter().any(|it| it == text), "{texts:?}");
 }
 

@@ -17,6 +17,7 @@ use super::responses::Candidate;
 use super::shape::Shape;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
+use std::fmt;
 
 /// Deviations beyond which a number of a residual counts no more [-].
 const OUTLYING: f64 = 6.0;
@@ -281,6 +282,17 @@ pub enum Suspicion {
     DriftsWithLoad,
     /// It would have to change with speed.
     DriftsWithSpeed,
+}
+
+impl fmt::Display for Suspicion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::AtItsEnd => "is at the end of what is known of it",
+            Self::DriftsWithSlip => "would have to change with slip",
+            Self::DriftsWithLoad => "would have to change with load",
+            Self::DriftsWithSpeed => "would have to change with speed",
+        })
+    }
 }
 
 /// Deviations of a prior [-] that count as its end.

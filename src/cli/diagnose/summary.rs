@@ -148,7 +148,7 @@ impl fmt::Display for Summary {
         for alarm in &verdict.alarms {
             writeln!(
                 f,
-                "alarm: {} {:?} ({:.1} deviations)",
+                "alarm: {} {} ({:.1} deviations)",
                 alarm.parameter, alarm.what, alarm.deviations
             )?;
         }
@@ -224,8 +224,12 @@ fn told(suspect: &Suspect) -> String {
         true => String::new(),
         false => format!("; cannot be told from {}", equivalent_to.join(", ")),
     };
+    let unit = match *unit {
+        "-" => String::new(),
+        unit => format!(" {unit}"),
+    };
     format!(
-        "{name} = {magnitude:.3} {unit} [{low:.3}, {high:.3}], {:.0} % absorbed by parameters{alike}",
+        "{name} = {magnitude:.3}{unit} [{low:.3}, {high:.3}], {:.0} % absorbed by parameters{alike}",
         100.0 * absorbed
     )
 }

@@ -78,7 +78,8 @@ impl fmt::Display for Caveat {
             Self::Taken { what, from } => write!(f, "{what} is not told: taken from {from}"),
             Self::WrongSlip { run } => write!(
                 f,
-                "run {run} ran at another slip than told: the measured one is taken"
+                "run {} of those given ran at another slip than told: the measured one is taken",
+                run + 1
             ),
             Self::OtherSlips => f.write_str(
                 "most runs ran at another slip than told, as by a fault of the rig: the slips told are kept",
@@ -94,7 +95,9 @@ impl fmt::Display for Caveat {
                 "simulated sensors are without noise, and agree better than any rig's: give the scenario's \
                  sensors the noise of the rig's",
             ),
-            Self::LeftOut { run, reason } => write!(f, "run {run} is left out: {reason}"),
+            Self::LeftOut { run, reason } => {
+                write!(f, "run {} of those given is left out: {reason}", run + 1)
+            }
             Self::Outside { condition, reason } => {
                 write!(f, "{condition} is left out: {reason}")
             }

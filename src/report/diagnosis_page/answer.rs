@@ -159,12 +159,11 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             .map(|it| told("less sure because", it)),
     );
     facts.extend(verdict.alarms.iter().map(|alarm| {
-        let what = words::suspicion(alarm.what);
-        let text = format!(
-            "{} {what} ({:.1} deviations): it may stand for something that is missing",
-            alarm.parameter, alarm.deviations
-        );
-        told("alarm", &text)
+        let alarm = words::alarm(alarm);
+        told(
+            "alarm",
+            &format!("{alarm}: it may stand for something that is missing"),
+        )
     }));
     facts.extend(caveats.iter().map(|it| told("keep in mind", it)));
     Section::new("What does the answer rest on?").facts(facts)

@@ -1,6 +1,6 @@
 //! How far the gap closes.
 
-use super::words::{listed, percent};
+use super::words::{self, listed, percent};
 use crate::diagnosis::{Diagnosis, Shrinkage};
 use crate::gap::Closed;
 use crate::report::gap_waterfall;
@@ -89,7 +89,7 @@ fn simulated_again(diagnosis: &Diagnosis) -> Table {
             false => "no: the scores above promise too much",
         };
         vec![
-            Cell::Code(again.arm.to_string()),
+            Cell::text(words::arm(&again.arm)),
             Cell::Number(again.gap),
             Cell::text(kept),
         ]

@@ -50,9 +50,16 @@ fn methods(score: &RecognitionScore) -> Section {
             "Answers are counted against the class that the ground stands for, as the paper does; against \
              how lugs and ground really met, which the simulation knows; and on the windows in which both \
              are one. Shares have Wilson's 95 % interval, which takes windows for independent.",
-        )
-        .table(totals(score));
+        );
     let labelled: Vec<&MethodScore> = of_label(score).collect();
+    let is_baseline = |score: &&MethodScore| score.method.starts_with("baseline");
+    let section = match labelled.iter().any(is_baseline) {
+        true => section.prose(
+            "paper and improved are trained on nothing. The baselines are support vector machines on band              powers: baseline_new was trained on the other values of the swept key, baseline_known on the              other repeats of the same values.",
+        ),
+        false => section,
+    };
+    let section = section.table(totals(score));
     let mut rows = Vec::new();
     for MethodScore { method, all, .. } in &labelled {
         rows.extend(answers(method, all));
