@@ -5,7 +5,8 @@
 //! held-out conditions have already paid one for each number determined. A fit that is right thus
 //! scores its evidence; one that does not carry over to other conditions loses more. No effect raises the
 //! score by more than the likelihood. Scores over a temperature plus
-//! log priors are the refit's probabilities; with the forest's they form a logarithmic pool
+//! log priors are the refit's probabilities; the louder a gap, the more an error of a few per cent in what is
+//! predicted of it decides, so the temperature grows with the best score over recalibration's; with the forest's they form a logarithmic pool
 //! (Genest and Zidek 1986, Stat. Sci. 1:114-135), so that a disagreement leaves none sure.
 
 use super::check::Check;
@@ -64,10 +65,11 @@ impl Ranking {
         let unknown = log_sum(free.iter().copied()) - libm::log(free.len() as f64);
         scores.push((Hypothesis::Unknown, unknown, None));
         let priors = log_priors(problem, scores.iter().map(|(h, ..)| h));
+        let temperature = calibration.temperature + calibration.gain_error * gain(&scores);
         let logs: Vec<f64> = scores
             .iter()
             .zip(&priors)
-            .map(|((_, score, _), prior)| score / calibration.temperature + prior)
+            .map(|((_, score, _), prior)| score / temperature + prior)
             .collect();
         let by_refit = normalised(&logs);
         let by_forest = by_forest(problem, forest, &scores, &priors);
@@ -97,6 +99,16 @@ impl Ranking {
     pub fn fit(&self, hypothesis: &Hypothesis) -> Option<&Fit> {
         self.fits.iter().find(|fit| fit.hypothesis == *hypothesis)
     }
+}
+
+/// Best score less the best of those without effects [-].
+fn gain(scores: &[(Hypothesis, f64, Option<Check>)]) -> f64 {
+    let best = |is: &dyn Fn(&Hypothesis) -> bool| {
+        let those = scores.iter().filter(|(hypothesis, ..)| is(hypothesis));
+        those.fold(f64::NEG_INFINITY, |best, (_, score, _)| best.max(*score))
+    };
+    let plain = |h: &Hypothesis| matches!(h, Hypothesis::None | Hypothesis::Parameter);
+    best(&|_| true) - best(&plain)
 }
 
 pub(super) fn score(fit: &Fit) -> f64 {

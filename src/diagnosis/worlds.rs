@@ -533,6 +533,29 @@ fn a_pair_that_passes_its_check_is_named_before_the_unknown_though_one_of_it_see
 }
 
 #[test]
+fn the_louder_a_gap_the_less_a_difference_of_scores_decides() {
+    let mut bench = Bench::new(SMALL, 2, 1);
+    let limit = bench.screened()[5].detectable.unwrap();
+    // Log odds of the effect against all else, by scores taken at their word and by doubted ones.
+    let mut odds = |times: f64| {
+        [0.0, 0.05].map(|gain_error| {
+            bench.calibration.gain_error = gain_error;
+            let verdict = bench.verdict(&Truth::effect(5, times * limit), 3);
+            assert_eq!(verdict.named, [["e5"]]);
+            let others = verdict.explanations.iter().filter(|it| it.name != "e5");
+            -libm::log(others.map(|it| it.by_refit).sum())
+        })
+    };
+    let [quiet, quiet_doubted] = odds(3.0);
+    let [loud, loud_doubted] = odds(12.0);
+    assert!(quiet > quiet_doubted && loud > loud_doubted);
+    assert!(
+        loud_doubted / loud < quiet_doubted / quiet,
+        "{loud} {loud_doubted}"
+    );
+}
+
+#[test]
 fn one_wild_cell_of_one_run_changes_no_verdict() {
     let bench = &*BENCH;
     for (truth, answer) in [

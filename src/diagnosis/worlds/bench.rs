@@ -36,6 +36,7 @@ impl Bench {
         // These worlds obey the model: nothing of it is to be doubted.
         let calibration = Calibration {
             temperature: 1.0,
+            gain_error: 0.0,
             ..Calibration::default()
         };
         let emulator = Emulator::new(&library).unwrap();
