@@ -48,7 +48,7 @@ const FURTHER: Depth = Depth {
 pub struct Settings {
     /// Longest part [s] of a run that is compared.
     pub longest: f64,
-    /// Simulated driving allowed [s].
+    /// Simulated driving allowed [s] for the library of responses, and as much again for where fits end.
     pub budget: f64,
     /// Effects that are held to be impossible.
     pub without: Vec<String>,
@@ -278,9 +278,14 @@ impl<'a> Investigation<'a> {
             problem(&emulator, &observation, calibration),
             self.settings.seed,
         );
+        let mut driven = 0.0;
         for round in 0..ROUNDS {
+            if driven > self.settings.budget {
+                break;
+            }
             let problem = problem(&emulator, &observation, calibration);
             let mut ends = unpinned(problem, round);
+            driven += self.driving(&ends);
             emulator.middle.clone_from(&ends.best);
             let ask = (&bank, hear);
             let stale = std::mem::take(&mut ends.stale);
@@ -341,6 +346,13 @@ impl<'a> Investigation<'a> {
             verdict,
         };
         Ok((diagnosis, arms))
+    }
+
+    /// Length [s] of what these ends ask to be driven, in the bank or not: a campaign has one answer.
+    fn driving(&self, ends: &Ends) -> f64 {
+        let cases = self.cases.iter().map(|case| case.scenario.driven());
+        let runs = ends.unpinned.len() as f64 * ends.streams as f64;
+        runs * cases.sum::<f64>()
     }
 
     /// Simulates these points and pins the emulator to those that could be; whether there are any.
