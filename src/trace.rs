@@ -27,6 +27,14 @@ pub fn unit_of(channel: &str) -> Option<&'static str> {
     known.map(|(_, unit)| *unit)
 }
 
+/// A unit as it stands behind a number in a text: nothing where there is none.
+pub fn behind_number(unit: &str) -> String {
+    match unit {
+        "-" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
 /// One measured quantity over time, equally spaced.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {

@@ -4,9 +4,9 @@
 //! others, less what its freedom costs (log evidence less log likelihood at the best fit), of which
 //! held-out conditions have already paid one for each number determined. A fit that is right thus
 //! scores its evidence; one that does not carry over to other conditions loses more. No effect raises the
-//! score by more than the likelihood. Scores over a temperature plus
-//! log priors are the refit's probabilities; the louder a gap, the more an error of a few per cent in what is
-//! predicted of it decides, so the temperature grows with the best score over recalibration's; with the forest's they form a logarithmic pool
+//! score by more than the likelihood. Scores over a temperature plus log priors are the refit's probabilities.
+//! The louder a gap, the more an error of a few per cent in what is predicted of it decides, so the temperature
+//! grows with the best score over recalibration's. With the forest's probabilities they form a logarithmic pool
 //! (Genest and Zidek 1986, Stat. Sci. 1:114-135), so that a disagreement leaves none sure.
 
 use super::check::Check;
@@ -56,16 +56,18 @@ impl Ranking {
                 (fit.hypothesis.clone(), score(fit), Some(check))
             })
             .collect();
-        let free = fits
+        let plain = fits
             .iter()
             .filter(|fit| fit.hypothesis.effects().is_empty());
-        let free: Vec<f64> = free
+        let recalibrated = largest(plain.clone().map(score));
+        let free: Vec<f64> = plain
             .map(|fit| unknown::score(fit, calibration.freedom))
             .collect();
         let unknown = log_sum(free.iter().copied()) - libm::log(free.len() as f64);
         scores.push((Hypothesis::Unknown, unknown, None));
         let priors = log_priors(problem, scores.iter().map(|(h, ..)| h));
-        let temperature = calibration.temperature + calibration.gain_error * gain(&scores);
+        let gain = largest(scores.iter().map(|(_, score, _)| *score)) - recalibrated;
+        let temperature = calibration.temperature + calibration.gain_error * gain;
         let logs: Vec<f64> = scores
             .iter()
             .zip(&priors)
@@ -101,14 +103,8 @@ impl Ranking {
     }
 }
 
-/// Best score less the best of those without effects [-].
-fn gain(scores: &[(Hypothesis, f64, Option<Check>)]) -> f64 {
-    let best = |is: &dyn Fn(&Hypothesis) -> bool| {
-        let those = scores.iter().filter(|(hypothesis, ..)| is(hypothesis));
-        those.fold(f64::NEG_INFINITY, |best, (_, score, _)| best.max(*score))
-    };
-    let plain = |h: &Hypothesis| matches!(h, Hypothesis::None | Hypothesis::Parameter);
-    best(&|_| true) - best(&plain)
+fn largest(scores: impl Iterator<Item = f64>) -> f64 {
+    scores.fold(f64::NEG_INFINITY, f64::max)
 }
 
 pub(super) fn score(fit: &Fit) -> f64 {

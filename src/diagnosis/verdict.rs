@@ -166,7 +166,7 @@ impl Verdict {
             recalibration: recalibrated(problem, healthy(ranking)),
             alarms: alarms(problem),
             located: located(problem, healthy(ranking)),
-            shrinkage: shrunk(problem, ranking, (best, &projected), seed),
+            shrinkage: shrunk(problem, ranking, (answered.as_ref(), &projected), seed),
             next_run: None,
             reasons: weighing.reasons,
             explanations: ranking
@@ -290,19 +290,15 @@ fn located(problem: Problem, fit: &Fit) -> Vec<Located> {
     located
 }
 
-/// With the effects of the best explanation, the likeliest where it has none; the placebo is every other single
-/// effect.
+/// With the effects answered, else the likeliest; the placebo is every other single effect.
 fn shrunk(
     problem: Problem,
     ranking: &Ranking,
-    (best, projected): (&Hypothesis, &Projected),
+    (answered, projected): (Option<&Hypothesis>, &Projected),
     seed: Seed,
 ) -> Option<Shrinkage> {
-    let ranked = ranking.ranked.iter().map(|ranked| &ranked.hypothesis);
-    let best = [best]
-        .into_iter()
-        .chain(ranked)
-        .find(|h| !h.effects().is_empty())?;
+    let mut ranked = ranking.ranked.iter().map(|ranked| &ranked.hypothesis);
+    let best = answered.or_else(|| ranked.find(|h| !h.effects().is_empty()))?;
     let effects = best.effects();
     let wrong: Vec<&Fit> = ranking
         .fits

@@ -3,6 +3,7 @@
 use anyhow::Context;
 use lugwheel::diagnosis::{Answer, Diagnosis, Suspect};
 use lugwheel::gap::Colour;
+use lugwheel::trace::behind_number;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -224,10 +225,7 @@ fn told(suspect: &Suspect) -> String {
         true => String::new(),
         false => format!("; cannot be told from {}", equivalent_to.join(", ")),
     };
-    let unit = match *unit {
-        "-" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = behind_number(unit);
     format!(
         "{name} = {magnitude:.3}{unit} [{low:.3}, {high:.3}], {:.0} % absorbed by parameters{alike}",
         100.0 * absorbed

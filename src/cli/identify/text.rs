@@ -6,6 +6,7 @@ use super::summary::{Origin, ParameterTold, Report, RunTold, Summary, by_origin}
 use lugwheel::recognition::known::Source;
 use lugwheel::report::page::four_digits;
 use lugwheel::terrain::class::Wtic;
+use lugwheel::trace::behind_number;
 use std::fmt;
 
 /// Correlation [-] from which two estimates are told to go together.
@@ -139,10 +140,7 @@ impl Report {
         for combination in &self.combinations {
             let value = four_digits(combination.value);
             let [low, high] = combination.ci95.map(four_digits);
-            let unit = match shown_unit(combination.unit) {
-                "-" => String::new(),
-                unit => format!(" {unit}"),
-            };
+            let unit = behind_number(shown_unit(combination.unit));
             let place = match combination.at.as_str() {
                 "" => String::new(),
                 place => format!(" at {place}"),

@@ -54,9 +54,9 @@ impl Weighing {
     }
 
     /// What neither passes its check nor explains the gap gives its share to the likeliest sound explanation, else to
-    /// the unknown; where the best does either, the unknown has a small share of what it had. That the unknown itself foretells
-    /// better than all of them is not asked for: it did not, and a wrong pair was named, where a world
-    /// lacked an effect.
+    /// the unknown; where the best does either, the unknown has a small share of what it had. That the unknown
+    /// itself foretells better than all of them is not asked for: it did not, and a wrong pair was named, where a
+    /// world lacked an effect.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
         let trust = Trust::of(problem, ranking);
         let others = ranking.ranked.iter();

@@ -55,7 +55,9 @@ fn methods(score: &RecognitionScore) -> Section {
     let is_baseline = |score: &&MethodScore| score.method.starts_with("baseline");
     let section = match labelled.iter().any(is_baseline) {
         true => section.prose(
-            "paper and improved are trained on nothing. The baselines are support vector machines on band              powers: baseline_new was trained on the other values of the swept key, baseline_known on the              other repeats of the same values.",
+            "paper and improved are trained on nothing. The baselines are support vector machines on band \
+             powers: baseline_new was trained on the other values of the swept key, baseline_known on the \
+             other repeats of the same values.",
         ),
         false => section,
     };

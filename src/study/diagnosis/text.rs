@@ -2,6 +2,7 @@
 
 use super::score::{CampaignScore, DiagnosisScore, Finding};
 use crate::study::table::bare;
+use crate::trace::behind_number;
 use std::fmt;
 
 /// Names of the columns.
@@ -101,10 +102,7 @@ fn cells(campaign: &CampaignScore) -> [String; 7] {
 fn effect(finding: &Finding) -> Option<String> {
     let effect = finding.likeliest()?;
     let [low, high] = effect.ci95;
-    let unit = match effect.unit.as_str() {
-        "-" => String::new(),
-        unit => format!(" {unit}"),
-    };
+    let unit = behind_number(&effect.unit);
     Some(format!(
         "{} {:.3}{unit} [{low:.3}, {high:.3}], {:.0} %",
         effect.name,
