@@ -190,14 +190,7 @@ impl Diagnose {
     fn read(&self) -> anyhow::Result<Vec<Trace>> {
         let file = RunFile::open(&self.measured)?;
         let chosen = super::recognize::chosen(&file, &self.run)?;
-        let traces = chosen.iter().map(|id| {
-            let trace = file.read(id)?;
-            // What a simulation knows of itself no rig tells.
-            Ok(Trace {
-                truth: None,
-                ..trace
-            })
-        });
+        let traces = chosen.iter().map(|id| Ok(file.read(id)?.as_measured()));
         traces.collect()
     }
 

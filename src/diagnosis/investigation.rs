@@ -285,6 +285,7 @@ impl<'a> Investigation<'a> {
             }
             let problem = problem(&emulator, &observation, calibration);
             let mut ends = unpinned(problem, round);
+            ends.streams = ends.streams.min(self.plan.depth.replicates);
             driven += self.driving(&ends);
             emulator.middle.clone_from(&ends.best);
             let ask = (&bank, hear);
@@ -364,7 +365,7 @@ impl<'a> Investigation<'a> {
         answers: &mut Answers,
     ) -> Result<bool, InvestigationError> {
         let places = self.places(library);
-        let streams = 0..ends.streams.min(self.plan.depth.replicates);
+        let streams = 0..ends.streams;
         let arms = ends
             .unpinned
             .into_iter()

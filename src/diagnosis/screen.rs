@@ -270,6 +270,19 @@ pub struct Alarm {
     pub deviations: f64,
 }
 
+impl fmt::Display for Alarm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            parameter, what, ..
+        } = self;
+        let deviations = self.deviations.abs();
+        write!(
+            f,
+            "{parameter} {what} ({deviations:.1} standard deviations)"
+        )
+    }
+}
+
 /// Why a parameter may stand for an effect that is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -127,7 +127,8 @@ impl Study {
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
         let folder = self.finish_share(options, progress)?;
-        self.put_together(&folder, options, progress)
+        let threads = options.threads()?;
+        threads.install(|| self.put_together(&folder, progress))
     }
 
     /// Runs the study, or a share of it, and leaves its tables to [`Study::collect`].
@@ -197,7 +198,8 @@ impl Study {
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
         let folder = Folder::open(self, &options.out, Before::ThisStudy)?;
-        let outcome = self.put_together(&folder, options, progress)?;
+        let threads = options.threads()?;
+        let outcome = threads.install(|| self.put_together(&folder, progress))?;
         match outcome.missing_shards {
             0 => Ok(outcome),
             missing => Err(StudyError::Incomplete {
@@ -260,7 +262,6 @@ impl Study {
     fn put_together(
         &self,
         folder: &Folder,
-        options: &Options,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
         let total = self.run_count();
@@ -298,10 +299,9 @@ impl Study {
             dataset = self.keep(folder, &shards, windows, failed, &|| hear(None))?;
             recognition = self.score(collected.text_of(windows::NAME))?;
             held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
-            let threads = options.threads()?;
             let steady = collected.text_of(identification::NAME);
-            identification = threads.install(|| self.identify(steady, &|| hear(None)))?;
-            diagnosis = threads.install(|| self.diagnose(folder, &|now| hear(Some(now))))?;
+            identification = self.identify(steady, &|| hear(None))?;
+            diagnosis = self.diagnose(folder, &|now| hear(Some(now)))?;
         }
         if let Some(score) = &recognition {
             folder.write("recognition.csv", score.to_csv().as_bytes())?;

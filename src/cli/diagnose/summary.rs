@@ -147,11 +147,7 @@ impl fmt::Display for Summary {
             )?;
         }
         for alarm in &verdict.alarms {
-            writeln!(
-                f,
-                "alarm: {} {} ({:.1} deviations)",
-                alarm.parameter, alarm.what, alarm.deviations
-            )?;
+            writeln!(f, "alarm: {alarm}")?;
         }
         writeln!(
             f,

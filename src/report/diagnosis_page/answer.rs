@@ -159,7 +159,6 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             .map(|it| told("less sure because", it)),
     );
     facts.extend(verdict.alarms.iter().map(|alarm| {
-        let alarm = words::alarm(alarm);
         told(
             "alarm",
             &format!("{alarm}: it may stand for something that is missing"),

@@ -178,7 +178,12 @@ fn all(screen: &[Screened]) -> Table {
             limit(screened.detectable),
             Cell::text(unit),
             percent(screened.absorbed),
-            Cell::text(screened.alarm.as_ref().map_or(String::new(), words::alarm)),
+            Cell::text(
+                screened
+                    .alarm
+                    .as_ref()
+                    .map_or(String::new(), ToString::to_string),
+            ),
         ]
     });
     Table {

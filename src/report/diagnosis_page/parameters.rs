@@ -139,7 +139,7 @@ fn alarms(verdict: &Verdict) -> String {
                 with slip, load or speed."
             .to_owned();
     }
-    let told: Vec<String> = verdict.alarms.iter().map(words::alarm).collect();
+    let told: Vec<String> = verdict.alarms.iter().map(ToString::to_string).collect();
     format!(
         "Alarms, each a sign that something else is missing: {}.",
         told.join("; ")

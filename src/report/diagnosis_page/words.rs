@@ -1,6 +1,5 @@
 //! Names of a diagnosis as a reader says them.
 
-use crate::diagnosis::Alarm;
 use crate::diagnosis::arm::Arm;
 use crate::effects::{self, Effect};
 use crate::gap::{Cell, Statistic};
@@ -18,16 +17,6 @@ pub fn percent(share: f64) -> String {
         share if (0.0995..0.95).contains(&share) => format!("{:.0} %", 100.0 * share),
         share => format!("{:.1} %", 100.0 * share).replace('-', "−"),
     }
-}
-
-/// A parameter that looks like something else.
-pub fn alarm(alarm: &Alarm) -> String {
-    format!(
-        "{} {} ({:.1} standard deviations)",
-        alarm.parameter,
-        alarm.what,
-        alarm.deviations.abs()
-    )
 }
 
 /// What was simulated: parameters that moved, in prior standard deviations, and effects.

@@ -19,8 +19,8 @@ pub fn answer(score: &ThresholdScore) -> String {
         let [value, low, high] =
             [violations.value, violations.ci95[0], violations.ci95[1]].map(|s| 100.0 * s);
         format!(
-            "{} {} {value:.1} % [{low:.1}, {high:.1}]",
-            statement.equation, statement.name
+            "{} {value:.1} % [{low:.1}, {high:.1}] by {}",
+            statement.equation, statement.quantity
         )
     });
     let told: Vec<String> = told.collect();
@@ -38,7 +38,7 @@ fn shown(score: &ThresholdScore) -> impl Iterator<Item = &Statement> {
     statements.filter(|statement| statement.multi_lugged && statement.is_the_papers())
 }
 
-/// Tallies, parts and figures.
+/// Tallies, figures, and tallies by swept key.
 pub fn sections(score: &ThresholdScore) -> Vec<Section> {
     let summary = score.statements.iter().map(|statement| {
         let wheels = if statement.multi_lugged {
@@ -51,9 +51,8 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
             Cell::text(statement.equation),
             Cell::text(wheels),
         ];
-        let then = [Cell::text(&statement.quantity), Cell::text(statement.limit)];
-        let first = first.into_iter().chain(tally(&statement.parts[0].tally));
-        first.chain(then).collect()
+        let first = first.into_iter();
+        first.chain(tally(&statement.parts[0].tally)).collect()
     });
     let parts = shown(score).flat_map(|statement| {
         let by_sweep = statement.parts.iter().filter(|part| part.by != "all");
@@ -75,20 +74,21 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
     let hold = Section::new("Do the limits hold?")
         .prose(format!(
             "{} of {} windows are truly ALCT: nine in ten lugs or more touched. They are held to the limits; to \
-             those of displacements where nine in ten touch also without slip. The last but one column is the \
-             99 % quantile of value over limit: 1 is a limit just reached, 0.1 a loose one.",
+             those of displacements where nine in ten touch also without slip. 99 % / limit is the 99 % quantile of \
+             value over limit: 1 is a limit just reached, 0.1 a loose one.",
             score.all_touched, score.windows
         ))
         .table(Table {
             caption: "Every limit. Shares have Wilson's 95 % interval, which takes windows for independent".to_owned(),
-            columns: columns(["name", "equation", "wheels"], &["what is limited", "the limit"]),
+            columns: columns(["name", "equation", "wheels"]),
             rows: summary.collect(),
         })
         .table(Table {
-            caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
-            columns: columns(["name", "by", "value"], &[]),
-            rows: parts.collect(),
-        });
+            caption: "What these names stand for".to_owned(),
+            columns: Column::named(["name", "what is limited", "the limit"]),
+            rows: meanings(score),
+        })
+;
     let figures = shown(score).map(|statement| {
         let caption = format!(
             "{} {}: {}.",
@@ -100,13 +100,32 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
         "Every window over its limit, multi-lugged wheels; the folder of the study has the figures of the other \
          limits and wheels.",
     );
-    vec![hold, figures.fold(drawn, Section::figure)]
+    let swept = Section::new("On what does it depend?").table(Table {
+        caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
+        columns: columns(["name", "by", "value"]),
+        rows: parts.collect(),
+    });
+    vec![hold, figures.fold(drawn, Section::figure), swept]
 }
 
-fn columns(first: [&str; 3], last: &[&str]) -> Vec<Column> {
+/// What every limit is about; one of wheels of few lugs has a row of its own where it differs.
+fn meanings(score: &ThresholdScore) -> Vec<Vec<Cell>> {
+    let mut told: Vec<[&str; 3]> = Vec::new();
+    for statement in &score.statements {
+        let meaning = [&*statement.name, &*statement.quantity, statement.limit];
+        if !told.contains(&meaning) {
+            told.push(meaning);
+        }
+    }
+    let rows = told.into_iter();
+    rows.map(|meaning| meaning.map(Cell::text).to_vec())
+        .collect()
+}
+
+fn columns(first: [&str; 3]) -> Vec<Column> {
     let numbers = ["windows", "median", "95 %", "99 %", "largest", "limit"];
     let then = ["99 % / limit", "above the limit"];
-    let names = first.iter().chain(&numbers).chain(&then).chain(last);
+    let names = first.iter().chain(&numbers).chain(&then);
     Column::named(names.copied())
 }
 

@@ -227,7 +227,7 @@ fn of_acceleration(bandwidth: f64) -> Vec<Limit> {
     vec![
         limit(
             "acceleration_a",
-            "(55)",
+            "(57)",
             "κ_A",
             PAPER,
             &kappa_a,
@@ -235,13 +235,13 @@ fn of_acceleration(bandwidth: f64) -> Vec<Limit> {
         ),
         limit(
             "acceleration_ms",
-            "(56)",
+            "(58)",
             "κ_ms",
             PAPER,
             &kappa_ms,
             Bound::MeanSquare,
         ),
-        limit("jumps_ms", "(56)", "κ_ms", JUMPS, &kappa_ms, Bound::Jumps),
+        limit("jumps_ms", "(58)", "κ_ms", JUMPS, &kappa_ms, Bound::Jumps),
     ]
 }
 
