@@ -53,6 +53,7 @@ mod scatter;
 mod screen;
 mod shape;
 mod shrinkage;
+mod tail;
 mod unknown;
 mod verdict;
 #[cfg(test)]

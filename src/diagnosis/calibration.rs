@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Degrees of freedom [-] of the tails of a cell: replicates' spread is told with the same.
+/// Degrees of freedom [-] of the tails of a number where nothing tells them, and of how loud a run is.
 pub(super) const FREEDOM: f64 = 6.0;
 
 /// Temperatures, priors and thresholds of a verdict, in one table.
@@ -38,8 +38,6 @@ pub struct Calibration {
     pub forest_share: f64,
     /// Prior probabilities [-]: nothing, parameters only, one effect, two effects, unknown.
     pub priors: [f64; 5],
-    /// Degrees of freedom [-] of the tails of a cell.
-    pub freedom: f64,
     /// Error [-] of a predicted change, as a share of it.
     pub relative_error: f64,
     /// Cosine [-] of projected signatures from which on effects cannot be told apart.
@@ -69,7 +67,6 @@ impl Default for Calibration {
             gain_error: 0.05,
             forest_share: 0.15,
             priors: [0.25, 0.25, 0.4, 0.05, 0.05],
-            freedom: FREEDOM,
             relative_error: 0.1,
             equivalent: 0.95,
             confident: 0.5,

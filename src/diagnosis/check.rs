@@ -1,7 +1,7 @@
 //! Whether a fit is good enough: what it predicts of held-out conditions against what is there.
 
 use super::fit::{Fit, Problem};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 
 /// How well a fit predicts.
@@ -21,7 +21,6 @@ impl Check {
         let [mut sum, mut uncertain, mut excess] = [0.0, 0.0, 0.0];
         let mut cells = BTreeMap::<_, (f64, f64)>::new();
         let normal = Normal::standard();
-        let tails = StudentsT::new(0.0, 1.0, problem.calibration.freedom).expect("a distribution");
         for ((emulated, observed), held_out) in problem.conditions().zip(&fit.held_out) {
             let adapted = held_out.scores.len() as f64 / held_out.freedom;
             excess += adapted * held_out.square / observed.square - 1.0;
@@ -31,9 +30,10 @@ impl Check {
             let known = 1.0 + 1.0 / emulated.replicates.len() as f64;
             let own = 2.0 / held_out.freedom;
             uncertain += known * (deviation * deviation).max(own);
-            for (cell, z) in emulated.cells.iter().zip(&held_out.scores) {
+            let numbers = emulated.cells.iter().zip(&held_out.scores);
+            for ((cell, z), tail) in numbers.zip(&emulated.scatter.tails) {
                 let (sum, count) = cells.entry(cell).or_default();
-                *sum += normal_score(&tails, *z);
+                *sum += tail.normal_score(*z);
                 *count += 1.0;
             }
         }
@@ -48,11 +48,4 @@ impl Check {
             excess: (excess / fit.held_out.len() as f64).max(0.0),
         }
     }
-}
-
-/// The normal number that is exceeded as often as `z` is by Student's t.
-fn normal_score(tails: &StudentsT, z: f64) -> f64 {
-    let beyond = tails.sf(z.abs()).max(f64::MIN_POSITIVE);
-    let score = -Normal::standard().inverse_cdf(beyond);
-    score.copysign(z)
 }

@@ -32,7 +32,7 @@ use super::observation::{Observation, Observed};
 use super::pins::{Defect, Point};
 use super::product::{add, product, scaled};
 use local::Local;
-use model::{Model, Spread, precision, sum};
+use model::{Model, Spread, sum};
 use posterior::{Estimate, Posterior};
 
 /// Rounds in which precisions settle.
@@ -137,9 +137,8 @@ impl Fit {
                     let departure = model.departure(observed);
                     let spread =
                         model.spread((emulated, observed), &departure, problem.calibration);
-                    let freedom = problem.calibration.freedom;
                     let own = sum(&spread.own, &spread.form);
-                    let precision = precision(emulated, &departure, &own, freedom);
+                    let precision = emulated.scatter.precision_at(&departure, &own);
                     (spread, precision)
                 })
                 .unzip();
@@ -179,6 +178,16 @@ impl Fit {
             hypothesis,
         }
     }
+
+    /// What the best fit leaves of the runs' means, condition by condition.
+    pub fn departures(&self, problem: Problem) -> Vec<Vec<f64>> {
+        departures(problem, &self.best)
+    }
+
+    /// Variances of that, but for what effects may be off in form.
+    pub fn variances(&self) -> impl Iterator<Item = &[f64]> {
+        self.spreads.iter().map(|spread| &*spread.own)
+    }
 }
 
 /// Log likelihood [-] that each effect of a fit adds to that without it, the emulator as it is for both: what
@@ -206,16 +215,24 @@ fn gains(
     fitted.effects.iter().map(gain).collect()
 }
 
+/// What a point leaves of the runs' means, condition by condition.
+fn departures(problem: Problem, point: &Point) -> Vec<Vec<f64>> {
+    let defects = problem.emulator.defects(point);
+    let conditions = problem.conditions().zip(&defects);
+    let departure = |((emulated, observed), defect): ((&Emulated, &Observed), &Defect)| {
+        Model::new(emulated, point, defect).departure(observed)
+    };
+    conditions.map(departure).collect()
+}
+
 /// Mean square [-] that a fit which ends here leaves of all conditions beyond what measurements and replicates
 /// spread, or beyond what repeats do where they scatter more: a lug that caught in a joint in one of two
 /// runs is as far off under every explanation, and none could be seen to leave little.
 fn left(problem: Problem, best: &Point) -> f64 {
-    let defects = problem.emulator.defects(best);
     let (mut sum, mut count) = (0.0, 0.0);
-    for ((emulated, observed), defect) in problem.conditions().zip(&defects) {
-        let departure = Model::new(emulated, best, defect).departure(observed);
+    for ((emulated, observed), departure) in problem.conditions().zip(departures(problem, best)) {
         let precision = emulated.scatter.precision(&observed.variance);
-        let numbers = emulated.scatter.independent * departure.len() as f64;
+        let numbers = emulated.scatter.independent();
         let square = product(&departure, &scaled(&departure, &precision));
         sum += square - observed.scattered.max(numbers);
         count += numbers;
@@ -230,16 +247,15 @@ fn beside(
     others: &[(usize, f64)],
     spreads: &[Spread],
 ) -> Vec<Vec<f64>> {
-    let defects = problem.emulator.defects(best);
-    let conditions = problem.conditions().zip(spreads).zip(&defects);
+    let departures = departures(problem, best);
+    let conditions = problem.conditions().zip(spreads).zip(&departures);
     conditions
-        .map(|(((emulated, observed), spread), defect)| {
+        .map(|(((emulated, _), spread), departure)| {
             let [_, mut variance] = spread.with_form(&spread.form);
             let calibration = problem.calibration;
             let aligned = form::aligned(emulated, others, calibration.equivalent);
             add(&mut variance, 1.0, &aligned);
-            let departure = Model::new(emulated, best, defect).departure(observed);
-            precision(emulated, &departure, &variance, calibration.freedom)
+            emulated.scatter.precision_at(departure, &variance)
         })
         .collect()
 }

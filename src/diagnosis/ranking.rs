@@ -14,9 +14,11 @@ use super::fit::{Fit, Problem};
 use super::forest::Forest;
 use super::hypothesis::Hypothesis;
 use super::product::log_sum;
-use super::screen::{Projected, Screen};
+use super::responses::Candidate;
+use super::screen::Screen;
 use super::unknown;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Effects that may be one of a pair, and partners tried for each.
 const PAIRED: (usize, usize) = (4, 3);
@@ -60,9 +62,7 @@ impl Ranking {
             .iter()
             .filter(|fit| fit.hypothesis.effects().is_empty());
         let recalibrated = largest(plain.clone().map(score));
-        let free: Vec<f64> = plain
-            .map(|fit| unknown::score(fit, calibration.freedom))
-            .collect();
+        let free: Vec<f64> = plain.map(|fit| unknown::score(problem, fit)).collect();
         let unknown = log_sum(free.iter().copied()) - libm::log(free.len() as f64);
         scores.push((Hypothesis::Unknown, unknown, None));
         let priors = log_priors(problem, scores.iter().map(|(h, ..)| h));
@@ -137,25 +137,24 @@ pub(super) fn fits(problem: Problem, another: Option<&Fit>) -> Vec<Fit> {
     bounded(problem, fits)
 }
 
-/// The best effects, each with the partners that the screen says would explain most beside it.
+/// The best effects, each with the partners that the screen says would explain most of what it leaves.
 fn pairs(problem: Problem, fits: &[Fit]) -> Vec<Hypothesis> {
-    let projected = Screen::new(problem).projected();
-    let mut singles: Vec<(usize, f64)> = fits
-        .iter()
-        .filter_map(|fit| Some((*fit.hypothesis.effects().first()?, score(fit))))
-        .collect();
-    singles.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let singles = fits.iter();
+    let singles = singles.filter_map(|fit| Some((fit, *fit.hypothesis.effects().first()?)));
+    let mut singles: Vec<(&Fit, usize)> = singles.collect();
+    singles.sort_by(|a, b| score(b.0).total_cmp(&score(a.0)));
     let mut pairs: Vec<Hypothesis> = singles
-        .iter()
+        .into_iter()
         .take(PAIRED.0)
-        .flat_map(|(effect, _)| partners(problem, &projected, *effect))
+        .flat_map(|(fit, effect)| partners(problem, fit, effect))
         .collect();
     pairs.sort();
     pairs.dedup();
     pairs
 }
 
-fn partners(problem: Problem, projected: &Projected, effect: usize) -> Vec<Hypothesis> {
+fn partners(problem: Problem, fit: &Fit, effect: usize) -> Vec<Hypothesis> {
+    let projected = Screen::beside(problem, fit).projected();
     let equivalent = problem.calibration.equivalent;
     let mut others: Vec<(usize, f64)> = (0..problem.emulator.candidates.len())
         .filter(|&other| other != effect && projected.cosine(other, effect).abs() <= equivalent)
@@ -186,19 +185,36 @@ fn bounded(problem: Problem, mut fits: Vec<Fit>) -> Vec<Fit> {
     fits
 }
 
-/// Effects share their prior alike, pairs among all that there could be.
+/// Causes share their prior alike, and the channels of a cause its share: a wrong gain of one of six
+/// channels is no likelier than a wrong encoder. Pairs share theirs among all that there could be.
 fn log_priors<'h>(problem: Problem, hypotheses: impl Iterator<Item = &'h Hypothesis>) -> Vec<f64> {
     let [none, parameter, single, pair, unknown] = problem.calibration.priors;
-    let count = problem.emulator.candidates.len() as f64;
+    let shares = shares(&problem.emulator.candidates);
+    let alone: f64 = shares.iter().map(|share| share * share).sum();
     let prior = |hypothesis: &Hypothesis| match hypothesis {
         Hypothesis::None => none,
         Hypothesis::Parameter => parameter,
         Hypothesis::Unknown => unknown,
-        Hypothesis::Effects(effects) if effects.len() == 1 => single / count,
-        Hypothesis::Effects(_) => pair / (0.5 * count * (count - 1.0)),
+        Hypothesis::Effects(effects) => match effects[..] {
+            [a, b] => 2.0 * pair * shares[a] * shares[b] / (1.0 - alone),
+            _ => single * effects.iter().map(|one| shares[*one]).product::<f64>(),
+        },
     };
     hypotheses
         .map(|hypothesis| libm::log(prior(hypothesis)))
+        .collect()
+}
+
+/// Share [-] of each candidate in what all have together.
+fn shares(candidates: &[Candidate]) -> Vec<f64> {
+    let mut channels = BTreeMap::<&str, f64>::new();
+    for candidate in candidates {
+        *channels.entry(candidate.cause()).or_default() += 1.0;
+    }
+    let causes = channels.len() as f64;
+    let shares = candidates.iter();
+    shares
+        .map(|candidate| 1.0 / (causes * channels[candidate.cause()]))
         .collect()
 }
 

@@ -51,6 +51,13 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// Its name without the channel.
+    pub fn cause(&self) -> &str {
+        self.name
+            .split_once('.')
+            .map_or(&*self.name, |(cause, _)| cause)
+    }
+
     /// How far a magnitude is from neutral: 0 there, and one to one. Its distance in the seat's unit;
     /// its inverse where only an infinite magnitude changes nothing, as of a filter's corner.
     pub fn strength(&self, magnitude: f64) -> f64 {

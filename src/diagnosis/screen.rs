@@ -11,7 +11,7 @@
 //! absorbed by parameters.
 
 use super::emulator::{Emulated, Emulator};
-use super::fit::Problem;
+use super::fit::{Fit, Problem};
 use super::product::{add, product, scaled};
 use super::responses::Candidate;
 use super::shape::Shape;
@@ -76,6 +76,17 @@ impl Screen {
     /// Of measured conditions.
     pub fn new(problem: Problem) -> Self {
         Self::of(problem, &problem.straightened())
+    }
+
+    /// Of what a fit leaves, as well as it foretells it.
+    pub fn beside(problem: Problem, fit: &Fit) -> Self {
+        let mut screen = Self::empty(problem.emulator);
+        let departures = fit.departures(problem);
+        let left = departures.iter().zip(fit.variances());
+        for ((emulated, _), (departure, variance)) in problem.conditions().zip(left) {
+            screen.include(emulated, variance, departure);
+        }
+        screen
     }
 
     /// Of these departures, a row a condition.

@@ -4,16 +4,16 @@
 //! with a spread `τ` times larger. `π` and `τ` come from the other conditions. This competes with
 //! the hypotheses on held-out conditions and is never named as a cause.
 
-use super::fit::{Fit, HeldOut};
+use super::fit::{Fit, HeldOut, Problem};
 use super::product::log_sum;
-use statrs::function::gamma::ln_gamma;
+use super::scatter::Scatter;
 
 /// Shares of cells that are off, and how far [deviations].
 const SHARES: [f64; 5] = [0.03, 0.1, 0.3, 0.6, 1.0];
 const SIZES: [f64; 4] = [3.0, 8.0, 25.0, 80.0];
 
 /// Log score [-] of the free differences, beside what a fit without effects leaves.
-pub(super) fn score(fit: &Fit, freedom: f64) -> f64 {
+pub(super) fn score(problem: Problem, fit: &Fit) -> f64 {
     let choices: Vec<(f64, f64)> = SHARES
         .iter()
         .flat_map(|share| SIZES.map(|size| (*share, size)))
@@ -21,8 +21,10 @@ pub(super) fn score(fit: &Fit, freedom: f64) -> f64 {
     let densities: Vec<Vec<f64>> = choices
         .iter()
         .map(|choice| {
-            let of = |held_out: &HeldOut| density(held_out, *choice, freedom);
-            fit.held_out.iter().map(of).collect()
+            let held_out = problem.conditions().zip(&fit.held_out);
+            held_out
+                .map(|((emulated, _), held_out)| density(held_out, &emulated.scatter, *choice))
+                .collect()
         })
         .collect();
     let sums: Vec<f64> = densities.iter().map(|of| of.iter().sum()).collect();
@@ -47,17 +49,14 @@ pub(super) fn score(fit: &Fit, freedom: f64) -> f64 {
 }
 
 /// Log density of a condition where a share of its numbers is off by a size.
-fn density(held_out: &HeldOut, (share, size): (f64, f64), freedom: f64) -> f64 {
-    let half = 0.5 * (freedom + 1.0);
-    let constant =
-        ln_gamma(half) - ln_gamma(0.5 * freedom) - 0.5 * libm::log(freedom * std::f64::consts::PI);
+fn density(held_out: &HeldOut, scatter: &Scatter, (share, size): (f64, f64)) -> f64 {
     let wide = libm::sqrt(1.0 + size * size);
-    let student = |z: f64| constant - half * libm::log1p(z * z / freedom);
-    let numbers = held_out.scores.iter().map(|z| {
-        let right = libm::log1p(-share) + student(*z);
-        let off = libm::log(share / wide) + student(z / wide);
+    let numbers = held_out.scores.iter().zip(&scatter.tails);
+    let numbers = numbers.zip(&scatter.weights).map(|((z, tail), weight)| {
+        let right = libm::log1p(-share) + tail.log_density(*z);
+        let off = libm::log(share / wide) + tail.log_density(z / wide);
         let larger = right.max(off);
-        larger + libm::log1p(libm::exp(right.min(off) - larger))
+        weight * (larger + libm::log1p(libm::exp(right.min(off) - larger)))
     });
-    held_out.independent * (numbers.sum::<f64>() - held_out.log_spread)
+    numbers.sum::<f64>() - held_out.log_spread
 }

@@ -2,13 +2,12 @@
 
 use super::super::pins::Defect;
 use super::super::product::{log_sum, scores};
-use super::super::scatter::{Loudness, mean_square};
+use super::super::scatter::mean_square;
 use super::Problem;
 use super::fold::log_determinant;
 use super::model::Model;
 use super::posterior::Posterior;
 use nalgebra::Cholesky;
-use statrs::function::gamma::ln_gamma;
 
 /// A condition predicted from the others.
 #[derive(Debug)]
@@ -21,10 +20,8 @@ pub(in crate::diagnosis) struct HeldOut {
     /// common loudness.
     pub loudness: f64,
     pub square: f64,
-    /// Log deviations [-], summed.
+    /// Log deviations [-], weighed and summed.
     pub log_spread: f64,
-    /// Share of the numbers that are independent [-].
-    pub independent: f64,
     /// Numbers less those that parameters adapt to [-].
     pub freedom: f64,
     /// Whitened change predicted.
@@ -42,7 +39,6 @@ impl Posterior {
         let fold = self.fold(self.holds_out(problem).then_some(number));
         let (emulated, observed) = problem.conditions().nth(number).expect("one of them");
         let terms = &self.terms[number];
-        let freedom = problem.calibration.freedom;
         let mut best: Option<HeldOut> = None;
         let mut logs = Vec::new();
         for (scale, point, log_weight) in fold.predicting() {
@@ -63,7 +59,7 @@ impl Posterior {
             }
             let adapted = self.at(point, &adapted);
             let departure = Model::new(emulated, &adapted, defect).departure(observed);
-            let log_density = emulated.scatter.independent * log_density(&departure, own, freedom);
+            let log_density = emulated.scatter.log_density(&departure, own);
             logs.push(log_weight + log_density - penalty);
             if best.is_none() {
                 let scores = |variance: &[f64]| scores(&departure, variance.iter().copied());
@@ -72,10 +68,9 @@ impl Posterior {
                 best = Some(HeldOut {
                     log_density: 0.0,
                     scores: scores(own),
-                    loudness: Loudness::of(&of_common),
+                    loudness: emulated.scatter.loudness_of(&of_common),
                     square: mean_square(of_common.into_iter()),
-                    log_spread: own.iter().map(|v| 0.5 * libm::log(*v)).sum(),
-                    independent: emulated.scatter.independent,
+                    log_spread: log_spread(&emulated.scatter.weights, own),
                     freedom: (departure.len() as f64 - adapts).max(1.0),
                     shift: Model::new(emulated, &of_others, defect).change(),
                 });
@@ -87,13 +82,9 @@ impl Posterior {
     }
 }
 
-/// Student's t of every number.
-fn log_density(departure: &[f64], variance: &[f64], freedom: f64) -> f64 {
-    let half = 0.5 * (freedom + 1.0);
-    let constant =
-        ln_gamma(half) - ln_gamma(0.5 * freedom) - 0.5 * libm::log(freedom * std::f64::consts::PI);
-    let of = |(e, v): (&f64, &f64)| {
-        constant - 0.5 * libm::log(*v) - half * libm::log1p(e * e / (freedom * v))
-    };
-    departure.iter().zip(variance).map(of).sum()
+fn log_spread(weights: &[f64], variance: &[f64]) -> f64 {
+    let numbers = weights.iter().zip(variance);
+    numbers
+        .map(|(weight, v)| 0.5 * weight * libm::log(*v))
+        .sum()
 }

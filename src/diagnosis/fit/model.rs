@@ -6,7 +6,6 @@ use super::super::form;
 use super::super::observation::Observed;
 use super::super::pins::{Defect, Point};
 use super::super::product::{add, scaled, scores};
-use super::super::scatter::Loudness;
 
 /// Variance of a condition's numbers, the emulator's error with it.
 #[derive(Debug)]
@@ -100,23 +99,13 @@ impl<'a> Model<'a> {
             variance(1.0),
             form::scattered(emulated, &self.point.effects, calibration.equivalent),
         );
-        let loudness = Loudness::of(&scores(departure, sum(&common, &form)));
+        let loudness = emulated
+            .scatter
+            .loudness_of(&scores(departure, sum(&common, &form)));
         Spread {
             own: variance(observed.loudness.possible(loudness)),
             common,
             form,
         }
     }
-}
-
-/// What a condition's numbers tell that lie so far from a fit, by Student's t.
-pub(super) fn precision(
-    emulated: &Emulated,
-    departure: &[f64],
-    variance: &[f64],
-    freedom: f64,
-) -> Vec<f64> {
-    let independent = emulated.scatter.independent;
-    let precision = |(e, v): (&f64, &f64)| independent * (freedom + 1.0) / (freedom * v + e * e);
-    departure.iter().zip(variance).map(precision).collect()
 }
