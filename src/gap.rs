@@ -34,6 +34,7 @@ pub use cell::{Cell, Covariate, Domain, Kappa, Measure, NoCell, Statistic};
 pub use comparison::{Caveat, Comparison, FEWEST_REPLICATES, Table};
 pub use condition::Condition;
 pub(crate) use condition::conditions;
+pub(crate) use curves::class_of;
 pub use distance::{Closed, Scores, Whitening, closed};
 pub(crate) use evidence::moments;
 pub use global::{Global, PERMUTATIONS, Test};

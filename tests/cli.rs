@@ -466,7 +466,7 @@ fn a_study_ends_with_its_report_that_has_its_question_its_runs_and_its_command()
     for part in [
         "<h1>Six short runs</h1>",
         "Does all of it work?",
-        "Drawbar pull goes from ",
+        "Drawbar pull: ",
         "6 = 2 × 3 × 1 (scenarios × entries of each sweep × repeats), 0 failed",
         &format!("lugwheel {command}"),
     ] {

@@ -8,10 +8,11 @@ use lugwheel::diagnosis::parameter::{Offsets, Parameter};
 use lugwheel::diagnosis::plan::DEPTHS;
 use lugwheel::diagnosis::{
     Alarm, Answer, ArmTraces, Arms, BUDGET, Calibration, Compared, ComparedCondition, Diagnosis,
-    Gaps, InUnits, Located, NextRun, Recalibrated, Screened, Settings, Shrinkage, SimulatedAgain,
-    Suspect, Suspicion, Verdict,
+    EndResults, Gaps, InUnits, Located, MeanError, NextRun, Recalibrated, Screened, Settings,
+    Shrinkage, SimulatedAgain, Step, Suspect, Suspicion, Verdict,
 };
 use lugwheel::effects::Application;
+use lugwheel::gap::stages::{Stage, StageShare, Stages};
 use lugwheel::gap::{Cell, Closed, Colour, Condition, Covariate, Entry, Global, Statistic, Test};
 use lugwheel::quantity::Seed;
 use lugwheel::report::page::Page;
@@ -307,6 +308,11 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             as_predicted: true,
         }],
         in_units: in_units(cases),
+        end_results: vec![
+            end_results(Step::AsShipped, 4.0),
+            end_results(Step::Recalibrated, 3.0),
+            end_results(Step::WithEffect, 0.8),
+        ],
         compared: Compared {
             conditions: cases
                 .iter()
@@ -322,6 +328,28 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             cost: Cost::default(),
         },
         caveats: vec!["no simulation makes motor_current".to_owned()],
+    }
+}
+
+fn end_results(step: Step, error: f64) -> EndResults {
+    EndResults {
+        step,
+        means: vec![MeanError {
+            channel: "sinkage",
+            unit: "m",
+            error: 1.0e-3 * error,
+            conditions: 3,
+        }],
+        features: Some(0.1 * error),
+        class: None,
+        terrain: Some(Stages {
+            distance: error,
+            shares: vec![StageShare {
+                stage: Stage::Sinkage,
+                distance: error,
+                share: Some(1.0),
+            }],
+        }),
     }
 }
 
@@ -408,6 +436,7 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
         "Which effects may explain it?",
         "What did recalibration move?",
         "What do the runs look like, before and after?",
+        "What does the gap do to forces, class and terrain?",
         "How large is the gap in plain units?",
         "Which effects can these runs tell apart?",
         "What to measure next?",
@@ -429,6 +458,8 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
         "no simulation makes motor_current",
         "tell slip_sinkage from lug_action by 9.4",
         "150.0, unbounded",
+        "error of sinkage",
+        "distance of the terrain",
     ] {
         assert!(html.contains(told), "{told}");
     }
@@ -457,6 +488,7 @@ fn what_is_missing_is_left_out_or_said_and_breaks_nothing() {
             diagnosis.screen.clear();
             diagnosis.isolability.clear();
             diagnosis.in_units.clear();
+            diagnosis.end_results.clear();
             diagnosis.again.clear();
         },
         None,
@@ -481,6 +513,7 @@ fn without_an_effect_the_third_arm_is_not_shown() {
         |diagnosis| {
             diagnosis.verdict.verdict = Answer::Parameter;
             diagnosis.verdict.named.clear();
+            diagnosis.end_results.pop();
             for row in &mut diagnosis.in_units {
                 row.with_effect = None;
             }

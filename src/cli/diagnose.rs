@@ -134,6 +134,7 @@ impl Diagnose {
         });
         let summary = Summary {
             inputs,
+            stages: traces.as_ref().map_or_else(Vec::new, ArmTraces::stages),
             diagnosis,
             answer: page.answer.clone(),
             page: self.out.join("diagnosis.html").display().to_string(),

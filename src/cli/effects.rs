@@ -77,7 +77,7 @@ impl fmt::Display for Catalogue {
         writeln!(
             f,
             "\nLevels are those of the first channel an effect may sit on; `lugwheel effects NAME` has \
-             the others,\nwhat it edits, its signature and its source."
+             the others,\nwhat it edits, its signature, its source and priors."
         )
     }
 }
@@ -140,8 +140,9 @@ impl fmt::Display for Entry {
             let (unit, neutral, [low, high]) = (seat.unit, seat.neutral, seat.range);
             writeln!(
                 f,
-                "{place:<32}{:<22} [{unit}], neutral {neutral}, from {low} to {high}",
-                levels_of(seat)
+                "{place:<32}{:<22} [{unit}], neutral {neutral}, from {low} to {high}; prior {}",
+                levels_of(seat),
+                seat.prior
             )?;
         }
         Ok(())

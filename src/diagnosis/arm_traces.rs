@@ -2,8 +2,12 @@
 
 use super::arm::Arm;
 use super::condition::Case;
+use super::end_results::Step;
 use super::investigation::Arms;
+use crate::features::Settings;
+use crate::features::reference::Reference;
 use crate::gap::Condition;
+use crate::gap::stages::{self, VibrationStages};
 use crate::quantity::Seed;
 use crate::trace::Trace;
 use rayon::prelude::*;
@@ -30,6 +34,24 @@ pub struct ArmTraces {
 }
 
 impl ArmTraces {
+    /// Which part of the vibration brings the gap into features and class: between the measured run and that of
+    /// each arm, where both have features.
+    pub fn stages(&self) -> Vec<(Step, VibrationStages)> {
+        let settings = Settings::default();
+        let reference = Reference::computed();
+        let arms = [
+            (Step::AsShipped, &self.as_shipped),
+            (Step::Recalibrated, &self.recalibrated),
+            (Step::WithEffect, &self.with_effect),
+        ];
+        let told = arms.into_iter().filter_map(|(step, made)| {
+            let made = made.as_ref()?;
+            let stages = stages::vibration(&self.measured, made, settings, &reference).ok()?;
+            Some((step, stages))
+        });
+        told.collect()
+    }
+
     /// Simulates every arm of a case once; none where the case has no run among those measured.
     pub fn of(case: &Case, measured: &[Trace], arms: &Arms, seed: Seed) -> Option<Self> {
         let first = case.runs.iter().find_map(|run| measured.get(*run))?;

@@ -84,6 +84,10 @@ impl<'a> Problem<'a> {
 #[derive(Debug)]
 pub(super) struct Fit {
     pub hypothesis: Hypothesis,
+    /// Cosine [-] of the effects' laws in the catalogue and on the rig: of the [form](super::form) that says most.
+    pub likeness: f64,
+    /// What all forms together score above this one [-].
+    pub forms: f64,
     /// Where it ends.
     pub best: Point,
     /// Of each effect.
@@ -107,14 +111,18 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    /// A fit whose predictions are held against its own variances.
+    /// A fit whose predictions are held against its own variances, effects nearly of the catalogue's form.
     pub fn new(problem: Problem, hypothesis: Hypothesis) -> Self {
-        Self::beside(problem, hypothesis, None)
+        Self::beside(problem, (hypothesis, form::NEAR), None)
     }
 
-    /// A fit whose predictions are held against the variances of `another`: of two explanations the
-    /// one that claims less error would win by that alone.
-    pub fn beside(problem: Problem, hypothesis: Hypothesis, another: Option<&Self>) -> Self {
+    /// A fit of effects as like the catalogue's, whose predictions are held against the variances of `another`:
+    /// of two explanations the one that claims less error would win by that alone.
+    pub fn beside(
+        problem: Problem,
+        (hypothesis, likeness): (Hypothesis, f64),
+        another: Option<&Self>,
+    ) -> Self {
         let mut spreads: Vec<Spread> = Vec::new();
         let mut precisions: Vec<Vec<f64>> = problem
             .conditions()
@@ -135,8 +143,8 @@ impl Fit {
                 .map(|((emulated, observed), defect)| {
                     let model = Model::new(emulated, &best, defect);
                     let departure = model.departure(observed);
-                    let spread =
-                        model.spread((emulated, observed), &departure, problem.calibration);
+                    let form = (likeness, problem.calibration);
+                    let spread = model.spread((emulated, observed), &departure, form);
                     let own = sum(&spread.own, &spread.form);
                     let precision = emulated.scatter.precision_at(&departure, &own);
                     (spread, precision)
@@ -164,12 +172,19 @@ impl Fit {
                 true => posterior.determined(),
                 false => 0.0,
             },
-            gains: gains(
+            gains: Gains {
                 problem,
-                (&posterior, &best),
-                (&about, &precisions),
-                &spreads,
-            ),
+                fitted: &posterior,
+                best: &best,
+                about: &about,
+                precisions: &precisions,
+                defects: &defects,
+                spreads: &spreads,
+                likeness,
+            }
+            .all(),
+            likeness,
+            forms: 0.0,
             most: f64::INFINITY,
             left: left(problem, &best),
             best,
@@ -192,27 +207,68 @@ impl Fit {
 
 /// Log likelihood [-] that each effect of a fit adds to that without it, the emulator as it is for both: what
 /// pins are off by chance is in neither. Beside others it has to show where their error of form does not.
-fn gains(
-    problem: Problem,
-    (fitted, best): (&Posterior, &Point),
-    (about, precisions): (&[Local], &[Vec<f64>]),
-    spreads: &[Spread],
-) -> Vec<f64> {
-    let likelihood = |effects: &[usize], precisions: &[Vec<f64>]| {
+struct Gains<'a> {
+    problem: Problem<'a>,
+    fitted: &'a Posterior,
+    best: &'a Point,
+    about: &'a [Local],
+    precisions: &'a [Vec<f64>],
+    defects: &'a [Defect],
+    spreads: &'a [Spread],
+    likeness: f64,
+}
+
+impl Gains<'_> {
+    fn all(&self) -> Vec<f64> {
+        let gain = |effect: &usize| {
+            let others = self.best.effects.iter().copied();
+            let others: Vec<(usize, f64)> = others.filter(|(other, _)| other != effect).collect();
+            let without: Vec<usize> = others.iter().map(|(other, _)| *other).collect();
+            if others.is_empty() {
+                let plain = self.posterior(&without, self.precisions);
+                return self.fitted.likelihood() - plain.likelihood() + self.of_form(&plain.best());
+            }
+            let beside = self.beside(&others);
+            let likelihood = |effects: &[usize]| self.posterior(effects, &beside).likelihood();
+            likelihood(&self.fitted.effects) - likelihood(&without)
+        };
+        self.fitted.effects.iter().map(gain).collect()
+    }
+
+    fn posterior(&self, effects: &[usize], precisions: &[Vec<f64>]) -> Posterior {
         let hypothesis = Hypothesis::Effects(effects.to_vec());
-        Posterior::new(problem, &hypothesis, (about, precisions), None).likelihood()
-    };
-    let gain = |effect: &usize| {
-        let others = best.effects.iter().copied();
-        let others: Vec<(usize, f64)> = others.filter(|(other, _)| other != effect).collect();
-        let without: Vec<usize> = others.iter().map(|(other, _)| *other).collect();
-        if others.is_empty() {
-            return fitted.likelihood() - likelihood(&without, precisions);
-        }
-        let beside = beside(problem, best, &others, spreads);
-        likelihood(&fitted.effects, &beside) - likelihood(&without, &beside)
-    };
-    fitted.effects.iter().map(gain).collect()
+        Posterior::new(self.problem, &hypothesis, (self.about, precisions), None)
+    }
+
+    /// Log likelihood [-] that the variance of the error of form adds to what is left without effects, all by
+    /// itself: another law is told by where it changes numbers, not by how.
+    fn of_form(&self, plain: &Point) -> f64 {
+        let conditions = self.problem.conditions().zip(self.spreads);
+        let density = |(((emulated, observed), spread), defect): (
+            ((&Emulated, &Observed), &Spread),
+            &Defect,
+        )| {
+            let departure = Model::new(emulated, plain, defect).departure(observed);
+            let [_, wide] = spread.with_form(&spread.form);
+            let of = |variance: &[f64]| emulated.scatter.log_density(&departure, variance);
+            of(&wide) - of(&spread.own)
+        };
+        conditions.zip(self.defects).map(density).sum()
+    }
+
+    /// What the numbers tell beside the whole error of form of some of the effects.
+    fn beside(&self, others: &[(usize, f64)]) -> Vec<Vec<f64>> {
+        let departures = departures(self.problem, self.best);
+        let conditions = self.problem.conditions().zip(self.spreads).zip(&departures);
+        conditions
+            .map(|(((emulated, _), spread), departure)| {
+                let [_, mut variance] = spread.with_form(&spread.form);
+                let aligned = form::aligned(emulated, others, self.likeness);
+                add(&mut variance, 1.0, &aligned);
+                emulated.scatter.precision_at(departure, &variance)
+            })
+            .collect()
+    }
 }
 
 /// What a point leaves of the runs' means, condition by condition.
@@ -238,24 +294,4 @@ fn left(problem: Problem, best: &Point) -> f64 {
         count += numbers;
     }
     (sum / count).max(0.0)
-}
-
-/// What a fit's numbers tell beside the whole error of form of some of its effects.
-fn beside(
-    problem: Problem,
-    best: &Point,
-    others: &[(usize, f64)],
-    spreads: &[Spread],
-) -> Vec<Vec<f64>> {
-    let departures = departures(problem, best);
-    let conditions = problem.conditions().zip(spreads).zip(&departures);
-    conditions
-        .map(|(((emulated, _), spread), departure)| {
-            let [_, mut variance] = spread.with_form(&spread.form);
-            let calibration = problem.calibration;
-            let aligned = form::aligned(emulated, others, calibration.equivalent);
-            add(&mut variance, 1.0, &aligned);
-            emulated.scatter.precision_at(departure, &variance)
-        })
-        .collect()
 }

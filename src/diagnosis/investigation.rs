@@ -8,6 +8,7 @@ use super::calibration::Calibration;
 use super::condition::{Case, CaseError, Cases, statistician};
 use super::cost::Cost;
 use super::emulator::Emulator;
+use super::end_results::{EndResults, Step};
 use super::fit::Problem;
 use super::forest::Forest;
 use super::further::further_runs;
@@ -18,7 +19,7 @@ use super::parameter::{Offsets, Parameter};
 use super::pins::{self, Ends, Point, ROUNDS, unpinned};
 use super::plan::{Depth, Plan, TooSmall};
 use super::ranking::Ranking;
-use super::responses::{DiagnosisError, Library};
+use super::responses::{DiagnosisError, Library, Responses};
 use super::screen::{Screened, isolability, screen};
 use super::verdict::{Recalibrated, Verdict};
 use crate::effects::{Application, EffectError, seat_of};
@@ -170,6 +171,8 @@ pub struct Diagnosis {
     pub again: Vec<SimulatedAgain>,
     /// The gap in plain units, fitted to all conditions.
     pub in_units: Vec<InUnits>,
+    /// What the gap does to forces, features, class and terrain, step by step.
+    pub end_results: Vec<EndResults>,
     /// What was compared.
     pub compared: Compared,
     /// What to keep in mind.
@@ -269,7 +272,7 @@ impl<'a> Investigation<'a> {
         let mut answers = Answers::default();
         ask(&bank, self.plan.requests(), hear, &mut answers)?;
         let gathered = answers.gather(&self.plan, &self.cases, &self.measured);
-        let map = self.map(&answers)?;
+        let comparison = self.comparison(&answers)?;
         let calibration = &self.settings.constants();
         let library = &gathered.library;
         let mut emulator = Emulator::new(library)?;
@@ -300,6 +303,8 @@ impl<'a> Investigation<'a> {
         let problem = problem(&emulator, &observation, calibration);
         let ranking = Ranking::new(problem, &forest);
         let verdict = Verdict::of(problem, &ranking, self.settings.seed);
+        let uncertain = uncertain(library, &verdict.recalibration);
+        let map = comparison.map(&Margins::default(), &uncertain, self.settings.seed);
         let further = self.further(&verdict, library, hear)?;
         let verdict = verdict.with_next_run(problem, &further);
         let arms = self.arms(&verdict);
@@ -330,7 +335,9 @@ impl<'a> Investigation<'a> {
             })
             .collect();
         let verdict = match &again[..] {
-            [recalibrated, with_effect] => verdict.tried([recalibrated.gap, with_effect.gap]),
+            [recalibrated, with_effect] => {
+                verdict.tried([recalibrated.gap, with_effect.gap], calibration.refuted)
+            }
             _ => verdict,
         };
         let diagnosis = Diagnosis {
@@ -342,11 +349,28 @@ impl<'a> Investigation<'a> {
             isolability: isolability(problem),
             again,
             in_units: again::in_units(problem, &answers, &gathered.measured, requests, &places),
+            end_results: self.end_results(requests, &answers),
             compared: self.compared(&gathered),
             caveats: self.told(&gathered, &answers, &map.caveats),
             verdict,
         };
         Ok((diagnosis, arms))
+    }
+
+    /// Of the scenario as shipped and of these arms.
+    fn end_results(&self, arms: [Option<&Arm>; 2], answers: &Answers) -> Vec<EndResults> {
+        let shipped = Arm::as_shipped();
+        let [recalibrated, with_effect] = arms;
+        let steps = [
+            (Step::AsShipped, Some(&shipped)),
+            (Step::Recalibrated, recalibrated),
+            (Step::WithEffect, with_effect),
+        ];
+        let steps = steps.into_iter().filter_map(|(step, arm)| {
+            let step = (step, arm?);
+            Some(EndResults::of(step, &self.cases, &self.measured, answers))
+        });
+        steps.collect()
     }
 
     /// Length [s] of what these ends ask to be driven, in the bank or not: a campaign has one answer.
@@ -423,20 +447,17 @@ impl<'a> Investigation<'a> {
         Bank::open(self.folder, cases, self.settings.seed, self.version)
     }
 
-    fn map(&self, answers: &Answers) -> Result<gap::GapMap, InvestigationError> {
+    fn comparison(&self, answers: &Answers) -> Result<Comparison, InvestigationError> {
         let shipped = Arm::as_shipped();
         let cases = 0..self.cases.len();
         let simulated: Vec<Run> = cases
             .flat_map(|case| answers.of(&shipped, case).map(|(_, run)| run.clone()))
             .collect();
         let measured: Vec<Run> = self.measured.iter().flatten().cloned().collect();
-        let comparison = Comparison::new(&measured, &simulated);
-        let comparison = comparison.map_err(|error| InvestigationError::Gap {
+        Comparison::new(&measured, &simulated).map_err(|error| InvestigationError::Gap {
             error,
             failures: answers.failures().collect(),
-        })?;
-        let seed = self.settings.seed;
-        Ok(comparison.map(&Margins::default(), &ParameterSpread::default(), seed))
+        })
     }
 
     /// Runs that would tell the two likeliest effects apart, simulated with both and with every
@@ -639,6 +660,26 @@ fn arm_at(emulator: &Emulator, point: &Point) -> Option<Arm> {
             let effect = Application::new(&candidate.name, candidate.magnitude(*strength)).ok()?;
             Some(arm.with_effect(effect))
         })
+}
+
+/// Standard deviations of the cells, in their units, by what recalibration leaves open of the parameters, taken
+/// for independent.
+fn uncertain(library: &Library, parameters: &[Recalibrated]) -> ParameterSpread {
+    let of_cell = |responses: &Responses, cell: usize| {
+        let moved = responses.parameters.iter().zip(parameters);
+        let parts = moved.map(|(moved, parameter)| {
+            let slopes = moved.slope.iter().map(|row| row[cell]);
+            let slope = slopes.sum::<f64>() / moved.slope.len().max(1) as f64;
+            slope * parameter.deviation
+        });
+        libm::sqrt(parts.map(|part| part * part).sum())
+    };
+    let of_condition = |responses: &Responses| {
+        let cells = responses.cells.iter().enumerate();
+        let cells = cells.map(|(place, cell)| (cell.clone(), of_cell(responses, place)));
+        (responses.condition.clone(), cells.collect())
+    };
+    library.conditions.iter().map(of_condition).collect()
 }
 
 fn offsets(parameters: &[Recalibrated]) -> impl Iterator<Item = (&str, f64)> {

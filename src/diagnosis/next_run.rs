@@ -10,7 +10,7 @@ use super::screen::{Projected, Screen};
 use serde::Serialize;
 
 /// Runs that could be made, simulated: in reverse, at a second load, at a second speed and the
-/// same slip, with a lifted wheel, with a smooth one.
+/// same slip, with a smooth wheel.
 #[derive(Debug, Default)]
 pub struct FurtherRuns {
     runs: Vec<(String, Emulated)>,

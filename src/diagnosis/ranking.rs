@@ -12,6 +12,7 @@
 use super::check::Check;
 use super::fit::{Fit, Problem};
 use super::forest::Forest;
+use super::form;
 use super::hypothesis::Hypothesis;
 use super::product::log_sum;
 use super::responses::Candidate;
@@ -22,6 +23,8 @@ use std::collections::BTreeMap;
 
 /// Effects that may be one of a pair, and partners tried for each.
 const PAIRED: (usize, usize) = (4, 3);
+/// Log score [-] over recalibration's from which on the form of an effect can be told.
+const TOLD: f64 = 3.0;
 
 /// A hypothesis with its probability.
 #[derive(Debug)]
@@ -58,9 +61,7 @@ impl Ranking {
                 (fit.hypothesis.clone(), score(fit), Some(check))
             })
             .collect();
-        let plain = fits
-            .iter()
-            .filter(|fit| fit.hypothesis.effects().is_empty());
+        let plain = fits.iter().filter(|fit| is_plain(fit));
         let recalibrated = largest(plain.clone().map(score));
         let free: Vec<f64> = plain.map(|fit| unknown::score(problem, fit)).collect();
         let unknown = log_sum(free.iter().copied()) - libm::log(free.len() as f64);
@@ -113,28 +114,72 @@ pub(super) fn score(fit: &Fit) -> f64 {
         .iter()
         .map(|held_out| held_out.log_density)
         .sum();
-    (held_out + fit.occam + fit.determined).min(fit.most)
+    (held_out + fit.occam + fit.determined).min(fit.most) + fit.forms
 }
 
 /// None, parameters, every effect, and pairs of those that the first fits leave, each held against
-/// its own variances or those of `another`.
+/// its own variances or those of `another`, each in the form that says most.
 pub(super) fn fits(problem: Problem, another: Option<&Fit>) -> Vec<Fit> {
-    let known = [Hypothesis::None, Hypothesis::Parameter];
-    let candidates = 0..problem.emulator.candidates.len();
-    let mut hypotheses: Vec<Hypothesis> = known.into_iter().collect();
+    let mut plain = vec![Hypothesis::None];
     // Without parameters there is nothing to recalibrate.
-    hypotheses.truncate(if problem.emulator.parameters.is_empty() {
-        1
-    } else {
-        2
+    if !problem.emulator.parameters.is_empty() {
+        plain.push(Hypothesis::Parameter);
+    }
+    let plain = plain.into_par_iter();
+    let mut fits: Vec<Fit> = plain
+        .map(|hypothesis| Fit::beside(problem, (hypothesis, form::OWN), another))
+        .collect();
+    let candidates = 0..problem.emulator.candidates.len();
+    let singles = candidates.map(|effect| Hypothesis::Effects(vec![effect]));
+    fits.extend(in_forms(problem, singles.collect(), (&fits, another)));
+    fits.extend(in_forms(problem, pairs(problem, &fits), (&fits, another)));
+    fits
+}
+
+/// Fits of explanations by effects, each in the form that says most, beside the `simpler` ones.
+fn in_forms(
+    problem: Problem,
+    hypotheses: Vec<Hypothesis>,
+    (simpler, another): (&[Fit], Option<&Fit>),
+) -> Vec<Fit> {
+    let recalibrated = largest(simpler.iter().filter(|fit| is_plain(fit)).map(score));
+    let hypotheses = hypotheses.into_par_iter();
+    hypotheses
+        .map(|hypothesis| {
+            let fit = |likeness: f64| {
+                let fit = Fit::beside(problem, (hypothesis.clone(), likeness), another);
+                bounded(problem, fit, simpler)
+            };
+            let near = fit(form::NEAR);
+            if score(&near) < recalibrated + TOLD {
+                return near;
+            }
+            match hypothesis.effects().len() {
+                1 => likeliest(&form::ALONE, fit, near),
+                _ => likeliest(&form::PAIRED, fit, near),
+            }
+        })
+        .collect()
+}
+
+/// The form of a fit that says most, with what all say together.
+fn likeliest(forms: &[(f64, f64)], fit: impl Fn(f64) -> Fit, near: Fit) -> Fit {
+    let mut near = Some(near);
+    let fits = forms.iter().map(|(likeness, prior)| {
+        let known = near.take_if(|near| near.likeness == *likeness);
+        let fit = known.unwrap_or_else(|| fit(*likeness));
+        (libm::log(*prior) + score(&fit), fit)
     });
-    hypotheses.extend(candidates.map(|effect| Hypothesis::Effects(vec![effect])));
-    let fit = |hypothesis: Hypothesis| Fit::beside(problem, hypothesis, another);
-    let mut fits: Vec<Fit> = hypotheses.into_par_iter().map(fit).collect();
-    let pairs = pairs(problem, &fits);
-    let pairs: Vec<Fit> = pairs.into_par_iter().map(fit).collect();
-    fits.extend(pairs);
-    bounded(problem, fits)
+    let fits: Vec<(f64, Fit)> = fits.collect();
+    let together = log_sum(fits.iter().map(|(log, _)| *log));
+    let best = fits.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, mut best) = best.expect("a form");
+    best.forms = together - score(&best);
+    best
+}
+
+fn is_plain(fit: &Fit) -> bool {
+    fit.hypothesis.effects().is_empty()
 }
 
 /// The best effects, each with the partners that the screen says would explain most of what it leaves.
@@ -167,22 +212,16 @@ fn partners(problem: Problem, fit: &Fit, effect: usize) -> Vec<Hypothesis> {
     others.iter().take(PAIRED.1).map(pair).collect()
 }
 
-/// Fits, simpler ones first, none of which scores more over one with an effect less than that effect adds
-/// to the likelihood: the rest is chance of what was simulated where each ended. Effects of no size
-/// gained ten of log score by it.
-fn bounded(problem: Problem, mut fits: Vec<Fit>) -> Vec<Fit> {
-    for place in 0..fits.len() {
-        let (simpler, [fit, ..]) = fits.split_at_mut(place) else {
-            continue;
-        };
-        let effects = fit.hypothesis.effects().iter();
-        for (effect, gain) in effects.zip(&fit.gains) {
-            let others = fit.hypothesis.without(*effect, problem.emulator);
-            let without = simpler.iter().find(|other| other.hypothesis == others);
-            fit.most = fit.most.min(without.map_or(f64::INFINITY, score) + gain);
-        }
+/// A fit that scores no more over one with an effect less than that effect adds to the likelihood: the rest is
+/// chance of what was simulated where each ended. Effects of no size gained ten of log score by it.
+fn bounded(problem: Problem, mut fit: Fit, simpler: &[Fit]) -> Fit {
+    let effects = fit.hypothesis.effects().iter();
+    for (effect, gain) in effects.zip(&fit.gains) {
+        let others = fit.hypothesis.without(*effect, problem.emulator);
+        let without = simpler.iter().find(|other| other.hypothesis == others);
+        fit.most = fit.most.min(without.map_or(f64::INFINITY, score) + gain);
     }
-    fits
+    fit
 }
 
 /// Causes share their prior alike, and the channels of a cause its share: a wrong gain of one of six

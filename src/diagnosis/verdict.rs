@@ -23,8 +23,6 @@ use weighing::Weighing;
 const LOCATED: usize = 10;
 /// Score [-] from which on a cell of a remainder is worth a mention.
 const STRONG: f64 = 4.0;
-/// Share [-] that stays decided where the simulator refutes the answer.
-const REFUTED: f64 = 0.4;
 
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -190,8 +188,8 @@ impl Verdict {
     }
 
     /// With the gaps simulated without its effects and with them: effects that leave no narrower one
-    /// are not named, and little is decided.
-    pub(super) fn tried(mut self, [recalibrated, with_effects]: [f64; 2]) -> Self {
+    /// are not named, and only this share stays decided.
+    pub(super) fn tried(mut self, [recalibrated, with_effects]: [f64; 2], refuted: f64) -> Self {
         if self.named.is_empty() || with_effects < recalibrated {
             return self;
         }
@@ -202,14 +200,14 @@ impl Verdict {
         let mut undecided = 0.0;
         for (name, probability) in &mut self.probabilities {
             if name != "unknown" && name != "undecided" {
-                undecided += (1.0 - REFUTED) * *probability;
-                *probability *= REFUTED;
+                undecided += (1.0 - refuted) * *probability;
+                *probability *= refuted;
             }
         }
         let known = self.probabilities.entry("undecided".to_owned());
         *known.or_default() += undecided;
         for suspect in &mut self.effects {
-            suspect.probability *= REFUTED;
+            suspect.probability *= refuted;
         }
         self.named.clear();
         self.verdict = Answer::Undecided;

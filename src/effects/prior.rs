@@ -6,6 +6,7 @@ use rand::Rng;
 use rand_distr::{Distribution, LogNormal, Normal, Uniform};
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
+use std::fmt;
 
 /// A distribution of magnitudes, in their unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -37,6 +38,22 @@ pub enum Prior {
         /// Largest.
         high: f64,
     },
+}
+
+impl fmt::Display for Prior {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Normal { mean, sd } => write!(f, "normal, {mean} ± {sd}"),
+            Self::HalfNormal { scale } => write!(f, "half normal, root mean square {scale}"),
+            Self::LogNormal { median, factor } => {
+                write!(
+                    f,
+                    "log-normal, median {median}, a deviation a factor of {factor}"
+                )
+            }
+            Self::Uniform { low, high } => write!(f, "uniform, {low} to {high}"),
+        }
+    }
 }
 
 impl Prior {

@@ -108,7 +108,7 @@ fn identified(runs: &[&Run], readings: &mut Readings) {
     let Some(first) = runs.first() else {
         return;
     };
-    let class = class(runs);
+    let class = class_of(runs);
     let setting = Setting::of(&first.attributes);
     let estimate = Identification::new(&rows, class, &setting)
         .and_then(|identification| identification.estimate());
@@ -131,7 +131,7 @@ fn identified(runs: &[&Run], readings: &mut Readings) {
 }
 
 /// The class that labels of the runs stand for, else soil: sinkage then decides.
-fn class(runs: &[&Run]) -> Wtic {
+pub(crate) fn class_of(runs: &[&Run]) -> Wtic {
     let labels: BTreeSet<_> = runs.iter().map(|run| run.attributes.terrain).collect();
     match labels.into_iter().collect::<Vec<_>>()[..] {
         [Some(label)] => label.class(),

@@ -63,6 +63,23 @@ impl SteadyLoad {
         }
     }
 
+    /// Mean of rows, their uncertainties unknown; none of none. A torque or sinkage that one lacks is unknown.
+    pub fn mean<'a>(rows: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
+        let rows: Vec<&Self> = rows.into_iter().collect();
+        let mean = |of: fn(&Self) -> f64| {
+            let values = rows.iter().map(|row| of(row));
+            values.sum::<f64>() / rows.len() as f64
+        };
+        (!rows.is_empty()).then(|| Self {
+            slip: mean(|row| row.slip),
+            sinkage: mean(|row| row.sinkage),
+            drawbar_pull: mean(|row| row.drawbar_pull),
+            load: mean(|row| row.load),
+            driving_torque: mean(|row| row.driving_torque),
+            uncertainty: None,
+        })
+    }
+
     /// Where a wheel rolls, its loads unknown.
     pub(super) fn at(slip: f64, sinkage: f64) -> Self {
         let unknown = WheelLoad {

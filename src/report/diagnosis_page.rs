@@ -5,6 +5,7 @@ mod answer;
 mod compared;
 mod differences;
 mod effects;
+mod end_results;
 mod parameters;
 mod shrinkage;
 mod units;
@@ -50,7 +51,7 @@ impl ToldDiagnosis<'_> {
 
 /// The page of a diagnosis, in this order: the answer with its probability and what it rests on, how
 /// far the gap closes, where the sides differ, which effects may explain it, what recalibration
-/// moved, measured and simulated runs before and after, the gap in plain units, which effects these
+/// moved, measured and simulated runs before and after, what the gap does to end results, the gap in plain units, which effects these
 /// runs can tell apart, what to measure next, what was compared. It holds nothing that depends on a
 /// clock or a machine.
 pub fn diagnosis_page(told: &ToldDiagnosis) -> Page {
@@ -62,6 +63,7 @@ pub fn diagnosis_page(told: &ToldDiagnosis) -> Page {
         Some(effects::suspects(diagnosis)),
         Some(parameters::section(told)),
         Some(looks(told)),
+        end_results::section(told),
         units::section(diagnosis),
         effects::isolability(told),
         Some(answer::next_run(diagnosis)),

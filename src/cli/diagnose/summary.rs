@@ -1,8 +1,9 @@
 //! What a diagnosis came to, as text and for machines.
 
 use anyhow::Context;
-use lugwheel::diagnosis::{Answer, Diagnosis, Suspect};
+use lugwheel::diagnosis::{Answer, Diagnosis, Step, Suspect};
 use lugwheel::gap::Colour;
+use lugwheel::gap::stages::VibrationStages;
 use lugwheel::trace::behind_number;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -89,6 +90,8 @@ pub struct Summary {
     /// The answer and what backs it.
     #[serde(flatten)]
     pub diagnosis: Diagnosis,
+    /// Which part of the vibration brings the gap into features and class, at the condition where most differs.
+    pub stages: Vec<(Step, VibrationStages)>,
     /// The answer in a sentence.
     #[serde(skip)]
     pub answer: String,

@@ -76,7 +76,7 @@ impl<'a> Model<'a> {
         &self,
         (emulated, observed): (&Emulated, &Observed),
         departure: &[f64],
-        calibration: &Calibration,
+        (likeness, calibration): (f64, &Calibration),
     ) -> Spread {
         let mut of_emulator = vec![0.0; observed.variance.len()];
         for &(effect, strength) in &self.point.effects {
@@ -97,7 +97,7 @@ impl<'a> Model<'a> {
         };
         let (common, form) = (
             variance(1.0),
-            form::scattered(emulated, &self.point.effects, calibration.equivalent),
+            form::scattered(emulated, &self.point.effects, likeness),
         );
         let loudness = emulated
             .scatter

@@ -3,12 +3,10 @@
 use super::super::calibration::Calibration;
 use super::super::check::Check;
 use super::super::fit::Problem;
+use super::super::form;
 use super::super::hypothesis::Hypothesis;
 use super::super::ranking::{Ranked, Ranking};
 use super::healthy;
-
-/// Mean square [-] beyond what spread explains from which on there is a gap to explain.
-const NOTICEABLE: f64 = 0.2;
 
 /// Which explanations are good enough to be named.
 pub(super) struct Trust<'a> {
@@ -32,7 +30,7 @@ impl<'a> Trust<'a> {
 
     /// Whether there is a gap to explain.
     pub fn is_gap(&self) -> bool {
-        self.shipped > NOTICEABLE
+        self.shipped > self.calibration.noticeable
     }
 
     /// Whether there is nothing against an explanation by effects: it passes its check, leaves little, and foretells
@@ -42,6 +40,12 @@ impl<'a> Trust<'a> {
             && self.passes(hypothesis)
             && self.explains(hypothesis)
             && self.score(hypothesis) > self.score(&Hypothesis::Unknown)
+    }
+
+    /// Whether an explanation has the catalogue's law, or one as like it as equivalent effects are.
+    pub fn has_law(&self, hypothesis: &Hypothesis) -> bool {
+        let fit = self.ranking.fit(hypothesis);
+        fit.is_none_or(|fit| fit.likeness > form::OTHER)
     }
 
     pub fn passes(&self, hypothesis: &Hypothesis) -> bool {
@@ -63,10 +67,16 @@ impl<'a> Trust<'a> {
                 let check = checked(self.ranking, hypothesis);
                 check.is_some_and(|check| check.excess < left_over * self.shipped)
             }
-            _ => {
-                let fit = self.ranking.fit(hypothesis);
-                fit.is_some_and(|fit| fit.left < left_over * self.recalibrated)
-            }
+            _ => self.left(hypothesis) < left_over,
+        }
+    }
+
+    /// Share [-] of what recalibration leaves that an explanation by effects does too.
+    fn left(&self, hypothesis: &Hypothesis) -> f64 {
+        let fit = self.ranking.fit(hypothesis);
+        match fit {
+            Some(fit) if fit.left < self.recalibrated => fit.left / self.recalibrated,
+            _ => 1.0,
         }
     }
 
@@ -75,13 +85,19 @@ impl<'a> Trust<'a> {
         found.map_or(f64::NEG_INFINITY, |ranked| ranked.log_score)
     }
 
-    /// Share [-] of its probability that an explanation keeps.
+    /// Share [-] of its probability that an explanation keeps. One by another law than the catalogue's keeps as
+    /// much as it explains of the gap: what it leaves may be its own, or that of something like it.
     pub fn kept(&self, hypothesis: &Hypothesis) -> f64 {
-        match checked(self.ranking, hypothesis) {
-            Some(check) if !self.explains(hypothesis) => {
-                (check.p / self.calibration.failed).min(1.0)
-            }
-            _ => 1.0,
+        let Some(check) = checked(self.ranking, hypothesis) else {
+            return 1.0;
+        };
+        if self.explains(hypothesis) {
+            return 1.0;
+        }
+        let passed = (check.p / self.calibration.failed).min(1.0);
+        match self.has_law(hypothesis) {
+            true => passed,
+            false => passed.min(1.0 - self.left(hypothesis)),
         }
     }
 }

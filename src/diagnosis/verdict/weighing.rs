@@ -9,13 +9,6 @@ use super::trust::Trust;
 use super::{Answer, Suspect, equivalent, healthy};
 use std::collections::BTreeMap;
 
-/// Share [-] that the unknown keeps where the best refit passes its check or explains the gap.
-const DOUBT: f64 = 0.1;
-
-/// p-value [-] that a pair has to reach where one of it explains the gap alone: what is a little beside the first
-/// passes for a second.
-const WITH_SECOND: f64 = 0.01;
-
 /// Probabilities after all reservations.
 pub(super) struct Weighing {
     masses: Vec<(Hypothesis, f64)>,
@@ -42,6 +35,7 @@ impl Weighing {
         weighing.check(problem, ranking);
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
+        weighing.reserve(problem.calibration.surest);
         for (most, why) in &problem.observation.scarce {
             weighing.keep(*most);
             weighing.reasons.push((*why).to_owned());
@@ -65,14 +59,17 @@ impl Weighing {
         let best = others.next().map(|ranked| &ranked.hypothesis);
         let unknown = self.mass(|h| *h == Hypothesis::Unknown);
         let is_good = trust.is_gap() && best.is_some_and(|best| trust.kept(best) == 1.0);
-        let of_unknown = if is_good { DOUBT * unknown } else { unknown };
+        let of_unknown = match is_good {
+            true => problem.calibration.doubt * unknown,
+            false => unknown,
+        };
         for ((hypothesis, mass), ranked) in self.masses.iter_mut().zip(&ranking.ranked) {
             *mass = match hypothesis {
                 Hypothesis::Unknown => of_unknown,
                 _ => (1.0 - of_unknown) * libm::exp(ranked.log_probability - all),
             };
         }
-        self.without_seconds(&trust);
+        self.without_seconds(&trust, problem.calibration.with_second);
         let mut lost = 0.0;
         for (hypothesis, mass) in &mut self.masses {
             let kept = trust.kept(hypothesis);
@@ -101,10 +98,10 @@ impl Weighing {
 
     /// Of a pair that barely passes its check, leaves the effect that explains the gap alone, the better of these,
     /// best first: where the form of the first is off, a second that is not there always helps.
-    fn without_seconds(&mut self, trust: &Trust) {
+    fn without_seconds(&mut self, trust: &Trust, least: f64) {
         for place in 0..self.masses.len() {
             let (pair, mass) = self.masses[place].clone();
-            if pair.effects().len() < 2 || trust.p(&pair) >= WITH_SECOND {
+            if pair.effects().len() < 2 || trust.p(&pair) >= least {
                 continue;
             }
             let alone = |(other, _): &(Hypothesis, f64)| match other.effects() {
@@ -139,6 +136,17 @@ impl Weighing {
         if refit != forest {
             self.reasons
                 .push("refit and forest disagree on what is likeliest".to_owned());
+        }
+    }
+
+    /// Leaves at most this probability to causes, the unknown among them: what is like a cause and in no library, or
+    /// what an emulator has wrong of a loud one, is in no score.
+    fn reserve(&mut self, most: f64) {
+        for (hypothesis, mass) in &mut self.masses {
+            if !matches!(hypothesis, Hypothesis::None | Hypothesis::Parameter) {
+                self.undecided += (1.0 - most) * *mass;
+                *mass *= most;
+            }
         }
     }
 
@@ -180,6 +188,18 @@ impl Weighing {
         if unknown >= confident {
             return (Answer::Unknown, Vec::new());
         }
+        let effects = self.effects(problem, projected);
+        let answer = match effects.len() {
+            0 => Answer::Undecided,
+            1 => Answer::Effect,
+            _ => Answer::Effects,
+        };
+        (answer, effects)
+    }
+
+    /// The pair, or else the effect, that is probable enough to be named.
+    fn effects(&self, problem: Problem, projected: &Projected) -> Vec<usize> {
+        let confident = problem.calibration.confident;
         let alike = |a: usize, b: usize| a == b || equivalent(problem, projected, a, b);
         let same = |a: &[usize], b: &[usize]| match (a, b) {
             (&[a], &[b]) => alike(a, b),
@@ -203,7 +223,7 @@ impl Weighing {
         if let Some((pair, mass, _)) = likeliest(&pairs, &of_pair)
             && mass >= confident
         {
-            return (Answer::Effects, pair);
+            return pair;
         }
         let singles = |h: &Hypothesis| h.effects().len() == 1;
         let of_single =
@@ -211,9 +231,9 @@ impl Weighing {
         if let Some((one, mass, _)) = likeliest(&singles, &of_single)
             && mass >= confident
         {
-            return (Answer::Effect, one);
+            return one;
         }
-        (Answer::Undecided, Vec::new())
+        Vec::new()
     }
 
     pub fn told(&self, problem: Problem) -> BTreeMap<String, f64> {

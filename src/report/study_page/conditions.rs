@@ -8,31 +8,46 @@ use crate::study::conditions::{Condition, Mean, QUANTITIES};
 /// Conditions shown; a page is no place for more.
 const SHOWN: usize = 400;
 
-/// From where to where the pull goes.
+/// From where to where the pull goes, scenario by scenario.
 pub fn answer(conditions: &[Condition]) -> String {
-    let pulls = conditions.iter().filter_map(|condition| {
-        let mean = condition.means[0]?;
-        Some((mean, place(condition)))
-    });
-    let mut pulls: Vec<(Mean, String)> = pulls.collect();
-    pulls.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
-    match pulls.as_slice() {
-        [] => "No run recorded a drawbar pull.".to_owned(),
-        [(one, place)] => format!("The wheel pulls {} N in {place}.", written(one)),
-        [(least, low), .., (most, high)] => format!(
-            "Drawbar pull goes from {} N ({low}) to {} N ({high}).",
-            written(least),
-            written(most)
-        ),
+    let mut pulls = Vec::<(&str, Vec<(Mean, &Condition)>)>::new();
+    for condition in conditions {
+        let Some(mean) = condition.means[0] else {
+            continue;
+        };
+        let own = (mean, condition);
+        match pulls
+            .iter_mut()
+            .find(|(name, _)| *name == condition.scenario)
+        {
+            Some((_, pulls)) => pulls.push(own),
+            None => pulls.push((&condition.scenario, vec![own])),
+        }
     }
+    if pulls.is_empty() {
+        return "No run recorded a drawbar pull.".to_owned();
+    }
+    let told: Vec<String> = pulls.into_iter().map(of_scenario).collect();
+    format!("Drawbar pull: {}.", told.join("; "))
 }
 
-fn place(condition: &Condition) -> String {
-    let values = condition.values.iter().map(|v| value_cell(v).written());
-    let all: Vec<String> = std::iter::once(condition.scenario.clone())
-        .chain(values)
-        .collect();
-    all.join(", ")
+/// The range of the pull in one scenario.
+fn of_scenario((scenario, mut pulls): (&str, Vec<(Mean, &Condition)>)) -> String {
+    pulls.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
+    let at = |(mean, condition): &(Mean, &Condition)| {
+        let values = condition.values.iter().map(|v| value_cell(v).written());
+        match values.collect::<Vec<_>>() {
+            none if none.is_empty() => format!("{} N", written(mean)),
+            values => format!("{} N at {}", written(mean), values.join(", ")),
+        }
+    };
+    match &pulls[..] {
+        [least, .., most] if written(&least.0) == written(&most.0) => {
+            format!("{scenario} {} N throughout", written(&least.0))
+        }
+        [least, .., most] => format!("{scenario} {} to {}", at(least), at(most)),
+        one => format!("{scenario} {}", one.iter().map(at).collect::<String>()),
+    }
 }
 
 fn written(mean: &Mean) -> String {

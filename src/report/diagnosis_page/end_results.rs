@@ -1,0 +1,130 @@
+//! What the gap does to forces, features, class and terrain.
+
+use super::ToldDiagnosis;
+use super::units::shown;
+use super::words;
+use crate::diagnosis::{EndResults, Step};
+use crate::gap::stages::{Stage, Stages};
+use crate::report::page::{Cell, Column, Section, Table};
+
+/// Errors of end results by step, and which part of the measurements brings them.
+pub fn section(told: &ToldDiagnosis) -> Option<Section> {
+    let steps = &told.diagnosis.end_results;
+    let shipped = steps.first()?;
+    let rows = rows(shipped, steps);
+    if rows.is_empty() {
+        return None;
+    }
+    let mut columns = Column::named(["result", "unit"]);
+    columns.extend(steps.iter().map(|it| Column::new(step(it.step), "")));
+    let section = Section::new("What does the gap do to forces, class and terrain?")
+        .prose(
+            "Who simulates wants forces, the class of the contact or the soil's parameters, not statistics. These \
+             are the errors of such results, parameters and magnitudes fitted to all conditions: root mean square \
+             errors of steady means, distance of the features' logarithms, share of windows told otherwise, and \
+             distance of the terrain identified from both sides, in units of what would say nothing useful.",
+        )
+        .table(Table {
+            caption: "Errors of end results, means over conditions".to_owned(),
+            columns,
+            rows,
+        });
+    let shares = shares(told);
+    Some(match shares.is_empty() {
+        true => section,
+        false => section
+            .prose(
+                "Each part of the simulated input is swapped for the measured one, in every combination: a share is \
+                 what that adds to the distance, averaged over all orders (Shapley 1953). Shares add up to one; one \
+                 below zero brings the result back.",
+            )
+            .table(Table {
+                caption: "Which measured part brings the error into features, class and terrain".to_owned(),
+                columns: Column::named(["result", "simulator", "measured part", "share of its error"]),
+                rows: shares,
+            }),
+    })
+}
+
+fn rows(shipped: &EndResults, steps: &[EndResults]) -> Vec<Vec<Cell>> {
+    let row = |name: String, unit: &str, of: &dyn Fn(&EndResults) -> Option<f64>| {
+        let values = steps.iter().map(|step| match of(step) {
+            Some(value) => Cell::Number(value),
+            None => Cell::Missing,
+        });
+        let named = [Cell::text(name), Cell::text(unit)];
+        named.into_iter().chain(values).collect::<Vec<Cell>>()
+    };
+    let means = shipped.means.iter().map(|mean| {
+        let (unit, factor) = shown(mean.unit);
+        row(
+            format!("error of {}", words::channel(mean.channel)),
+            unit,
+            &|step| {
+                let own = step.means.iter().find(|it| it.channel == mean.channel);
+                own.map(|it| factor * it.error)
+            },
+        )
+    });
+    let mut rows: Vec<Vec<Cell>> = means.collect();
+    if shipped.features.is_some() {
+        rows.push(row("distance of features".to_owned(), "decades", &|step| {
+            step.features
+        }));
+    }
+    if shipped.class.is_some() {
+        rows.push(row("windows told otherwise".to_owned(), "%", &|step| {
+            step.class.map(|share| 100.0 * share)
+        }));
+    }
+    if shipped.terrain.is_some() {
+        rows.push(row("distance of the terrain".to_owned(), "-", &|step| {
+            step.terrain.as_ref().map(|terrain| terrain.distance)
+        }));
+    }
+    rows
+}
+
+fn shares(told: &ToldDiagnosis) -> Vec<Vec<Cell>> {
+    let vibration = told.traces.map_or_else(Vec::new, |traces| traces.stages());
+    let of_vibration = vibration.iter().flat_map(|(step, stages)| {
+        let features = ("features", *step, &stages.features);
+        [features, ("class", *step, &stages.class)]
+    });
+    let terrain = told.diagnosis.end_results.iter();
+    let of_terrain = terrain.filter_map(|it| Some(("terrain", it.step, it.terrain.as_ref()?)));
+    of_vibration.chain(of_terrain).flat_map(of_stages).collect()
+}
+
+fn of_stages((result, of, stages): (&str, Step, &Stages)) -> Vec<Vec<Cell>> {
+    let shares = stages.shares.iter().filter_map(|it| {
+        Some(vec![
+            Cell::text(result),
+            Cell::text(step(of)),
+            Cell::text(part(it.stage)),
+            Cell::Number(it.share?),
+        ])
+    });
+    shares.collect()
+}
+
+fn step(step: Step) -> &'static str {
+    match step {
+        Step::AsShipped => "as shipped",
+        Step::Recalibrated => "recalibrated",
+        Step::WithEffect => "with effect",
+    }
+}
+
+fn part(stage: Stage) -> &'static str {
+    match stage {
+        Stage::AboveBand => "acceleration above the features' band",
+        Stage::InBand => "acceleration within the features' band",
+        Stage::Rotation => "rotation of the wheel",
+        Stage::Slip => "slip",
+        Stage::Sinkage => "sinkage",
+        Stage::DrawbarPull => "drawbar pull",
+        Stage::Load => "load",
+        Stage::DrivingTorque => "driving torque",
+    }
+}
