@@ -113,7 +113,11 @@ impl Emulated {
                 .filter(|level| !level.changes.is_empty())
                 .map(|level| {
                     let at = library.candidates[number].strength(level.magnitude);
-                    Knot::new(at, change(&level.changes))
+                    let streams = match library.candidates[number].of_sensors {
+                        true => level.changes.len() as f64,
+                        false => 0.0,
+                    };
+                    Knot::new(at, change(&level.changes), streams)
                 })
                 .collect()
         };
@@ -169,6 +173,13 @@ impl Emulated {
         }
     }
 
+    /// Adds the variance that the change by effects itself has in the mean of so many runs.
+    pub fn add_scatter(&self, effects: &[(usize, f64)], runs: usize, sums: &mut [f64]) {
+        for &(effect, strength) in effects {
+            self.shapes[effect].add_scatter(strength, runs, sums);
+        }
+    }
+
     /// Adds that part of the parameters' change which is not straight.
     pub fn add_bends(&self, offsets: &[f64], sums: &mut [f64]) {
         for (bend, offset) in self.bend.iter().zip(offsets) {
@@ -207,7 +218,7 @@ impl Emulated {
         }
     }
 
-    /// The change by an effect of this strength, from runs with it and without, a pair a stream, wherever
+    /// The change by an effect of the sensors of this strength, from runs with it and without, a pair a stream, wherever
     /// their parameters are; [freed] of noise.
     pub fn knot(&self, at: f64, runs: &[Beside]) -> Knot {
         let changes = runs.iter().map(|run| {
@@ -215,7 +226,8 @@ impl Emulated {
             super::product::add(&mut change, -1.0, &self.departure(&run.without));
             change
         });
-        Knot::new(at, freed(&changes.collect::<Vec<_>>(), &self.parts))
+        let changes: Vec<Vec<f64>> = changes.collect();
+        Knot::new(at, freed(&changes, &self.parts), changes.len() as f64)
     }
 
     /// A run's departure from the replicates' mean, whitened.

@@ -287,7 +287,9 @@ fn departures(problem: Problem, point: &Point) -> Vec<Vec<f64>> {
 fn left(problem: Problem, best: &Point) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for ((emulated, observed), departure) in problem.conditions().zip(departures(problem, best)) {
-        let precision = emulated.scatter.precision(&observed.variance);
+        let mut variance = observed.variance.clone();
+        emulated.add_scatter(&best.effects, observed.runs.len(), &mut variance);
+        let precision = emulated.scatter.precision(&variance);
         let numbers = emulated.scatter.independent();
         let square = product(&departure, &scaled(&departure, &precision));
         sum += square - observed.scattered.max(numbers);

@@ -23,12 +23,16 @@ pub(super) struct Knot {
     pub slope: Vec<f64>,
     /// Variance of each change.
     pub error: Vec<f64>,
+    /// How many runs of it have as much variance as one [-]: as many as were simulated where the motion is the same,
+    /// and noise that an effect adds is its own in each; none where both sides have all of the scatter.
+    pub streams: f64,
 }
 
 impl Knot {
     /// Its slope follows from its neighbours.
-    pub fn new(at: f64, (value, error): (Vec<f64>, Vec<f64>)) -> Self {
+    pub fn new(at: f64, (value, error): (Vec<f64>, Vec<f64>), streams: f64) -> Self {
         Self {
+            streams,
             slope: vec![0.0; value.len()],
             at,
             value,
@@ -48,6 +52,7 @@ impl Shape {
                 value: vec![0.0; length],
                 slope: vec![0.0; length],
                 error: vec![0.0; length],
+                streams: 0.0,
             });
             for sign in [-1.0, 1.0] {
                 mirror(&mut knots, sign);
@@ -98,6 +103,15 @@ impl Shape {
 
     /// Adds the variance of the change at strength `x` to `sums`.
     pub fn add_error(&self, x: f64, sums: &mut [f64]) {
+        self.add_variance(x, |_| 1.0, sums);
+    }
+
+    /// Adds the variance that the change itself has in the mean of so many runs.
+    pub fn add_scatter(&self, x: f64, runs: usize, sums: &mut [f64]) {
+        self.add_variance(x, |knot| knot.streams / runs as f64, sums);
+    }
+
+    fn add_variance(&self, x: f64, factor: impl Fn(&Knot) -> f64, sums: &mut [f64]) {
         let Some((a, b, t)) = self.interval(x) else {
             return;
         };
@@ -108,7 +122,8 @@ impl Shape {
             t => [1.0 - t, t],
         };
         for (place, sum) in sums.iter_mut().enumerate() {
-            *sum += of_a * of_a * a.error[place] + of_b * of_b * b.error[place];
+            *sum += of_a * of_a * factor(a) * a.error[place];
+            *sum += of_b * of_b * factor(b) * b.error[place];
         }
     }
 
@@ -135,6 +150,7 @@ fn mirror(knots: &mut Vec<Knot>, sign: f64) {
             value: knot.value.iter().map(|value| -value).collect(),
             slope: knot.slope.clone(),
             error: knot.error.clone(),
+            streams: knot.streams,
         })
         .collect();
     knots.extend(turned);
@@ -178,6 +194,7 @@ mod tests {
             value: vec![value],
             slope: vec![0.0],
             error: vec![0.01],
+            streams: 4.0,
         }
     }
 

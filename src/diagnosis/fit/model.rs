@@ -14,7 +14,7 @@ pub(super) struct Spread {
     pub common: Vec<f64>,
     /// As loud as they are.
     pub own: Vec<f64>,
-    /// What effects add to both by their error of form.
+    /// What effects add to both by their error of form, and by what they scatter themselves.
     pub form: Vec<f64>,
 }
 
@@ -95,10 +95,9 @@ impl<'a> Model<'a> {
             add(&mut variance, 1.0, &self.defect.error);
             variance
         };
-        let (common, form) = (
-            variance(1.0),
-            form::scattered(emulated, &self.point.effects, likeness),
-        );
+        let mut form = form::scattered(emulated, &self.point.effects, likeness);
+        emulated.add_scatter(&self.point.effects, observed.runs.len(), &mut form);
+        let common = variance(1.0);
         let loudness = emulated
             .scatter
             .loudness_of(&scores(departure, sum(&common, &form)));

@@ -42,6 +42,11 @@ impl<'a> Trust<'a> {
             && self.score(hypothesis) > self.score(&Hypothesis::Unknown)
     }
 
+    /// Whether it passes its check with room to spare.
+    pub fn is_roomy(&self, hypothesis: &Hypothesis) -> bool {
+        self.p(hypothesis) >= self.calibration.with_second
+    }
+
     /// Whether an explanation has the catalogue's law, or one as like it as equivalent effects are.
     pub fn has_law(&self, hypothesis: &Hypothesis) -> bool {
         let fit = self.ranking.fit(hypothesis);

@@ -58,7 +58,9 @@ impl Weighing {
         let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
         let best = others.next().map(|ranked| &ranked.hypothesis);
         let unknown = self.mass(|h| *h == Hypothesis::Unknown);
-        let is_good = trust.is_gap() && best.is_some_and(|best| trust.kept(best) == 1.0);
+        let is_good =
+            |best: &Hypothesis| trust.kept(best) == 1.0 && (trust.is_gap() || trust.is_roomy(best));
+        let is_good = best.is_some_and(is_good);
         let of_unknown = match is_good {
             true => problem.calibration.doubt * unknown,
             false => unknown,
