@@ -6,6 +6,7 @@
 //! - [`feature_values()`], [`feature_planes()`]: windows by their vibration features.
 //! - [`traverse_figure()`]: a run and the class of each of its windows.
 //! - [`confusion_figure()`]: answers counted against truth.
+//! - [`sweep_figure()`]: right answers at every value of a swept key.
 //! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
 //! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
@@ -45,6 +46,7 @@ mod probability_bars;
 mod side_by_side;
 pub mod spectrum;
 pub mod study_page;
+mod sweep_figure;
 mod threshold_figure;
 mod trace_figure;
 mod traverse_figure;
@@ -69,6 +71,7 @@ pub use power_figure::power_figure;
 pub use probability_bars::probability_bars;
 pub use side_by_side::side_by_side;
 pub use study_page::{ToldStudy, study_page};
+pub use sweep_figure::sweep_figure;
 pub use threshold_figure::threshold_figure;
 pub use trace_figure::trace_figure;
 pub use traverse_figure::traverse_figure;

@@ -164,7 +164,7 @@ fn provenance(told: &ToldStudy) -> Provenance {
 }
 
 /// The value of a key: sorted by its size where it is a number, and not longer than it need be.
-fn value_cell(value: &str) -> Cell {
+pub(super) fn value_cell(value: &str) -> Cell {
     match value.parse::<f64>() {
         Ok(number) if value.len() > 7 => Cell::Number(number),
         Ok(number) => Cell::Written(value.replace('-', "−"), number),

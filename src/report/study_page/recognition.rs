@@ -3,7 +3,9 @@
 use super::value_cell;
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
-use crate::report::{FeaturePoint, Group, confusion_figure, feature_planes, feature_values};
+use crate::report::{
+    FeaturePoint, Group, confusion_figure, feature_planes, feature_values, sweep_figure,
+};
 use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
 
@@ -163,12 +165,41 @@ fn map(score: &RecognitionScore) -> Section {
         cells
     };
     let names = methods.iter().map(|score| score.method.as_str());
-    Section::new("Where is it recognised?").table(Table {
+    let section = Section::new("Where is it recognised?").table(Table {
         caption: "Right answers by scenario and by swept key, the ground's class taken for true"
             .to_owned(),
         columns: Column::named(["by", "value", "windows"].into_iter().chain(names)),
         rows: rows.iter().enumerate().map(row).collect(),
-    })
+    });
+    swept(&methods).into_iter().fold(section, Section::figure)
+}
+
+/// A figure for every key swept over two values or more.
+fn swept(methods: &[&MethodScore]) -> Vec<Figure> {
+    let mut keys: Vec<&str> = Vec::new();
+    let parts = methods.first().map_or(&[][..], |first| &first.map);
+    for part in parts.iter().filter(|part| part.by != "scenario") {
+        if !keys.contains(&part.by.as_str()) {
+            keys.push(&part.by);
+        }
+    }
+    let of_key =
+        |score: &MethodScore, key: &str| score.map.iter().filter(|it| it.by == key).count();
+    keys.retain(|key| methods.first().is_some_and(|first| of_key(first, key) > 1));
+    let figure = |key: &&str| {
+        let parts = methods.iter().map(|score| {
+            let parts = score.map.iter().filter(|part| part.by == *key);
+            (score.method.as_str(), parts.collect())
+        });
+        let parts: Vec<(&str, Vec<&Part>)> = parts.collect();
+        Figure::new(
+            sweep_figure(key, &parts),
+            format!(
+                "Right answers at every value of {key}, the ground's class taken for true, with 95 % intervals."
+            ),
+        )
+    };
+    keys.iter().map(figure).collect()
 }
 
 fn features(score: &RecognitionScore) -> Option<Section> {

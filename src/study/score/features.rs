@@ -97,21 +97,27 @@ impl Window {
     }
 }
 
+/// The value that a `share` of the sorted ones lie below, straight between neighbours; the median is the mean
+/// of the two in the middle. NaN without values.
+fn percentile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * sorted.len().saturating_sub(1) as f64;
+    let [below, above] = [place.floor(), place.ceil()].map(|it| sorted.get(it as usize));
+    match (below, above) {
+        (Some(below), Some(above)) => below + place.fract() * (above - below),
+        _ => f64::NAN,
+    }
+}
+
 fn spread(windows: &[Window], feature: usize) -> FeatureSpread {
     let mut sorted: Vec<f64> = windows.iter().map(|window| window.p[feature]).collect();
     sorted.sort_by(f64::total_cmp);
-    let percentile = |share: f64| {
-        let last = sorted.len().saturating_sub(1) as f64;
-        let place = (share * last).round() as usize;
-        sorted.get(place).copied().unwrap_or(f64::NAN)
-    };
     let points: Vec<[f64; 2]> = windows
         .iter()
         .filter_map(|window| Some([window.log_speed?, window.p[feature]]))
         .filter(|point| point[1].is_finite())
         .collect();
     FeatureSpread {
-        percentiles: [0.1, 0.5, 0.9].map(percentile),
+        percentiles: [0.1, 0.5, 0.9].map(|share| percentile(&sorted, share)),
         within: windows
             .iter()
             .filter(|window| window.within[feature])
@@ -219,6 +225,14 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, scenarios: &[FeaturesOfScenario]
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_lies_between_the_two_in_the_middle() {
+        let medians = [&[1.0, 2.0, 6.0][..], &[1.0, 2.0, 6.0, 7.0]].map(|it| percentile(it, 0.5));
+        assert_eq!(medians, [2.0, 4.0]);
+        assert_eq!(percentile(&[0.0, 10.0], 0.9), 9.0);
+        assert!(percentile(&[], 0.5).is_nan());
+    }
 
     #[test]
     fn a_feature_that_follows_speed_has_its_power_as_slope_and_one_that_does_not_has_none() {
