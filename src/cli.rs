@@ -100,3 +100,12 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Challenge(command) => command.run(output),
     }
 }
+
+/// A number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "give a number".to_owned())?;
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err("it has to be above 0".to_owned())
+}

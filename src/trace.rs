@@ -51,6 +51,13 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Whether run files keep it in single precision: six digits are enough for what a rig measures but the
+    /// wheel's angle, which grows from turn to turn.
+    pub fn is_single_precision(&self) -> bool {
+        let name = self.name.trim_end_matches("_raw");
+        unit_of(name).is_some() && name != "wheel_angle"
+    }
+
     /// Time [s] of sample `index`.
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 / self.sample_rate
@@ -220,6 +227,18 @@ impl Trace {
     pub fn duration(&self) -> f64 {
         let durations = self.channels.iter().map(Channel::duration);
         durations.fold(0.0, f64::max)
+    }
+
+    /// With the digits that a run file keeps: what stands still in one that was written must not creep in
+    /// one that was not.
+    pub fn as_kept(mut self) -> Self {
+        let channels = self.channels.iter_mut();
+        for channel in channels.filter(|channel| channel.is_single_precision()) {
+            for sample in &mut channel.samples {
+                *sample = f64::from(*sample as f32);
+            }
+        }
+        self
     }
 
     /// Without all that no rig knows of a run: truth, class, steps of a simulation, and remarks, which

@@ -244,6 +244,9 @@ fn forces_keep_six_digits_wheel_angle_and_unknown_channels_all_gaps_stay_gaps() 
         force[0]
     );
     assert!(force[1].is_nan());
+    let first =
+        |trace: &Trace| -> Vec<f64> { trace.channels.iter().map(|it| it.samples[0]).collect() };
+    assert_eq!(first(&trace.as_kept()), first(&read));
 }
 
 #[test]

@@ -60,10 +60,10 @@ pub struct Diagnose {
     #[arg(long, value_name = "DIR", default_value = "output/bank")]
     pub(super) bank: PathBuf,
     /// Driving that may be simulated [s]: more replicates, surer answers
-    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET)]
+    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, value_parser = super::positive)]
     pub(super) budget: f64,
     /// Longest part of a measured run that is compared [s]
-    #[arg(long, value_name = "SECONDS", default_value_t = LONGEST)]
+    #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, value_parser = super::positive)]
     pub(super) longest: f64,
     /// Seed of the simulations; the same seed gives the same answer
     #[arg(long, default_value_t = 1, value_name = "N")]

@@ -500,13 +500,15 @@ impl Traces {
             Self::Once => {
                 work.motions.fetch_add(1, Ordering::Relaxed);
                 let go_on = &mut |_| work.report();
-                Ok(scenario.run(work.bank.seed, work.bank.run(request), go_on)?)
+                let run = scenario.run(work.bank.seed, work.bank.run(request), go_on)?;
+                Ok(run.as_kept())
             }
             Self::Recorded(recording) => {
                 let recording = recording.as_ref().as_ref();
                 let recording = recording.map_err(|failure| NoRun::Failed(failure.clone()))?;
                 let measured = recording.measure(&experiment.sensors);
-                measured.map_err(|error| NoRun::Failed(failed(&error)))
+                let measured = measured.map_err(|error| NoRun::Failed(failed(&error)))?;
+                Ok(measured.as_kept())
             }
         }
     }

@@ -204,6 +204,8 @@ pub enum Measure {
     Level,
     /// In decibels of a share of samples.
     Share,
+    /// As the logarithm of odds, of how many windows answer so.
+    Odds,
     /// Without unit.
     Number,
 }
@@ -211,12 +213,15 @@ pub enum Measure {
 impl Measure {
     /// Difference below which nothing is said, however still replicates are, for a value of this
     /// size: 1 % of it (other steps in time change means by as much), 0.1 dB, 1 dB of a share (a sample more or
-    /// less in a short record), 0.01.
+    /// less in a short record), 2 of log odds, 0.01. The odds are those of a window or two a run: one window that
+    /// answers otherwise changes them by 6, and that none of eighty replicates does still lets one in 160 (Jeffreys'
+    /// estimate), which is three deviations and no more.
     pub fn resolution(self, size: f64) -> f64 {
         match self {
             Self::Own => 0.01 * size,
             Self::Level => 0.1,
             Self::Share => 1.0,
+            Self::Odds => 2.0,
             Self::Number => 0.01,
         }
     }
@@ -249,8 +254,10 @@ impl Statistic {
             Held | Rails => Measure::Share,
             Deviation | Crest | Step | OrderLevel(_) | LugAverage | LugResidue | Band(_)
             | Line(_) | ApparentMass | Growth | Misfit => Measure::Level,
-            Skewness | Kurtosis | Correlation | Coherence | Feature(_) | ClassShare(_)
-            | Identified(_) => Measure::Number,
+            ClassShare(_) => Measure::Odds,
+            Skewness | Kurtosis | Correlation | Coherence | Feature(_) | Identified(_) => {
+                Measure::Number
+            }
         }
     }
 }
@@ -339,7 +346,7 @@ impl Cell {
         let own = unit_of(&self.channel).unwrap_or("");
         match (self.statistic.measure(), self.statistic) {
             (Measure::Level | Measure::Share, _) => "dB".to_owned(),
-            (Measure::Number, _) => "1".to_owned(),
+            (Measure::Odds | Measure::Number, _) => "1".to_owned(),
             (Measure::Own, Statistic::Lag) => "s".to_owned(),
             (Measure::Own, Statistic::PerLoad) => "1".to_owned(),
             (Measure::Own, Statistic::TurningSpeed) => "rad/s".to_owned(),
@@ -364,6 +371,14 @@ impl Serialize for Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_window_that_answers_otherwise_is_three_deviations_where_no_replicate_does() {
+        let logit = |share: f64| libm::log((share + 0.05) / (1.05 - share));
+        let measure = Statistic::ClassShare(Wtic::Alct).measure();
+        let deviations = (logit(1.0) - logit(0.0)) / measure.resolution(1.0);
+        assert!((2.5..3.5).contains(&deviations), "{deviations}");
+    }
 
     #[test]
     fn a_cell_reads_channel_domain_statistic_and_knows_its_unit() {

@@ -161,7 +161,8 @@ fn entry(
     let margin = match cell.statistic.measure() {
         Measure::Own => margins.relative * table.sizes[place],
         Measure::Level | Measure::Share => margins.level,
-        Measure::Number => margins.number,
+        // Two windows that answer the same are equal; no share between is that near.
+        Measure::Odds | Measure::Number => margins.number,
     };
     let within = tail.beyond((margin - value.abs()) / error, freedom) < LEVEL;
     Entry {

@@ -6,7 +6,7 @@ use super::{
     Word,
 };
 use crate::dataset::Provenance;
-use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth, unit_of};
+use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth};
 use crate::whole_file::WholeFile;
 use ::hdf5::file::LibraryVersion;
 use ::hdf5::filters::deflate_available;
@@ -272,7 +272,7 @@ fn write_channel(channels: &Group, channel: &Channel) -> Result<()> {
     } = channel;
     // A chunk that is lost reads as a gap.
     let table = table(channels, samples.len()).fill_value(f64::NAN);
-    let dataset = if in_single_precision(name) {
+    let dataset = if channel.is_single_precision() {
         let samples: Vec<f32> = samples.iter().map(|&sample| sample as f32).collect();
         table
             .fill_value(f32::NAN)
@@ -284,12 +284,6 @@ fn write_channel(channels: &Group, channel: &Channel) -> Result<()> {
     set_text(&dataset, "unit", unit)?;
     set(&dataset, "sample_rate_hz", *sample_rate)?;
     set(&dataset, "start_s", *start)
-}
-
-/// Whether six digits are enough for this channel.
-fn in_single_precision(name: &str) -> bool {
-    let name = name.trim_end_matches("_raw");
-    unit_of(name).is_some() && name != "wheel_angle"
 }
 
 fn write_mean(means: &Group, mean: &Mean) -> Result<()> {
