@@ -32,7 +32,7 @@ fn short() -> Scenario {
 /// What a rig would have written of run `run`.
 fn measured(scenario: &Scenario, run: u64) -> Trace {
     let go_on = &mut |_| ControlFlow::Continue(());
-    let mut trace = scenario.run(SEED, run, go_on).unwrap();
+    let mut trace = scenario.run(SEED, run, go_on).unwrap().as_kept();
     trace.truth = None;
     trace.attributes.physics_rate = None;
     trace

@@ -47,7 +47,10 @@ fn measured(edits: &[&str]) -> Vec<Trace> {
             ])
             .unwrap();
         let go_on = &mut |_| ControlFlow::Continue(());
-        let mut trace = scenario.run(Seed(77), number as u64, go_on).unwrap();
+        let mut trace = scenario
+            .run(Seed(77), number as u64, go_on)
+            .unwrap()
+            .as_kept();
         trace.truth = None;
         trace.attributes.physics_rate = None;
         trace
