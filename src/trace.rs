@@ -169,7 +169,7 @@ pub struct RunAttributes {
     pub lug_count: u32,
     /// Lug height [m].
     pub lug_height: f64,
-    /// Commanded load [N].
+    /// Commanded load [N]; 0 where the wheel is held off the ground.
     pub load: f64,
     /// Commanded forward speed [m/s].
     pub speed: f64,
@@ -187,6 +187,13 @@ pub struct RunAttributes {
     pub notes: String,
     /// Steps per second of the simulation [Hz]; `None` on a measured run.
     pub physics_rate: Option<f64>,
+}
+
+impl RunAttributes {
+    /// Whether the wheel is held off the ground.
+    pub fn is_lifted(&self) -> bool {
+        self.load == 0.0
+    }
 }
 
 /// One run, simulated or measured.

@@ -459,6 +459,28 @@ fn a_wheel_that_spins_in_place_is_commanded_by_its_measured_angle() {
 }
 
 #[test]
+fn a_run_under_no_load_is_repeated_with_the_wheel_lifted_as_high_as_it_was() {
+    let lifted = |clearance: f64| {
+        let edits = [
+            "lead_in=0.5".to_owned(),
+            format!("rig.single_wheel.lifted={clearance}"),
+        ];
+        measured(&short().with_all(&edits).unwrap(), 3)
+    };
+    for (clearance, repeated) in [(0.02, 0.02), (0.0205, 0.02), (0.05, 0.05)] {
+        let run = lifted(clearance);
+        assert_eq!(run.attributes.load, 0.0);
+        let case = one_case(&short(), run);
+        assert!(case.is_lifted());
+        let own = case.scenario.rig.clearance();
+        assert!((own - repeated).abs() < 0.0015, "{own} for {clearance}");
+        assert_eq!(case.condition.as_str(), "ST, slip 0.1, lifted, 30 mm/s");
+    }
+    let other = one_case(&short(), measured(&short(), 3));
+    assert_eq!(other.scenario.rig.clearance(), 0.0);
+}
+
+#[test]
 fn what_the_scenario_cannot_repeat_is_left_out_and_says_why() {
     let rover = scenario("rover_ht");
     let mut light = rig_run(2000, 2000.0);

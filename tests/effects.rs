@@ -179,7 +179,7 @@ fn cogging_ripples_the_wheel_speed_at_order_200_by_a_part_of_it_or_by_a_fixed_sp
         };
         // 3 %: the waves are even in angle, and sampled in time, 50 steps or more a period.
         near(ripple(Form::Own), 0.02 * speed / 0.14, 0.03);
-        near(ripple(Form::Other), 0.02 * 0.1, 0.03);
+        near(ripple(Form::Other), 0.02 * 0.4, 0.03);
     }
 }
 
@@ -575,10 +575,10 @@ fn a_wrong_encoder_reads_what_was_commanded_while_the_camera_sees_the_slip() {
         angles[3999] - angles[0]
     };
     let slip = |trace: &Trace| mean(samples(trace, "slip_ratio").iter().copied());
-    // Counts lost in proportion to speed: 0.05 at 0.1 rad/s.
+    // Counts lost in proportion to speed: 0.05 at 0.4 rad/s.
     let drive = *scenario.experiment().unwrap().rig.drive();
     let radius = scenario.wheel.radius;
-    let share = drive.full_wheel_speed(radius).unwrap() / 0.1;
+    let share = drive.full_wheel_speed(radius).unwrap() / 0.4;
     let effects = [
         ("encoder_scale=0.05", Form::Own, 1.05),
         ("encoder_scale=0.05", Form::Other, 1.0 + 0.05 * share),

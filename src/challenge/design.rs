@@ -56,9 +56,28 @@ struct DesignTable {
     keys: Vec<String>,
     conditions: Vec<Vec<f64>>,
     repeats: u32,
+    lifted: Lifted,
     set: BTreeMap<String, f64>,
     variability: Variability,
     parameter: Vec<Parameter>,
+}
+
+/// Runs with the wheel held off the ground, one at each speed.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Lifted {
+    clearance: f64,
+    slip: f64,
+    forward_speeds: Vec<f64>,
+}
+
+/// Runs made alike.
+#[derive(Debug)]
+pub(super) struct Condition {
+    /// What they set.
+    pub set: Vec<String>,
+    /// How many there are.
+    pub repeats: u32,
 }
 
 /// What doubles the terrain's variability.
@@ -97,10 +116,8 @@ pub(super) struct Design {
     pub(super) scenario: Scenario,
     /// Steps per second of the campaigns, other than the scenario's.
     pub(super) physics_rate: SampleRate,
-    /// What every run of a condition sets.
-    pub(super) conditions: Vec<Vec<String>>,
-    /// Runs of each condition.
-    pub(super) repeats: u32,
+    /// On the ground, then off it.
+    pub(super) conditions: Vec<Condition>,
     variability: Variability,
     parameters: Vec<Parameter>,
 }
@@ -118,7 +135,20 @@ impl Design {
 
     /// Number of runs of a campaign.
     pub(super) fn runs(&self) -> usize {
-        self.conditions.len() * self.repeats as usize
+        let repeats = self.conditions.iter().map(|it| it.repeats as usize);
+        repeats.sum()
+    }
+
+    /// Conditions in the order in which they are run, each with the number of the repeat.
+    pub(super) fn order(&self) -> impl Iterator<Item = (u32, &Condition)> {
+        let most = self.conditions.iter().map(|it| it.repeats).max();
+        (1..=most.unwrap_or(0)).flat_map(|repeat| {
+            let run = self
+                .conditions
+                .iter()
+                .filter(move |it| it.repeats >= repeat);
+            run.map(move |condition| (repeat, condition))
+        })
     }
 
     /// What changes where a rig is of this kind.
@@ -200,16 +230,29 @@ impl Committed {
             .map(|(key, value)| assignment(key, *value))
             .collect();
         let scenario = Scenario::from_toml(self.scenario, self.ground)?.with_all(&assigned)?;
-        let conditions = table.conditions.iter().map(|row| {
+        let on_ground = table.conditions.iter().map(|row| {
             let set = table.keys.iter().zip(row);
-            set.map(|(key, value)| assignment(key, *value)).collect()
+            Condition {
+                set: set.map(|(key, value)| assignment(key, *value)).collect(),
+                repeats: table.repeats,
+            }
+        });
+        let rig = scenario.rig.path();
+        let of_rig = |key: &str, value: f64| assignment(&format!("{rig}.{key}"), value);
+        let speeds = table.lifted.forward_speeds.iter();
+        let lifted = speeds.map(|speed| Condition {
+            set: vec![
+                of_rig("lifted", table.lifted.clearance),
+                of_rig("slip", table.lifted.slip),
+                of_rig("forward_speed", *speed),
+            ],
+            repeats: 1,
         });
         Ok(Design {
             ground: self.ground,
             scenario,
             physics_rate: table.physics_rate,
-            conditions: conditions.collect(),
-            repeats: table.repeats,
+            conditions: on_ground.chain(lifted).collect(),
             variability: table.variability,
             parameters: table.parameter,
         })
@@ -240,7 +283,7 @@ mod tests {
             assert_eq!(design.scenario.driven(), 10.0);
             assert_ne!(design.physics_rate, design.scenario.physics_rate());
             for condition in &design.conditions {
-                design.scenario.with_all(condition).unwrap();
+                design.scenario.with_all(&condition.set).unwrap();
             }
         }
         assert!(Design::of("mud", None).is_none());
@@ -299,7 +342,7 @@ mod tests {
             .map(|it| assignment(&it.key, it.value))
             .collect();
         let scenario = design.scenario.with_all(&set).unwrap();
-        let scenario = scenario.with_all(&design.conditions[2]).unwrap();
+        let scenario = scenario.with_all(&design.conditions[2].set).unwrap();
         if design.ground != "gravel" {
             let go_on = &mut |_| ControlFlow::Continue(());
             scenario.run(Seed(1), 0, go_on).unwrap();

@@ -251,21 +251,19 @@ impl Work<'_> {
     fn traces(&self, truth: &Truth, design: &Design) -> Result<Vec<Trace>, NoRuns> {
         let scenario = altered(truth, design)?;
         let mut traces = Vec::new();
-        for repeat in 1..=design.repeats {
-            for condition in &design.conditions {
-                let number = traces.len() as u64;
-                let scenario = scenario.with_all(condition)?;
-                let mut before = 0.0;
-                let trace = scenario.run(truth.seed, number, &mut |time| {
-                    let step = time - before;
-                    before = time;
-                    self.report(step)
-                })?;
-                let _ = self.report(scenario.driven() - before);
-                let mut trace = trace.as_measured();
-                trace.attributes.repeat = repeat;
-                traces.push(trace);
-            }
+        for (repeat, condition) in design.order() {
+            let number = traces.len() as u64;
+            let scenario = scenario.with_all(&condition.set)?;
+            let mut before = 0.0;
+            let trace = scenario.run(truth.seed, number, &mut |time| {
+                let step = time - before;
+                before = time;
+                self.report(step)
+            })?;
+            let _ = self.report(scenario.driven() - before);
+            let mut trace = trace.as_measured();
+            trace.attributes.repeat = repeat;
+            traces.push(trace);
         }
         Ok(traces)
     }

@@ -201,6 +201,10 @@ impl Diagnose {
         investigation: &Investigation,
     ) -> anyhow::Result<(Diagnosis, Arms)> {
         let progress = Progress::of_runs(output, "simulating", 0);
+        // Before the time is spent: another ground or other lugs may be a wrong scenario.
+        for caveat in investigation.caveats() {
+            progress.warn(caveat);
+        }
         let hear = |now: bank::Progress| {
             progress.reach(now.motions, now.motions_total);
             match interrupt::is_requested() {

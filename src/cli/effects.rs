@@ -2,7 +2,7 @@
 
 use super::output::Output;
 use clap::Args;
-use lugwheel::effects::{Bound, Effect, Seat, Source, Stage, catalogue, find};
+use lugwheel::effects::{Bound, Effect, EffectError, Seat, Source, Stage, catalogue, find};
 use serde::Serialize;
 use std::fmt;
 
@@ -13,7 +13,7 @@ use std::fmt;
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Effects {
-    /// One effect
+    /// One effect, with a channel that it sits on or without
     name: Option<String>,
 }
 
@@ -30,10 +30,21 @@ impl Effects {
     /// Prints the catalogue, or one entry.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         match &self.name {
-            Some(name) => output.print(&Entry(find(name)?)),
+            Some(name) => output.print(&Entry(named(name)?)),
             None => output.print(&Catalogue(catalogue().collect())),
         }
     }
+}
+
+/// The effect of a name, with a channel that it can sit on or without.
+fn named(name: &str) -> Result<&'static Effect, EffectError> {
+    let (stem, channel) = match name.split_once('.') {
+        Some((stem, channel)) => (stem, Some(channel)),
+        None => (name, None),
+    };
+    let effect = find(stem)?;
+    effect.seat(channel)?;
+    Ok(effect)
 }
 
 /// All effects, a line each.

@@ -1,7 +1,8 @@
 //! Measured runs -> the scenario of each condition, and how to read both sides alike.
 //!
 //! Load, speed and slip of a [`Case`] are those told of the measured runs, its duration the measured one;
-//! wheel, ground, rig and sensors are the scenario's. What was not told is taken from the channels. So is the slip
+//! wheel, ground, rig and sensors are the scenario's. Under a load of 0 N the wheel was held off the ground: what
+//! shows there is the drive's or a sensor's. What was not told is taken from the channels. So is the slip
 //! of a run whose channel contradicts it: a label is easily wrong. But where most of the runs contradict theirs,
 //! the rig drives otherwise than it was told (a wrong encoder, a wrong radius): then the slips told
 //! are kept, and the contradiction is a gap to be explained. Rates and channels are those that were
@@ -196,6 +197,11 @@ impl Case {
     /// that were measured.
     pub fn imitate(&self, simulated: &Trace) -> Trace {
         self.layout.imitate(simulated)
+    }
+
+    /// Whether the wheel was held off the ground.
+    pub fn is_lifted(&self) -> bool {
+        self.attributes.is_lifted()
     }
 
     /// Whether a channel of this name was measured, as a series or as a mean.

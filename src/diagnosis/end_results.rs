@@ -140,9 +140,14 @@ fn classes_apart(side: &Sides) -> Option<f64> {
     Some(0.5 * differences?.iter().sum::<f64>())
 }
 
-/// The identified terrains, a row a condition.
+/// The identified terrains, a row a condition with the wheel on the ground.
 fn terrain(sides: &[Sides]) -> Option<Stages> {
-    let rows = |of: fn(&Sides) -> Option<SteadyLoad>| sides.iter().map(of).collect();
+    let on_ground = |side: &&Sides| {
+        let mut measured = side.measured.iter();
+        measured.all(|run| !run.attributes.is_lifted())
+    };
+    let sides: Vec<&Sides> = sides.iter().filter(on_ground).collect();
+    let rows = |of: fn(&Sides) -> Option<SteadyLoad>| sides.iter().map(|side| of(side)).collect();
     let measured: Option<Vec<SteadyLoad>> = rows(|side| row(&side.measured));
     let made: Option<Vec<SteadyLoad>> = rows(|side| row(&side.made));
     let first = sides.first()?.measured.first()?;

@@ -21,8 +21,8 @@ pub struct Further {
 }
 
 /// Runs that differ from a measured case in one thing: in reverse, at twice the load, at twice the
-/// speed and the same slip, under high slip, on the same wheel without lugs. Those that the rig
-/// cannot make are left out.
+/// speed and the same slip, under high slip, on the same wheel without lugs, with the wheel held off the
+/// ground. Those that the rig cannot make are left out; of a lifted wheel there are none.
 pub fn further_runs(case: &Case) -> Vec<Further> {
     let RunAttributes {
         load,
@@ -30,7 +30,11 @@ pub fn further_runs(case: &Case) -> Vec<Further> {
         slip_ratio,
         ..
     } = case.attributes;
+    if case.is_lifted() {
+        return Vec::new();
+    }
     let mut runs = vec![
+        changed(case, "with the wheel lifted", |it, _| it.load = 0.0),
         changed(case, "in reverse", |attributes, _| {
             attributes.speed = -speed
         }),
@@ -65,7 +69,10 @@ fn changed(
     let mut case = case.clone();
     case.runs.clear();
     change(&mut case.attributes, &mut case.scenario.wheel);
-    *case.scenario.rig.load_mut() = case.attributes.load;
+    match case.is_lifted() {
+        true => case.scenario.rig.lift(None).ok()?,
+        false => case.scenario.rig.carry(case.attributes.load),
+    }
     let drive = case.scenario.rig.drive_mut();
     drive.forward_speed = case.attributes.speed;
     let slip = SlipRatio::new(case.attributes.slip_ratio).ok()?;

@@ -262,6 +262,11 @@ impl<'a> Investigation<'a> {
         &self.cases
     }
 
+    /// What the comparison rests on less than it should, as far as the runs tell it.
+    pub fn caveats(&self) -> &[String] {
+        &self.caveats
+    }
+
     /// Simulates what is not in the folder yet, and weighs it.
     ///
     /// # Errors
@@ -471,7 +476,8 @@ impl<'a> Investigation<'a> {
         let Some(pair) = verdict.open_between() else {
             return Ok(FurtherRuns::default());
         };
-        let runs = further_runs(&self.cases[0]);
+        let mut on_ground = self.cases.iter().filter(|case| !case.is_lifted());
+        let runs = further_runs(on_ground.next().unwrap_or(&self.cases[0]));
         let cases: Vec<Case> = runs.iter().map(|run| run.case.clone()).collect();
         let mut plan = self.plan.clone();
         plan.depth = FURTHER;

@@ -10,7 +10,7 @@ use super::screen::{Projected, Screen};
 use serde::Serialize;
 
 /// Runs that could be made, simulated: in reverse, at a second load, at a second speed and the
-/// same slip, with a smooth wheel.
+/// same slip, with a smooth wheel, with the wheel lifted.
 #[derive(Debug, Default)]
 pub struct FurtherRuns {
     runs: Vec<(String, Emulated)>,

@@ -21,9 +21,9 @@ pub(super) const EFFECTS: &[Effect] = &[
 /// Fewest lugs of a wheel on which one may be short.
 const FEWEST_LUGS: u32 = 4;
 
-/// Wheel speed [rad/s] at which both forms of cogging are alike, and of a wrong scale: 14 mm/s on a rim
-/// of 140 mm.
-const USUAL_SPEED: f64 = 0.1;
+/// Wheel speed [rad/s] at which both forms of cogging are alike, and of a wrong scale: 56 mm/s on a rim of 140 mm,
+/// between the 20 and 100 mm/s of a campaign that is to tell them apart.
+const USUAL_SPEED: f64 = 0.4;
 
 const WHEEL_ECCENTRICITY: Effect = Effect {
     name: "wheel_eccentricity",
@@ -188,7 +188,7 @@ const MOTOR_COGGING: Effect = Effect {
     },
     other_form: Some(OtherForm {
         description: "a cogging torque against a servo of finite stiffness: the ripple in rad/s does \
-                      not grow with speed, and is the same at 0.1 rad/s",
+                      not grow with speed, and is the same at 0.4 rad/s",
         not_on: &[],
         law: |setup, part, _| {
             drive_flaws(setup).cogging_speed += part * USUAL_SPEED;
@@ -272,7 +272,7 @@ const ENCODER_SCALE: Effect = Effect {
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "counts are lost in proportion to speed; the same error at 0.1 rad/s",
+        description: "counts are lost in proportion to speed; the same error at 0.4 rad/s",
         not_on: &[],
         law: |setup, error, _| {
             let radius = setup.wheel.radius;

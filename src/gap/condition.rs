@@ -52,7 +52,10 @@ type Property = fn(&RunAttributes) -> Option<String>;
 const PROPERTIES: [Property; 8] = [
     |run| run.terrain.map(|label| label.as_str().to_owned()),
     |run| known(run.slip_ratio, "slip", ""),
-    |run| known(run.load, "", " N"),
+    |run| match run.is_lifted() {
+        true => Some("lifted".to_owned()),
+        false => known(run.load, "", " N"),
+    },
     |run| known(1.0e3 * run.speed, "", " mm/s"),
     |run| known(1.0e3 * run.wheel_radius, "r", " mm"),
     |run| known(1.0e3 * run.wheel_width, "b", " mm"),
@@ -128,6 +131,15 @@ mod tests {
         let found = conditions(&runs.each_ref());
         assert_eq!(found[0].as_str(), "ST, slip 0.1, 100 N, 14 mm/s");
         assert_eq!(found[0], found[1]);
+    }
+
+    #[test]
+    fn under_no_load_a_wheel_is_lifted() {
+        let lifted = run(0.1, 0.0, None);
+        assert_eq!(
+            conditions(&[&lifted])[0].as_str(),
+            "slip 0.1, lifted, 14 mm/s"
+        );
     }
 
     #[test]

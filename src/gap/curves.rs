@@ -14,8 +14,10 @@ use std::sync::Arc;
 /// Values of a covariate that a parabola takes.
 const FOR_CURVATURE: usize = 3;
 
-/// Readings over all runs of a campaign, in their order.
+/// Readings over all runs of a campaign with the wheel on the ground, in their order.
 pub(super) fn read(runs: &[&Run]) -> Readings {
+    let on_ground = runs.iter().filter(|run| !run.attributes.is_lifted());
+    let runs = &on_ground.copied().collect::<Vec<&Run>>()[..];
     let mut readings = Readings::default();
     let steady: BTreeSet<&Cell> = runs
         .iter()

@@ -17,6 +17,9 @@ pub enum SteadyError {
          carries more than 0"
     )]
     Unloaded(String),
+    /// The wheel was held off the ground.
+    #[error("the commanded load (load_n) is 0 N: a lifted wheel tells no terrain")]
+    Lifted,
     /// Slip never stays long enough.
     #[error("slip never stays within {tolerance} for a tenth of the run: no steady interval")]
     NeverSteady {
@@ -49,8 +52,11 @@ pub const CALIBRATION: f64 = 0.01;
 /// Sinkage and driving torque are not numbers where the run lacks them.
 ///
 /// # Errors
-/// `Missing` without drawbar pull or load; `NeverSteady`.
+/// `Lifted`; `Missing` without drawbar pull or load; `NeverSteady`.
 pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
+    if trace.attributes.is_lifted() {
+        return Err(SteadyError::Lifted);
+    }
     let intervals = match trace.channel("slip_ratio") {
         Some(slip) => plateaus(slip)?,
         None => vec![middle_half(0.0, trace.duration(), start(trace))],
@@ -331,6 +337,8 @@ mod tests {
         let mut trace = Trace::default();
         trace.attributes.slip_ratio = 0.3;
         trace.means = vec![mean("drawbar_pull", 20.0)];
+        assert_eq!(steady_loads(&trace), Err(SteadyError::Lifted));
+        trace.attributes.load = f64::NAN;
         let missing = steady_loads(&trace).unwrap_err().to_string();
         assert!(missing.starts_with("normal_force is missing"), "{missing}");
         trace.attributes.load = 80.0;

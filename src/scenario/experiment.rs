@@ -201,7 +201,7 @@ impl Scenario {
             wheel_width: self.wheel.width,
             lug_count: self.wheel.lug_count(),
             lug_height: self.wheel.lug_height(),
-            load: self.rig.load(),
+            load: self.rig.carried(),
             speed: drive.forward_speed,
             slip_ratio: drive.commanded_slip(self.wheel.radius),
             terrain: self.label(),

@@ -117,6 +117,14 @@ pub enum RigError {
     TwoWheelSpeeds,
 }
 
+/// A load of 0 N on a rig that cannot be without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a load of 0 N lifts the wheel, and a rover's leg always carries its rover")]
+pub struct CannotLift;
+
+/// Clearance [m] of a wheel that is lifted, where nothing tells another: no stone or lug mark reaches it.
+pub const CLEARANCE: f64 = 0.02;
+
 /// A `[rig]` table before its checks: flat, so that unknown keys are refused.
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -325,6 +333,35 @@ impl Rig {
         }
     }
 
+    /// Load [N] that the wheel puts on the ground at rest: none where it is held off it.
+    pub fn carried(&self) -> f64 {
+        match self.clearance() > 0.0 {
+            true => 0.0,
+            false => self.load(),
+        }
+    }
+
+    /// Puts so much load [N] on the ground.
+    pub fn carry(&mut self, load: f64) {
+        match self {
+            Self::SingleWheel(rig) => (rig.load, rig.lifted) = (load, None),
+            Self::RoverLeg(rig) => rig.load = load,
+        }
+    }
+
+    /// Holds the wheel off the ground, by this clearance [m] where one is given, else by that which it has or
+    /// [`CLEARANCE`].
+    ///
+    /// # Errors
+    /// `CannotLift` on a rig without a carriage that could be clamped.
+    pub fn lift(&mut self, clearance: Option<f64>) -> Result<(), CannotLift> {
+        let Self::SingleWheel(rig) = self else {
+            return Err(CannotLift);
+        };
+        rig.lifted = clearance.or(rig.lifted).or(Some(CLEARANCE));
+        Ok(())
+    }
+
     /// Vertical load `W` [N] at rest.
     pub fn load(&self) -> f64 {
         match self {
@@ -530,6 +567,26 @@ mod tests {
         toml::from_str(&format!(
             "[single_wheel]\nforward_speed = 0.01\n{rest}\n{keys}"
         ))
+    }
+
+    #[test]
+    fn a_wheel_that_is_lifted_carries_nothing_until_it_is_loaded_and_a_rovers_leg_cannot_be() {
+        let mut rig = read("slip = 0.2").unwrap();
+        rig.lift(None).unwrap();
+        assert_eq!((rig.carried(), rig.clearance()), (0.0, CLEARANCE));
+        rig.lift(Some(0.05)).unwrap();
+        rig.lift(None).unwrap();
+        assert_eq!(rig.clearance(), 0.05);
+        rig.carry(60.0);
+        assert_eq!((rig.carried(), rig.clearance()), (60.0, 0.0));
+        let leg = "[rover_leg]\nforward_speed = 0.01\nslip = 0.2\nstart_up = 1.0\nload = 284.0\n\
+                   stiffness = 5e4\ndamping = 500.0";
+        let mut leg: Rig = toml::from_str(leg).unwrap();
+        let refused = leg.lift(None).unwrap_err().to_string();
+        assert!(
+            refused.contains("a rover's leg always carries"),
+            "{refused}"
+        );
     }
 
     #[test]

@@ -360,7 +360,7 @@ fn check_sinkage(trace: &Trace, doubts: &mut Doubts) {
             number(wheel_radius)
         );
         doubts.channel(name, Severity::Error, message);
-    } else if sinkage < -(lug_height + 0.1 * wheel_radius) {
+    } else if !trace.attributes.is_lifted() && sinkage < -(lug_height + 0.1 * wheel_radius) {
         let message = format!(
             "mean is {} m: the rim stands above the ground by more than its lugs; change its sign \
              or tare it",

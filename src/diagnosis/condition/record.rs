@@ -5,12 +5,16 @@ use super::{CaseError, Caveat};
 use crate::dataset::inspection::SLIP_TOLERANCE;
 use crate::quantity::SlipRatio;
 use crate::scenario::Scenario;
+use crate::simulation::rig::CLEARANCE;
 use crate::trace::{RunAttributes, Trace, unwrapped};
 use crate::wheel::Wheel;
 use std::fmt;
 
 /// Part [-] by which radius or width of another wheel differs.
 const OTHER_WHEEL: f64 = 0.02;
+
+/// Clearance [m] by which two heights over rough ground are the same.
+const SAME_CLEARANCE: f64 = 0.002;
 
 /// Which slips hold where channels contradict those told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +54,8 @@ pub(super) struct Record {
     pub told: RunAttributes,
     /// Mean turning speed [rad/s], where the wheel's angle was measured.
     pub turning: Option<f64>,
+    /// Clearance [m] of a lifted wheel, where it is measured and another than a simulated one has.
+    pub clearance: Option<f64>,
     pub layout: Layout,
 }
 
@@ -153,6 +159,7 @@ impl Record {
             attributes,
             told,
             turning,
+            clearance: clearance(trace, scenario),
             layout,
         };
         Ok((record, caveats))
@@ -191,6 +198,21 @@ fn turning_speed(trace: &Trace) -> Option<f64> {
     let (last, to) = known.next_back()?;
     let seconds = (last - first) as f64 / channel.sample_rate;
     Some((to - from) / seconds).filter(|speed| speed.is_finite())
+}
+
+/// Clearance [m] between ground and lugs of a lifted wheel, to a millimetre; none where it is about that which the
+/// scenario gives a wheel to be lifted, or nobody measured it.
+fn clearance(trace: &Trace, scenario: &Scenario) -> Option<f64> {
+    if !trace.attributes.is_lifted() {
+        return None;
+    }
+    let measured = -trace.steady_mean("sinkage")? - scenario.wheel.lug_height();
+    let given = match scenario.rig.clearance() {
+        0.0 => CLEARANCE,
+        given => given,
+    };
+    let is_another = (measured - given).abs() > SAME_CLEARANCE && measured > 0.0;
+    is_another.then(|| 1.0e-3 * libm::round(1.0e3 * measured))
 }
 
 /// A condition with 0 for what nobody told.

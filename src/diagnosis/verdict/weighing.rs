@@ -6,7 +6,7 @@ use super::super::product::log_sum;
 use super::super::ranking::Ranking;
 use super::super::screen::{END, Projected, Screened};
 use super::trust::Trust;
-use super::{Answer, Suspect, equivalent, healthy};
+use super::{Answer, Suspect, equivalent, healthy, located};
 use std::collections::BTreeMap;
 
 /// Probabilities after all reservations.
@@ -36,6 +36,11 @@ impl Weighing {
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
+        if located(problem, healthy(ranking)).is_empty()
+            && weighing.mass(|h| *h == Hypothesis::Unknown) >= problem.calibration.confident
+        {
+            weighing.without_unknown();
+        }
         for (most, why) in &problem.observation.scarce {
             weighing.keep(*most);
             weighing.reasons.push((*why).to_owned());
@@ -48,7 +53,8 @@ impl Weighing {
     }
 
     /// What neither passes its check nor explains the gap gives its share to the likeliest sound explanation, else to
-    /// the unknown; where the best does either, the unknown has a small share of what it had. That the unknown
+    /// the unknown, and a part of it to the effect that foretells best, which may act by another law than the
+    /// catalogue's; where the best does either, the unknown has a small share of what it had. That the unknown
     /// itself foretells better than all of them is not asked for: it did not, and a wrong pair was named, where a
     /// world lacked an effect.
     fn check(&mut self, problem: Problem, ranking: &Ranking) {
@@ -80,8 +86,16 @@ impl Weighing {
         }
         let first = |is: &dyn Fn(&Hypothesis) -> bool| self.masses.iter().position(|(h, _)| is(h));
         let sound = first(&|h| trust.is_sound(h));
-        if let Some(heir) = sound.or_else(|| first(&|h| *h == Hypothesis::Unknown)) {
-            self.masses[heir].1 += lost;
+        let nearest = first(&|h| h.effects().len() == 1);
+        let of_nearest = problem.calibration.nearest * lost;
+        let unknown = first(&|h| *h == Hypothesis::Unknown);
+        match (sound, nearest, unknown) {
+            (Some(heir), ..) | (None, None, Some(heir)) => self.masses[heir].1 += lost,
+            (None, Some(nearest), Some(unknown)) => {
+                self.masses[nearest].1 += of_nearest;
+                self.masses[unknown].1 += lost - of_nearest;
+            }
+            (None, _, None) => {}
         }
         if lost >= problem.calibration.presumed {
             let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
@@ -152,14 +166,22 @@ impl Weighing {
         }
     }
 
-    /// Leaves at most this probability decided; the unknown keeps its own.
+    /// Leaves at most this probability decided.
     fn keep(&mut self, most: f64) {
-        for (hypothesis, mass) in &mut self.masses {
-            if *hypothesis != Hypothesis::Unknown {
-                self.undecided += (1.0 - most) * *mass;
-                *mass *= most;
-            }
+        for (_, mass) in &mut self.masses {
+            self.undecided += (1.0 - most) * *mass;
+            *mass *= most;
         }
+    }
+
+    /// What is left shows nowhere: then nothing says that it is there.
+    fn without_unknown(&mut self) {
+        let unknown = self.masses.iter_mut();
+        for (_, mass) in unknown.filter(|(hypothesis, _)| *hypothesis == Hypothesis::Unknown) {
+            self.undecided += std::mem::take(mass);
+        }
+        let why = "what recalibration leaves shows in no statistic by itself";
+        self.reasons.push(why.to_owned());
     }
 
     fn mass(&self, counts: impl Fn(&Hypothesis) -> bool) -> f64 {

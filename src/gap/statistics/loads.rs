@@ -19,7 +19,9 @@ pub(super) fn read(trace: &Trace, readings: &mut Readings) {
             readings.note_of_size(&Arc::from(name), statistic, mean, mean.abs());
         }
     }
-    per_load(trace, readings);
+    if !trace.attributes.is_lifted() {
+        per_load(trace, readings);
+    }
     turning_speed(trace, readings);
 }
 
