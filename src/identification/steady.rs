@@ -261,7 +261,7 @@ fn drifts(means: &[Option<f64>], tolerance: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::Mean;
+    use crate::trace::{Mean, RunAttributes};
 
     const RATE: f64 = 100.0;
 
@@ -278,7 +278,12 @@ mod tests {
     /// A minute with this slip over time [s]; pull is 100 slips, with a ripple of 1 s.
     fn run(slip: fn(f64) -> f64) -> Trace {
         let ripple = |t: f64| libm::sin(std::f64::consts::TAU * t + 0.3 * t);
+        let attributes = RunAttributes {
+            load: 109.0,
+            ..RunAttributes::default()
+        };
         Trace {
+            attributes,
             channels: vec![
                 channel("slip_ratio", move |t| slip(t) + 0.005 * ripple(17.0 * t)),
                 channel("sinkage", |_| 0.01),

@@ -36,7 +36,7 @@ impl Weighing {
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
-        if located(problem, healthy(ranking)).is_empty()
+        if !shows(problem, healthy(ranking))
             && weighing.mass(|h| *h == Hypothesis::Unknown) >= problem.calibration.confident
         {
             weighing.without_unknown();
@@ -174,13 +174,13 @@ impl Weighing {
         }
     }
 
-    /// What is left shows nowhere: then nothing says that it is there.
+    /// Nothing says that what is left is more than repeats scatter.
     fn without_unknown(&mut self) {
         let unknown = self.masses.iter_mut();
         for (_, mass) in unknown.filter(|(hypothesis, _)| *hypothesis == Hypothesis::Unknown) {
             self.undecided += std::mem::take(mass);
         }
-        let why = "what recalibration leaves shows in no statistic by itself";
+        let why = "what recalibration leaves is no wider than repeats scatter, and shows in no statistic by itself";
         self.reasons.push(why.to_owned());
     }
 
@@ -325,6 +325,12 @@ impl Weighing {
             absorbed: screened.absorbed,
         })
     }
+}
+
+/// Whether what recalibration leaves shows: in some statistic by itself, or in all of them beyond what repeats
+/// scatter.
+fn shows(problem: Problem, recalibrated: &Fit) -> bool {
+    recalibrated.left > problem.calibration.noticeable || !located(problem, recalibrated).is_empty()
 }
 
 /// Effects that parameters absorb as far as equivalent effects would each other, where
