@@ -152,16 +152,20 @@ fn a_campaign_reads_like_a_measured_one_of_twelve_runs_as_commanded() {
         assert_eq!(file.provenance().scenario, None);
         assert_eq!(file.provenance().seed, None);
         assert_eq!(file.runs().len(), 12);
+        let mut lifted = 0;
         for id in file.runs() {
             let trace = file.read(id).unwrap();
             let told = &trace.attributes;
             assert!(trace.truth.is_none() && told.class.is_none() && told.physics_rate.is_none());
             assert_eq!((told.day.as_str(), told.notes.as_str()), ("", ""));
-            assert!([0.1, 0.3].contains(&told.slip_ratio) && [60.0, 100.0].contains(&told.load));
+            assert!([0.1, 0.3].contains(&told.slip_ratio));
+            assert!([0.0, 60.0, 100.0].contains(&told.load));
+            lifted += u32::from(told.is_lifted());
             assert!([0.02, 0.1].contains(&told.speed) && [1, 2].contains(&told.repeat));
             assert_eq!((told.wheel_radius, told.lug_count), (0.14, 28));
             assert!(trace.channel("drawbar_pull").is_some());
         }
+        assert_eq!(lifted, 2, "one at each speed");
     }
 }
 

@@ -1,6 +1,6 @@
 //! How sure a difference is: spreads moderated over cells of a kind, tails fitted.
 
-use super::cell::Cell;
+use super::cell::{Cell, Measure};
 use super::comparison::Table;
 use super::moderation::{Kind, MANY, Priors, kind};
 use super::tail::Tail;
@@ -81,7 +81,13 @@ impl Evidence {
             false => (1.0, MANY),
         };
         let beyond = replicates * (ratio - 1.0).max(0.0);
+        // A class that no replicate was told to be is no infinity; what varies tells its spread itself.
+        let resolution = match table.cells[place].statistic.measure() {
+            counted @ Measure::Odds => counted.resolution(table.sizes[place]),
+            _ => 0.0,
+        };
         let parts = [
+            (resolution * resolution, MANY),
             (replicates * (1.0 / k + 1.0 / n), freedom),
             (beyond / k, of_ratio),
             (added * added, MANY),
