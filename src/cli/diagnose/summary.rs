@@ -136,11 +136,11 @@ impl fmt::Display for Summary {
         }
         if let Some(closed) = &self.diagnosis.closed {
             let [low, high] = closed.ci95.map(|share| 100.0 * share);
-            writeln!(
-                f,
-                "closed: {:.0} % [{low:.0}, {high:.0}]",
-                100.0 * closed.value
-            )?;
+            let interval = match closed.clusters {
+                1 => ", of one condition and so without an interval".to_owned(),
+                _ => format!(" [{low:.0}, {high:.0}]"),
+            };
+            writeln!(f, "closed: {:.0} %{interval}", 100.0 * closed.value)?;
         }
         if let Some(next) = &verdict.next_run {
             writeln!(
