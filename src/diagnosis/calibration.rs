@@ -66,7 +66,7 @@ pub struct Calibration {
     /// Share [-] of the gap that every refit must leave before the cause is called unknown.
     pub left_over: f64,
     /// Share [-] of the probability of what fails that goes to the effect which foretells best, in a form that is not
-    /// the catalogue's; the rest is the unknown's.
+    /// the catalogue's, and what it has with that at most; the rest is the unknown's.
     pub nearest: f64,
     /// p-value [-], before correction for their number, of a structural alarm.
     pub alarm: f64,

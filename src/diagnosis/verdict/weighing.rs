@@ -87,7 +87,10 @@ impl Weighing {
         let first = |is: &dyn Fn(&Hypothesis) -> bool| self.masses.iter().position(|(h, _)| is(h));
         let sound = first(&|h| trust.is_sound(h));
         let nearest = first(&|h| h.effects().len() == 1);
-        let of_nearest = problem.calibration.nearest * lost;
+        // What fails its check is told, and never so surely that it is named for it.
+        let share = problem.calibration.nearest;
+        let own = nearest.map_or(0.0, |place| self.masses[place].1);
+        let of_nearest = (share * lost).min((share - own).max(0.0));
         let unknown = first(&|h| *h == Hypothesis::Unknown);
         match (sound, nearest, unknown) {
             (Some(heir), ..) | (None, None, Some(heir)) => self.masses[heir].1 += lost,
