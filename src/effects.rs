@@ -264,13 +264,22 @@ pub fn find(name: &str) -> Result<&'static Effect, EffectError> {
         })
 }
 
-/// Where the effect of a name sits, with the channel or without.
+/// The effect of a name, with the channel or without, and where it sits.
 ///
 /// # Errors
 /// Those of [`find`] and [`Effect::seat`].
-pub(crate) fn seat_of(name: &str) -> Result<&'static Seat, EffectError> {
+pub fn seated(name: &str) -> Result<(&'static Effect, &'static Seat), EffectError> {
     let (stem, channel) = split(name);
-    find(stem)?.seat(channel)
+    let effect = find(stem)?;
+    Ok((effect, effect.seat(channel)?))
+}
+
+/// Where the effect of a name sits, with the channel or without.
+///
+/// # Errors
+/// Those of [`seated`].
+pub(crate) fn seat_of(name: &str) -> Result<&'static Seat, EffectError> {
+    seated(name).map(|(_, seat)| seat)
 }
 
 /// The name of an effect with the channel that it sits on where none is named; as it is where no

@@ -2,7 +2,7 @@
 
 use super::output::Output;
 use clap::Args;
-use lugwheel::effects::{Bound, Effect, EffectError, Seat, Source, Stage, catalogue, find};
+use lugwheel::effects::{Bound, Effect, Seat, Source, Stage, catalogue, seated};
 use serde::Serialize;
 use std::fmt;
 
@@ -30,21 +30,10 @@ impl Effects {
     /// Prints the catalogue, or one entry.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         match &self.name {
-            Some(name) => output.print(&Entry(named(name)?)),
+            Some(name) => output.print(&Entry(seated(name)?.0)),
             None => output.print(&Catalogue(catalogue().collect())),
         }
     }
-}
-
-/// The effect of a name, with a channel that it can sit on or without.
-fn named(name: &str) -> Result<&'static Effect, EffectError> {
-    let (stem, channel) = match name.split_once('.') {
-        Some((stem, channel)) => (stem, Some(channel)),
-        None => (name, None),
-    };
-    let effect = find(stem)?;
-    effect.seat(channel)?;
-    Ok(effect)
 }
 
 /// All effects, a line each.

@@ -37,8 +37,8 @@ pub(super) const FREEDOM: f64 = 6.0;
 /// a clipped force leaves 0.06 of it (10), and is named.
 ///
 /// `nearest`: of ten former blind campaigns that read `unknown` though the library has their effect, it foretells
-/// best in six; of all that read so some one in eight lacked theirs, of rigs in use certainly more. The other defaults are what a world that
-/// obeys the model needs.
+/// best in six; of all that read so some one in eight lacked theirs, of rigs in use certainly more. The other defaults
+/// are what a world that obeys the model needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {

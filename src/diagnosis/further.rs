@@ -69,10 +69,8 @@ fn changed(
     let mut case = case.clone();
     case.runs.clear();
     change(&mut case.attributes, &mut case.scenario.wheel);
-    match case.is_lifted() {
-        true => case.scenario.rig.lift(None).ok()?,
-        false => case.scenario.rig.carry(case.attributes.load),
-    }
+    let load = case.attributes.load;
+    case.scenario.rig.carry(load, None).ok()?;
     let drive = case.scenario.rig.drive_mut();
     drive.forward_speed = case.attributes.speed;
     let slip = SlipRatio::new(case.attributes.slip_ratio).ok()?;

@@ -1,6 +1,6 @@
 //! An effect at a magnitude.
 
-use super::{Effect, EffectError, Seat, Seated, Setup, find, split};
+use super::{Effect, EffectError, Seat, Seated, Setup, seated};
 use crate::quantity::RangeError;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
@@ -42,9 +42,7 @@ impl Application {
     /// `Unknown` with the names like it; `NoSeat` with the channels it sits on; `Range` with the
     /// range and unit of the magnitude.
     pub fn new(name: &str, magnitude: f64) -> Result<Self, EffectError> {
-        let (name, channel) = split(name);
-        let effect = find(name)?;
-        let seat = effect.seat(channel)?;
+        let (effect, seat) = seated(name)?;
         if magnitude != seat.neutral {
             RangeError::check(effect.name, seat.unit, magnitude, seat.range)?;
         }

@@ -11,7 +11,7 @@ pub enum SteadyError {
         "{0} is missing or holds no number: the identification needs it as a channel or as a mean"
     )]
     Missing(&'static str),
-    /// No load was measured and the one commanded is none.
+    /// No load was measured and the one commanded is below 0.
     #[error(
         "normal_force is missing, and the commanded load (load_n) is {0} N: a wheel on the ground \
          carries more than 0"
@@ -115,7 +115,7 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     })
 }
 
-/// Of a load commanded that is 0, less or none.
+/// Of a load commanded that is below 0 or none.
 fn unloaded(load: f64) -> SteadyError {
     match load.is_finite() {
         true => SteadyError::Unloaded(load.to_string()),

@@ -341,24 +341,29 @@ impl Rig {
         }
     }
 
-    /// Puts so much load [N] on the ground.
-    pub fn carry(&mut self, load: f64) {
-        match self {
-            Self::SingleWheel(rig) => (rig.load, rig.lifted) = (load, None),
-            Self::RoverLeg(rig) => rig.load = load,
+    /// Clearance [m] by which the wheel is held off the ground where it is, or would be.
+    pub fn lifting_clearance(&self) -> f64 {
+        match self.clearance() {
+            0.0 => CLEARANCE,
+            own => own,
         }
     }
 
-    /// Holds the wheel off the ground, by this clearance [m] where one is given, else by that which it has or
-    /// [`CLEARANCE`].
+    /// Puts so much load [N] on the ground; under none the wheel is held off it, by this clearance [m] where one
+    /// is given.
     ///
     /// # Errors
-    /// `CannotLift` on a rig without a carriage that could be clamped.
-    pub fn lift(&mut self, clearance: Option<f64>) -> Result<(), CannotLift> {
-        let Self::SingleWheel(rig) = self else {
-            return Err(CannotLift);
-        };
-        rig.lifted = clearance.or(rig.lifted).or(Some(CLEARANCE));
+    /// `CannotLift` for no load on a rig without a carriage that could be clamped.
+    pub fn carry(&mut self, load: f64, clearance: Option<f64>) -> Result<(), CannotLift> {
+        let lifted = (load == 0.0).then(|| clearance.unwrap_or(self.lifting_clearance()));
+        match self {
+            Self::SingleWheel(rig) => rig.lifted = lifted,
+            Self::RoverLeg(_) if lifted.is_some() => return Err(CannotLift),
+            Self::RoverLeg(_) => {}
+        }
+        if lifted.is_none() {
+            *self.load_mut() = load;
+        }
         Ok(())
     }
 
@@ -572,17 +577,17 @@ mod tests {
     #[test]
     fn a_wheel_that_is_lifted_carries_nothing_until_it_is_loaded_and_a_rovers_leg_cannot_be() {
         let mut rig = read("slip = 0.2").unwrap();
-        rig.lift(None).unwrap();
+        rig.carry(0.0, None).unwrap();
         assert_eq!((rig.carried(), rig.clearance()), (0.0, CLEARANCE));
-        rig.lift(Some(0.05)).unwrap();
-        rig.lift(None).unwrap();
+        rig.carry(0.0, Some(0.05)).unwrap();
+        rig.carry(0.0, None).unwrap();
         assert_eq!(rig.clearance(), 0.05);
-        rig.carry(60.0);
+        rig.carry(60.0, None).unwrap();
         assert_eq!((rig.carried(), rig.clearance()), (60.0, 0.0));
         let leg = "[rover_leg]\nforward_speed = 0.01\nslip = 0.2\nstart_up = 1.0\nload = 284.0\n\
                    stiffness = 5e4\ndamping = 500.0";
         let mut leg: Rig = toml::from_str(leg).unwrap();
-        let refused = leg.lift(None).unwrap_err().to_string();
+        let refused = leg.carry(0.0, None).unwrap_err().to_string();
         assert!(
             refused.contains("a rover's leg always carries"),
             "{refused}"

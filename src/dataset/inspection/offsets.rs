@@ -29,15 +29,12 @@ pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
 
 /// Doubts forces on a wheel that carries none: all of them at rest; those from the ground anyway.
 fn check_unloaded(trace: &Trace, doubts: &mut Doubts) {
-    let RunAttributes {
-        load,
-        speed,
-        slip_ratio,
-        ..
-    } = trace.attributes;
-    if load != 0.0 {
+    if !trace.attributes.is_lifted() {
         return;
     }
+    let RunAttributes {
+        speed, slip_ratio, ..
+    } = trace.attributes;
     let rests = speed == 0.0 && (slip_ratio == 0.0 || slip_ratio.is_nan());
     let from_ground = |name: &str| ["normal_force", "drawbar_pull"].contains(&name);
     let is_force = |unit: &str| ["N", "N m"].contains(&unit);

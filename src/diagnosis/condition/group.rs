@@ -100,13 +100,8 @@ impl Group {
         let attributes = self.attributes();
         let mut scenario = scenario.clone();
         let words = |error: &dyn fmt::Display| error.to_string();
-        match attributes.is_lifted() {
-            true => scenario
-                .rig
-                .lift(first.clearance)
-                .map_err(|error| words(&error))?,
-            false => scenario.rig.carry(attributes.load),
-        }
+        let carried = scenario.rig.carry(attributes.load, first.clearance);
+        carried.map_err(|error| words(&error))?;
         command(scenario.rig.drive_mut(), &attributes, first.turning)?;
         let turning = scenario.rig.drive().full_wheel_speed(scenario.wheel.radius);
         let turning = turning.map_err(|error| words(&error))?;

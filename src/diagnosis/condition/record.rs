@@ -5,7 +5,6 @@ use super::{CaseError, Caveat};
 use crate::dataset::inspection::SLIP_TOLERANCE;
 use crate::quantity::SlipRatio;
 use crate::scenario::Scenario;
-use crate::simulation::rig::CLEARANCE;
 use crate::trace::{RunAttributes, Trace, unwrapped};
 use crate::wheel::Wheel;
 use std::fmt;
@@ -207,10 +206,7 @@ fn clearance(trace: &Trace, scenario: &Scenario) -> Option<f64> {
         return None;
     }
     let measured = -trace.steady_mean("sinkage")? - scenario.wheel.lug_height();
-    let given = match scenario.rig.clearance() {
-        0.0 => CLEARANCE,
-        given => given,
-    };
+    let given = scenario.rig.lifting_clearance();
     let is_another = (measured - given).abs() > SAME_CLEARANCE && measured > 0.0;
     is_another.then(|| 1.0e-3 * libm::round(1.0e3 * measured))
 }

@@ -36,8 +36,8 @@ impl Weighing {
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
-        if !shows(problem, healthy(ranking))
-            && weighing.mass(|h| *h == Hypothesis::Unknown) >= problem.calibration.confident
+        if weighing.mass(|h| *h == Hypothesis::Unknown) >= problem.calibration.confident
+            && !shows(problem, healthy(ranking))
         {
             weighing.without_unknown();
         }
@@ -86,19 +86,19 @@ impl Weighing {
         }
         let first = |is: &dyn Fn(&Hypothesis) -> bool| self.masses.iter().position(|(h, _)| is(h));
         let sound = first(&|h| trust.is_sound(h));
-        let nearest = first(&|h| h.effects().len() == 1);
-        // What fails its check is told, and never so surely that it is named for it.
-        let share = problem.calibration.nearest;
-        let own = nearest.map_or(0.0, |place| self.masses[place].1);
-        let of_nearest = (share * lost).min((share - own).max(0.0));
-        let unknown = first(&|h| *h == Hypothesis::Unknown);
-        match (sound, nearest, unknown) {
-            (Some(heir), ..) | (None, None, Some(heir)) => self.masses[heir].1 += lost,
-            (None, Some(nearest), Some(unknown)) => {
-                self.masses[nearest].1 += of_nearest;
-                self.masses[unknown].1 += lost - of_nearest;
-            }
-            (None, _, None) => {}
+        let nearest = first(&|h| h.effects().len() == 1).filter(|_| sound.is_none());
+        let heir = sound.or_else(|| first(&|h| *h == Hypothesis::Unknown));
+        let mut inherited = lost;
+        if let Some(nearest) = nearest {
+            // What fails its check is told, and never so surely that it is named for it.
+            let share = problem.calibration.nearest;
+            let own = self.masses[nearest].1;
+            let of_nearest = (share * lost).min((share - own).max(0.0));
+            self.masses[nearest].1 += of_nearest;
+            inherited -= of_nearest;
+        }
+        if let Some(heir) = heir {
+            self.masses[heir].1 += inherited;
         }
         if lost >= problem.calibration.presumed {
             let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
