@@ -36,6 +36,11 @@ pub(super) const FREEDOM: f64 = 6.0;
 /// the library lacks them (6, 15 and 20: 0.46, more than 1, and 0.90). It is no wall: without a nonlinearity
 /// a clipped force leaves 0.06 of it (10), and is named.
 ///
+/// `at_floor` and `beyond_floor` (seventh trial of the scoring family, opened since): with two parameters two standard
+/// deviations off and nothing withheld, three effects of no size score 30 over recalibration, whose simulation leaves
+/// 0.69 where the floor is 0.67 (16); a wrong gain that moving mass and stiffness take up as far scores 153 (24). Where an
+/// effect was missing and shows, the simulation leaves 1.5 to 2 times the floor (5, 22, 25).
+///
 /// `nearest`: of ten former blind campaigns that read `unknown` though the library has their effect, it foretells
 /// best in six; of all that read so some one in eight lacked theirs, of rigs in use certainly more. The other defaults
 /// are what a world that obeys the model needs.
@@ -81,6 +86,10 @@ pub struct Calibration {
     pub noticeable: f64,
     /// Share [-] of its probability that an answer keeps which leaves no narrower gap when it is simulated.
     pub refuted: f64,
+    /// Share [-] of the floor by which a simulated gap may exceed it and count as that.
+    pub at_floor: f64,
+    /// Log score [-] over recalibration's from which on an effect is named though recalibration leaves no wider gap.
+    pub beyond_floor: f64,
     /// Largest probability [-] of anything named from one condition, from runs without repeats,
     /// and from one channel.
     pub scarce: [f64; 3],
@@ -107,6 +116,8 @@ impl Default for Calibration {
             with_second: 0.01,
             noticeable: 0.2,
             refuted: 0.4,
+            at_floor: 0.1,
+            beyond_floor: 60.0,
             scarce: [0.45, 0.9, 0.8],
         }
     }

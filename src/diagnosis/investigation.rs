@@ -310,19 +310,31 @@ impl<'a> Investigation<'a> {
         let verdict = Verdict::of(problem, &ranking, self.settings.seed);
         let uncertain = uncertain(library, &verdict.recalibration);
         let map = comparison.map(&Margins::default(), &uncertain, self.settings.seed);
+        let places = self.places(library);
+        let streams = || 0..again::STREAMS;
+        let recalibrated = offset(offsets(&verdict.recalibration));
+        ask(
+            &bank,
+            self.all_cases(&recalibrated, streams()),
+            hear,
+            &mut answers,
+        )?;
+        let simulated =
+            again::simulated(problem, &answers, (&recalibrated, &places), f64::INFINITY);
+        let verdict = match simulated {
+            Some(simulated) => verdict.recalibrated(simulated.gap, calibration),
+            None => verdict,
+        };
         let further = self.further(&verdict, library, hear)?;
         let verdict = verdict.with_next_run(problem, &further);
-        let arms = self.arms(&verdict);
-        let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
-        for arm in requests.into_iter().flatten() {
-            ask(
-                &bank,
-                self.all_cases(arm, 0..again::STREAMS),
-                hear,
-                &mut answers,
-            )?;
+        let arms = Arms {
+            with_effect: answered(&verdict),
+            recalibrated,
+        };
+        if let Some(arm) = &arms.with_effect {
+            ask(&bank, self.all_cases(arm, streams()), hear, &mut answers)?;
         }
-        let places = self.places(library);
+        let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
         let gap = verdict.shrinkage.as_ref().map(|it| Gaps {
             as_shipped: it.as_shipped,
             recalibrated: it.recalibrated,
@@ -519,26 +531,6 @@ impl<'a> Investigation<'a> {
         Ok(FurtherRuns::new(names, &further)?)
     }
 
-    fn arms(&self, verdict: &Verdict) -> Arms {
-        let with_effect = verdict.parameters.as_slice();
-        let named = verdict.named.iter().filter_map(|set| {
-            let name = set.first()?;
-            verdict.effects.iter().find(|suspect| suspect.name == *name)
-        });
-        let effects: Vec<Application> = named
-            .filter_map(|suspect| Application::new(&suspect.name, suspect.magnitude).ok())
-            .collect();
-        let answer = effects
-            .iter()
-            .fold(offset(offsets(with_effect)), |arm, effect| {
-                arm.with_effect(*effect)
-            });
-        Arms {
-            recalibrated: offset(offsets(&verdict.recalibration)),
-            with_effect: (!effects.is_empty()).then_some(answer),
-        }
-    }
-
     /// An arm in all cases, with these streams.
     fn all_cases(&self, arm: &Arm, streams: impl Iterator<Item = u64> + Clone) -> Vec<Request> {
         let cases = 0..self.cases.len();
@@ -686,6 +678,22 @@ fn uncertain(library: &Library, parameters: &[Recalibrated]) -> ParameterSpread 
         (responses.condition.clone(), cells.collect())
     };
     library.conditions.iter().map(of_condition).collect()
+}
+
+/// The arm of the effects that an answer names; none where it names none.
+fn answered(verdict: &Verdict) -> Option<Arm> {
+    let named = verdict.named.iter().filter_map(|set| {
+        let name = set.first()?;
+        verdict.effects.iter().find(|suspect| suspect.name == *name)
+    });
+    let effects =
+        named.filter_map(|suspect| Application::new(&suspect.name, suspect.magnitude).ok());
+    let effects: Vec<Application> = effects.collect();
+    let recalibrated = offset(offsets(&verdict.parameters));
+    let arm = effects
+        .iter()
+        .fold(recalibrated, |arm, effect| arm.with_effect(*effect));
+    (!effects.is_empty()).then_some(arm)
 }
 
 fn offsets(parameters: &[Recalibrated]) -> impl Iterator<Item = (&str, f64)> {

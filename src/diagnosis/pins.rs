@@ -342,8 +342,8 @@ fn recalibrated_end(problem: Problem) -> Option<Ends> {
     })
 }
 
-/// Where fits end that matter and rest on no pin: recalibration, and the best with effects where they
-/// are better. Each fit is taken at its own word of how far the emulator errs, as what may turn out right
+/// Where fits end that matter and rest on no pin: recalibration, the best with effects where they are better, and
+/// the single effect that fits best and was simulated nowhere. Each fit is taken at its own word of how far the emulator errs, as what may turn out right
 /// is worth a look; and as all are ranked in the end, as no answer may rest on what was not simulated.
 fn ends(problem: Problem) -> Ends {
     let freest = Fit::new(problem, Hypothesis::freest(problem.emulator));
@@ -356,7 +356,8 @@ fn ends(problem: Problem) -> Ends {
     let mut unpinned: Vec<Point> = Vec::new();
     let mut stale: Vec<(usize, Vec<f64>)> = Vec::new();
     let rivals = [&own_word, &ranked].map(|fits| rivals(emulator, fits));
-    for fit in [&freest].into_iter().chain(rivals.into_iter().flatten()) {
+    let competing = [&freest].into_iter().chain(rivals.into_iter().flatten());
+    for fit in competing.chain(unseen(emulator, &own_word)) {
         if emulator.rests(fit) {
             continue;
         }
@@ -387,6 +388,23 @@ fn ends(problem: Problem) -> Ends {
         stale,
         streams: STREAMS,
     }
+}
+
+/// The single effect that adds most to the likelihood of all conditions, where no pin has it alone. It may foretell
+/// held-out conditions worse than recalibration because the emulator errs about it: lugs worn by a third change where
+/// each meets the slab, which no line between three magnitudes has.
+pub(super) fn unseen<'f>(emulator: &Emulator, fits: &'f [Fit]) -> Option<&'f Fit> {
+    let gain = |fit: &Fit| match fit.gains[..] {
+        [gain] => gain,
+        _ => f64::NEG_INFINITY,
+    };
+    let best = fits.iter().max_by(|a, b| gain(a).total_cmp(&gain(b)))?;
+    let is_it = |pin: &Point| {
+        let effects = pin.effects.iter().map(|(effect, _)| effect);
+        effects.eq(best.hypothesis.effects())
+    };
+    let is_new = gain(best) > NEAR_BEST && !emulator.pins.iter().any(is_it);
+    is_new.then_some(best)
 }
 
 /// Fits with effects, of these, best first, that may come out likeliest, or what is to be looked at

@@ -7,6 +7,7 @@
 mod trust;
 mod weighing;
 
+use super::calibration::Calibration;
 use super::fit::{Fit, Problem};
 use super::hypothesis::Hypothesis;
 use super::next_run::{FurtherRuns, NextRun};
@@ -23,6 +24,11 @@ use weighing::Weighing;
 const LOCATED: usize = 10;
 /// Score [-] from which on a cell of a remainder is worth a mention.
 const STRONG: f64 = 4.0;
+/// Names of what is no effect, and of what explains without one.
+const PARAMETER: &str = "parameter";
+const PLAIN: [&str; 2] = ["none", PARAMETER];
+const UNKNOWN: &str = "unknown";
+const UNDECIDED: &str = "undecided";
 
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -187,6 +193,40 @@ impl Verdict {
         }
     }
 
+    /// With the gap that recalibration leaves when it is simulated. Where that is the floor's, no effect is missing that
+    /// could be seen in it, and what one adds to the score may be what the emulator errs by of parameters far from their
+    /// middle: only one that foretells very much better is named.
+    pub(super) fn recalibrated(mut self, gap: f64, calibration: &Calibration) -> Self {
+        let floor = self.shrinkage.as_ref().map_or(0.0, |it| it.floor);
+        let answered = matches!(self.verdict, Answer::Effect | Answer::Effects);
+        let is_open = answered || self.verdict == Answer::Undecided;
+        let too_little = self.probabilities.get(UNDECIDED) > Some(&(1.0 - calibration.confident));
+        if !is_open
+            || too_little
+            || gap > (1.0 + calibration.at_floor) * floor
+            || self.gain() > calibration.beyond_floor
+        {
+            return self;
+        }
+        self.reasons.push(format!(
+            "simulated with recalibrated parameters the gap is {gap:.2}, and {floor:.2} is its floor"
+        ));
+        self.refute(calibration.refuted, PARAMETER);
+        self.verdict = Answer::Parameter;
+        self
+    }
+
+    /// Log score [-] of the best explanation by effects over the best without.
+    fn gain(&self) -> f64 {
+        let best = |is_plain: bool| {
+            let told = self.explanations.iter();
+            let told =
+                told.filter(|it| it.name != UNKNOWN && is_plain == PLAIN.contains(&&*it.name));
+            told.fold(f64::NEG_INFINITY, |best, it| best.max(it.log_score))
+        };
+        best(false) - best(true)
+    }
+
     /// With the gaps simulated without its effects and with them: effects that leave no narrower one
     /// are not named, and only this share stays decided.
     pub(super) fn tried(mut self, [recalibrated, with_effects]: [f64; 2], refuted: f64) -> Self {
@@ -197,21 +237,25 @@ impl Verdict {
             "simulated with {} the gap is {with_effects:.2}, without it {recalibrated:.2}",
             self.named[0][0]
         ));
-        let mut undecided = 0.0;
-        for (name, probability) in &mut self.probabilities {
-            if name != "unknown" && name != "undecided" {
-                undecided += (1.0 - refuted) * *probability;
-                *probability *= refuted;
-            }
-        }
-        let known = self.probabilities.entry("undecided".to_owned());
-        *known.or_default() += undecided;
-        for suspect in &mut self.effects {
-            suspect.probability *= refuted;
-        }
-        self.named.clear();
+        self.refute(refuted, UNDECIDED);
         self.verdict = Answer::Undecided;
         self
+    }
+
+    /// Names no effect: all keep this share of their probability, the rest is another's.
+    fn refute(&mut self, kept: f64, heir: &str) {
+        let mut lost = 0.0;
+        for (name, probability) in &mut self.probabilities {
+            if name != UNKNOWN && name != UNDECIDED && !PLAIN.contains(&&**name) {
+                lost += (1.0 - kept) * *probability;
+                *probability *= kept;
+            }
+        }
+        *self.probabilities.entry(heir.to_owned()).or_default() += lost;
+        for suspect in &mut self.effects {
+            suspect.probability *= kept;
+        }
+        self.named.clear();
     }
 
     /// With the one of further runs that would tell them apart.

@@ -250,6 +250,26 @@ fn what_the_simulator_refutes_is_not_named() {
 }
 
 #[test]
+fn no_effect_is_named_where_recalibration_simulated_leaves_no_more_than_the_floor() {
+    let bench = Bench::new(SMALL, 2, 1);
+    let named = bench.verdict(&Truth::effect(5, 2.0), 3);
+    assert_eq!(named.named, [["e5"]]);
+    let floor = named.shrinkage.as_ref().unwrap().floor;
+    let calibration = |beyond_floor| Calibration {
+        beyond_floor,
+        ..Calibration::default()
+    };
+    let [strict, lax] = [f64::INFINITY, 0.0].map(calibration);
+    assert_eq!(named.clone().recalibrated(1.5 * floor, &strict), named);
+    assert_eq!(named.clone().recalibrated(floor, &lax), named);
+    let cleared = named.recalibrated(floor, &strict);
+    assert_answer(&cleared, Answer::Parameter);
+    assert!(cleared.named.is_empty() && cleared.probabilities["parameter"] > 0.5);
+    let sum: f64 = cleared.probabilities.values().sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+}
+
+#[test]
 fn parameters_are_not_answered_where_recalibration_fails_its_check() {
     let bench = Bench::new(SMALL, 2, 1);
     let Calibration {
@@ -435,6 +455,26 @@ fn an_effect_and_its_magnitude_are_found_beside_parameters_that_do_more_together
     }
     // Of eight 95 % intervals two miss in one of twenty tries.
     assert!(held >= 6, "{held} of 8");
+}
+
+#[test]
+fn the_effect_that_fits_best_is_simulated_once_however_it_foretells() {
+    let bench = Bench::new(SMALL, 2, 1);
+    let mut emulator = Emulator::new(&bench.library).unwrap();
+    let unseen = |emulator: &Emulator, truth: &Truth| {
+        let observation = bench.observe(&bench.world.measured(truth, 2, 7));
+        let fits = ranking::fits(bench.problem(&observation), None);
+        pins::unseen(emulator, &fits).map(|fit| fit.hypothesis.clone())
+    };
+    assert_eq!(unseen(&emulator, &Truth::default()), None);
+    let truth = Truth::effect(5, 4.0);
+    let fifth = Hypothesis::Effects(vec![5]);
+    assert_eq!(unseen(&emulator, &truth), Some(fifth));
+    emulator.pins.push(Point {
+        offsets: vec![0.0; SMALL.parameters],
+        effects: vec![(5, 3.0)],
+    });
+    assert_eq!(unseen(&emulator, &truth), None);
 }
 
 /// A world whose first parameter hides effects of the sensors.
