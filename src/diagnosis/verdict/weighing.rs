@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 pub(super) struct Weighing {
     masses: Vec<(Hypothesis, f64)>,
     undecided: f64,
+    /// What the nearest effect has of the unknown's.
+    lent: f64,
     /// Effects for which parameters within their priors may stand.
     absorbed: Vec<usize>,
     /// Whether what is left without any effect may be chance, or is little of the gap.
@@ -28,6 +30,7 @@ impl Weighing {
                 .map(|r| (r.hypothesis.clone(), libm::exp(r.log_probability)))
                 .collect(),
             undecided: 0.0,
+            lent: 0.0,
             absorbed: absorbed(problem, healthy(ranking), projected),
             cleared: true,
             reasons: Vec::new(),
@@ -36,7 +39,8 @@ impl Weighing {
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
-        if weighing.mass(|h| *h == Hypothesis::Unknown) >= problem.calibration.confident
+        if weighing.mass(|h| *h == Hypothesis::Unknown) + weighing.lent
+            >= problem.calibration.confident
             && !shows(problem, healthy(ranking))
         {
             weighing.without_unknown();
@@ -95,6 +99,7 @@ impl Weighing {
             let own = self.masses[nearest].1;
             let of_nearest = (share * lost).min((share - own).max(0.0));
             self.masses[nearest].1 += of_nearest;
+            self.lent = of_nearest;
             inherited -= of_nearest;
         }
         if let Some(heir) = heir {
@@ -167,6 +172,7 @@ impl Weighing {
                 *mass *= most;
             }
         }
+        self.lent *= most;
     }
 
     /// Leaves at most this probability decided.
@@ -175,6 +181,7 @@ impl Weighing {
             self.undecided += (1.0 - most) * *mass;
             *mass *= most;
         }
+        self.lent *= most;
     }
 
     /// Nothing says that what is left is more than repeats scatter.
@@ -183,6 +190,7 @@ impl Weighing {
         for (_, mass) in unknown.filter(|(hypothesis, _)| *hypothesis == Hypothesis::Unknown) {
             self.undecided += std::mem::take(mass);
         }
+        self.lent = 0.0;
         let why = "what recalibration leaves is no wider than repeats scatter, and shows in no statistic by itself";
         self.reasons.push(why.to_owned());
     }
@@ -212,7 +220,8 @@ impl Weighing {
             };
             return (answer, Vec::new());
         }
-        if unknown >= confident {
+        // The nearest effect by another law is one way of being unknown.
+        if unknown > self.lent && unknown + self.lent >= confident {
             return (Answer::Unknown, Vec::new());
         }
         let effects = self.effects(problem, projected);
