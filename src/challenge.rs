@@ -96,6 +96,12 @@ pub enum ChallengeError {
     /// A truth is not the one that was sealed.
     #[error("the truth of {0} is not the one that was sealed: its hash differs")]
     TruthAltered(String),
+    /// A case was asked without other effects than those that its truth leaves out.
+    #[error("{0} is asked without other effects than its truth says: the manifest was altered")]
+    QuestionAltered(String),
+    /// Nothing to score yet.
+    #[error("no campaign in {} is diagnosed yet; `lugwheel challenge run` does it", .0.display())]
+    Unanswered(PathBuf),
     /// A campaign is not the one that was published.
     #[error("{} is not the campaign that was published: its hash differs", .0.display())]
     CampaignAltered(PathBuf),

@@ -281,6 +281,22 @@ fn an_altered_truth_is_refused() {
 }
 
 #[test]
+fn a_case_asked_without_other_effects_than_its_truth_leaves_out_is_not_scored() {
+    let folder = trial();
+    answer_all(folder.path());
+    let mut manifest = manifest(folder.path());
+    let asked = manifest.cases.iter_mut().find(|it| !it.without.is_empty());
+    asked.unwrap().without.clear();
+    let text = serde_json::to_string(&manifest).unwrap();
+    fs::write(folder.path().join("campaigns/manifest.json"), text).unwrap();
+    let error = challenge::score(folder.path(), None).unwrap_err();
+    assert!(
+        matches!(error, ChallengeError::QuestionAltered(_)),
+        "{error}"
+    );
+}
+
+#[test]
 fn an_altered_campaign_is_neither_diagnosed_nor_scored() {
     let folder = trial();
     let file = folder.path().join("campaigns/case_0003.h5");
@@ -324,7 +340,10 @@ fn answers_without_a_part_of_the_method_stand_apart_from_those_of_the_whole() {
     let folder = trial();
     answer_all(folder.path());
     let forest = Some(Ablation::Forest);
-    let unanswered = |part| challenge::score(folder.path(), part).unwrap().unanswered;
+    let unanswered = |part| match challenge::score(folder.path(), part) {
+        Err(ChallengeError::Unanswered(_)) => CASES,
+        scores => scores.unwrap().unanswered,
+    };
     assert_eq!((unanswered(None), unanswered(forest)), (0, CASES));
     let go_on = &|_: challenge::Progress| ControlFlow::Continue(());
     challenge::answer(folder.path(), forest, &by_bytes, go_on).unwrap();
@@ -389,9 +408,13 @@ fn the_program_makes_a_trial_and_scores_it() {
         serde_json::from_str::<serde_json::Value>(&said).unwrap()["cases"],
         1
     );
+    let unanswered = run(&["score", "t"]);
+    assert_eq!(unanswered.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&unanswered.stderr).contains("no campaign in t is diagnosed"));
+    assert_eq!(answer_all(&folder.path().join("t")).answered, 1);
     let scored = run(&["score", "t", "--json"]);
     let scores: serde_json::Value = serde_json::from_slice(&scored.stdout).unwrap();
-    assert_eq!(scores["unanswered"], 1);
+    assert_eq!(scores["unanswered"], 0);
     assert!(scores["C1"]["top1"]["value"].is_null());
     assert!(folder.path().join("t/score/power.svg").exists());
     assert_eq!(

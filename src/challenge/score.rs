@@ -177,7 +177,8 @@ pub struct Scores {
 ///
 /// # Errors
 /// `TruthAltered` where a truth is not the one sealed, `CampaignAltered` where a run file is not the
-/// one published, `File` and `Content` where something cannot be read.
+/// one published, `QuestionAltered` where another effect was left out than the truth has it, `Unanswered`
+/// where nothing was diagnosed yet, `File` and `Content` where something cannot be read.
 pub fn score(folder: &Path, ablation: Option<Ablation>) -> Result<Scores, ChallengeError> {
     let campaigns = Campaigns::open(folder)?;
     let answers = folder::answers(folder, ablation);
@@ -185,6 +186,9 @@ pub fn score(folder: &Path, ablation: Option<Ablation>) -> Result<Scores, Challe
     for posed in &campaigns.manifest.cases {
         campaigns.check(posed)?;
         let truth = folder::unsealed(folder, posed)?;
+        if truth.without() != posed.without {
+            return Err(ChallengeError::QuestionAltered(posed.case.clone()));
+        }
         let answer = known(&answers, posed);
         if answer.is_some() || has_failed(&answers, posed) {
             judged.push(Judged {
@@ -193,6 +197,9 @@ pub fn score(folder: &Path, ablation: Option<Ablation>) -> Result<Scores, Challe
                 seconds: seconds(&answers, posed),
             });
         }
+    }
+    if judged.is_empty() {
+        return Err(ChallengeError::Unanswered(folder.to_path_buf()));
     }
     Ok(Scores::of(&judged, campaigns.manifest.cases.len()))
 }

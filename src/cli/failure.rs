@@ -95,6 +95,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
                 ChallengeError::Content { .. }
                     | ChallengeError::TruthAltered(_)
                     | ChallengeError::CampaignAltered(_)
+                    | ChallengeError::QuestionAltered(_)
             )
         )
         || cause

@@ -209,7 +209,7 @@ impl Verdict {
             return self;
         }
         self.reasons.push(format!(
-            "simulated with recalibrated parameters the gap is {gap:.2}, and {floor:.2} is its floor"
+            "effects foretell better, yet the recalibrated scenario, simulated, leaves {gap:.2} where {floor:.2} is the floor"
         ));
         self.refute(calibration.refuted, PARAMETER);
         self.verdict = Answer::Parameter;
