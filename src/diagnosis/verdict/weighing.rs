@@ -242,34 +242,21 @@ impl Weighing {
             (&[a, b], &[c, d]) => (alike(a, c) && alike(b, d)) || (alike(a, d) && alike(b, c)),
             _ => false,
         };
+        // Of those whose likes together are probable enough, the one that is likeliest by itself.
         let likeliest = |of: &dyn Fn(&Hypothesis) -> bool, mass: &dyn Fn(&[usize]) -> f64| {
-            let masses = self.masses.iter().filter(|(hypothesis, _)| of(hypothesis));
-            masses
-                .map(|(hypothesis, own)| {
-                    (
-                        hypothesis.effects().to_vec(),
-                        mass(hypothesis.effects()),
-                        *own,
-                    )
-                })
-                .max_by(|a, b| (a.1, a.2).partial_cmp(&(b.1, b.2)).expect("numbers"))
+            let masses = self.masses.iter();
+            let probable = masses.filter(|(h, _)| of(h) && mass(h.effects()) >= confident);
+            let best = probable.max_by(|a, b| a.1.total_cmp(&b.1));
+            best.map(|(hypothesis, _)| hypothesis.effects().to_vec())
         };
         let pairs = |h: &Hypothesis| h.effects().len() == 2;
         let of_pair = |pair: &[usize]| self.mass(|h| same(h.effects(), pair));
-        if let Some((pair, mass, _)) = likeliest(&pairs, &of_pair)
-            && mass >= confident
-        {
-            return pair;
-        }
         let singles = |h: &Hypothesis| h.effects().len() == 1;
         let of_single =
             |one: &[usize]| self.mass(|h| h.effects().iter().any(|&e| alike(e, one[0])));
-        if let Some((one, mass, _)) = likeliest(&singles, &of_single)
-            && mass >= confident
-        {
-            return one;
-        }
-        Vec::new()
+        likeliest(&pairs, &of_pair)
+            .or_else(|| likeliest(&singles, &of_single))
+            .unwrap_or_default()
     }
 
     pub fn told(&self, problem: Problem) -> BTreeMap<String, f64> {
