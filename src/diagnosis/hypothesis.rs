@@ -2,6 +2,11 @@
 
 use super::emulator::Emulator;
 
+/// Names of explanations without effects.
+pub(super) const NONE: &str = "none";
+pub(super) const PARAMETER: &str = "parameter";
+pub(super) const UNKNOWN: &str = "unknown";
+
 /// An explanation, effects by their place among the candidates.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Hypothesis {
@@ -59,9 +64,9 @@ impl Hypothesis {
     /// Its name in results.
     pub fn name(&self, emulator: &Emulator) -> String {
         match self {
-            Self::None => "none".to_owned(),
-            Self::Parameter => "parameter".to_owned(),
-            Self::Unknown => "unknown".to_owned(),
+            Self::None => NONE.to_owned(),
+            Self::Parameter => PARAMETER.to_owned(),
+            Self::Unknown => UNKNOWN.to_owned(),
             Self::Effects(effects) => {
                 let names = effects.iter().map(|&e| &*emulator.candidates[e].name);
                 names.collect::<Vec<_>>().join("+")

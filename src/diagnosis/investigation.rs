@@ -310,31 +310,6 @@ impl<'a> Investigation<'a> {
         let verdict = Verdict::of(problem, &ranking, self.settings.seed);
         let uncertain = uncertain(library, &verdict.recalibration);
         let map = comparison.map(&Margins::default(), &uncertain, self.settings.seed);
-        let places = self.places(library);
-        let streams = || 0..again::STREAMS;
-        let recalibrated = offset(offsets(&verdict.recalibration));
-        ask(
-            &bank,
-            self.all_cases(&recalibrated, streams()),
-            hear,
-            &mut answers,
-        )?;
-        let simulated =
-            again::simulated(problem, &answers, (&recalibrated, &places), f64::INFINITY);
-        let verdict = match simulated {
-            Some(simulated) => verdict.recalibrated(simulated.gap, calibration),
-            None => verdict,
-        };
-        let further = self.further(&verdict, library, hear)?;
-        let verdict = verdict.with_next_run(problem, &further);
-        let arms = Arms {
-            with_effect: answered(&verdict),
-            recalibrated,
-        };
-        if let Some(arm) = &arms.with_effect {
-            ask(&bank, self.all_cases(arm, streams()), hear, &mut answers)?;
-        }
-        let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
         let gap = verdict.shrinkage.as_ref().map(|it| Gaps {
             as_shipped: it.as_shipped,
             recalibrated: it.recalibrated,
@@ -344,19 +319,41 @@ impl<'a> Investigation<'a> {
         let predicted = gap.map_or([f64::INFINITY; 2], |gap| {
             [gap.recalibrated, gap.with_effect]
         });
-        let again: Vec<SimulatedAgain> = requests
-            .into_iter()
-            .zip(predicted)
-            .filter_map(|(arm, predicted)| {
-                again::simulated(problem, &answers, (arm?, &places), predicted)
-            })
-            .collect();
-        let verdict = match &again[..] {
-            [recalibrated, with_effect] => {
-                verdict.tried([recalibrated.gap, with_effect.gap], calibration.refuted)
+        let places = self.places(library);
+        let simulate = |arm: &Arm, predicted: f64, answers: &mut Answers| {
+            ask(&bank, self.all_cases(arm, 0..again::STREAMS), hear, answers)?;
+            Ok::<_, BankError>(again::simulated(
+                problem,
+                answers,
+                (arm, &places),
+                predicted,
+            ))
+        };
+        let recalibrated = offset(offsets(&verdict.recalibration));
+        let healthy = simulate(&recalibrated, predicted[0], &mut answers)?;
+        let verdict = match &healthy {
+            Some(healthy) => verdict.recalibrated(healthy.gap, calibration),
+            None => verdict,
+        };
+        let further = self.further(&verdict, library, hear)?;
+        let verdict = verdict.with_next_run(problem, &further);
+        let with_effect = answered(&verdict);
+        let mended = match &with_effect {
+            Some(arm) => simulate(arm, predicted[1], &mut answers)?,
+            None => None,
+        };
+        let verdict = match (&healthy, &mended) {
+            (Some(healthy), Some(mended)) => {
+                verdict.tried([healthy.gap, mended.gap], calibration.refuted)
             }
             _ => verdict,
         };
+        let again: Vec<SimulatedAgain> = healthy.into_iter().chain(mended).collect();
+        let arms = Arms {
+            recalibrated,
+            with_effect,
+        };
+        let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
         let diagnosis = Diagnosis {
             gap,
             closed: verdict.shrinkage.as_ref().and_then(|it| it.closed),

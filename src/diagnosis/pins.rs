@@ -343,8 +343,9 @@ fn recalibrated_end(problem: Problem) -> Option<Ends> {
 }
 
 /// Where fits end that matter and rest on no pin: recalibration, the best with effects where they are better, and
-/// the single effect that fits best and was simulated nowhere. Each fit is taken at its own word of how far the emulator errs, as what may turn out right
-/// is worth a look; and as all are ranked in the end, as no answer may rest on what was not simulated.
+/// the single effect that fits best and was simulated nowhere. Each fit is taken at its own word of how far the
+/// emulator errs, as what may turn out right is worth a look; and as all are ranked in the end, as no answer may rest
+/// on what was not simulated.
 fn ends(problem: Problem) -> Ends {
     let freest = Fit::new(problem, Hypothesis::freest(problem.emulator));
     let [own_word, ranked] = [None, Some(&freest)].map(|another| {

@@ -9,7 +9,7 @@ mod weighing;
 
 use super::calibration::Calibration;
 use super::fit::{Fit, Problem};
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, NONE, PARAMETER, UNKNOWN};
 use super::next_run::{FurtherRuns, NextRun};
 use super::ranking::{Ranked, Ranking, score};
 use super::screen::{Alarm, Projected, Screen, alarms};
@@ -24,11 +24,10 @@ use weighing::Weighing;
 const LOCATED: usize = 10;
 /// Score [-] from which on a cell of a remainder is worth a mention.
 const STRONG: f64 = 4.0;
-/// Names of what is no effect, and of what explains without one.
-const PARAMETER: &str = "parameter";
-const PLAIN: [&str; 2] = ["none", PARAMETER];
-const UNKNOWN: &str = "unknown";
+/// Name of the probability that no explanation has.
 const UNDECIDED: &str = "undecided";
+/// Names of what explains by nothing but the scenario.
+const PLAIN: [&str; 2] = [NONE, PARAMETER];
 
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -198,14 +197,15 @@ impl Verdict {
     /// middle: only one that foretells very much better is named.
     pub(super) fn recalibrated(mut self, gap: f64, calibration: &Calibration) -> Self {
         let floor = self.shrinkage.as_ref().map_or(0.0, |it| it.floor);
-        let answered = matches!(self.verdict, Answer::Effect | Answer::Effects);
-        let is_open = answered || self.verdict == Answer::Undecided;
-        let too_little = self.probabilities.get(UNDECIDED) > Some(&(1.0 - calibration.confident));
-        if !is_open
-            || too_little
-            || gap > (1.0 + calibration.at_floor) * floor
-            || self.gain() > calibration.beyond_floor
-        {
+        let may_be_effect = matches!(
+            self.verdict,
+            Answer::Effect | Answer::Effects | Answer::Undecided
+        );
+        let undecided = self.probabilities.get(UNDECIDED).copied();
+        let is_decided = undecided.unwrap_or_default() <= 1.0 - calibration.confident;
+        let leaves_nothing = gap <= (1.0 + calibration.at_floor) * floor;
+        let stands_out = self.gain() > calibration.beyond_floor;
+        if !(may_be_effect && is_decided && leaves_nothing) || stands_out {
             return self;
         }
         self.reasons.push(format!(

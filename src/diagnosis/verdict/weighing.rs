@@ -6,7 +6,7 @@ use super::super::product::log_sum;
 use super::super::ranking::Ranking;
 use super::super::screen::{END, Projected, Screened};
 use super::trust::Trust;
-use super::{Answer, Suspect, equivalent, healthy, located};
+use super::{Answer, Suspect, UNDECIDED, equivalent, healthy, located};
 use std::collections::BTreeMap;
 
 /// Probabilities after all reservations.
@@ -39,8 +39,7 @@ impl Weighing {
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
-        if weighing.mass(|h| *h == Hypothesis::Unknown) + weighing.lent
-            >= problem.calibration.confident
+        if weighing.unknown() + weighing.lent >= problem.calibration.confident
             && !shows(problem, healthy(ranking))
         {
             weighing.without_unknown();
@@ -67,7 +66,7 @@ impl Weighing {
         let mut others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
         let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
         let best = others.next().map(|ranked| &ranked.hypothesis);
-        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let unknown = self.unknown();
         let is_good =
             |best: &Hypothesis| trust.kept(best) == 1.0 && (trust.is_gap() || trust.is_roomy(best));
         let is_good = best.is_some_and(is_good);
@@ -109,7 +108,7 @@ impl Weighing {
             let why = "what foretells best fails its check on held-out conditions and leaves much of the gap";
             self.reasons.push(why.to_owned());
         }
-        let unknown = self.mass(|h| *h == Hypothesis::Unknown);
+        let unknown = self.unknown();
         let nearest = best.filter(|best| !best.effects().is_empty());
         if let (Some(nearest), true) = (nearest, unknown >= problem.calibration.confident) {
             self.reasons.push(format!(
@@ -166,22 +165,23 @@ impl Weighing {
     /// Leaves at most this probability to causes, the unknown among them: what is like a cause and in no library, or
     /// what an emulator has wrong of a loud one, is in no score.
     fn reserve(&mut self, most: f64) {
-        for (hypothesis, mass) in &mut self.masses {
-            if !matches!(hypothesis, Hypothesis::None | Hypothesis::Parameter) {
-                self.undecided += (1.0 - most) * *mass;
-                *mass *= most;
-            }
-        }
-        self.lent *= most;
+        self.keep_of(most, |h| {
+            !matches!(h, Hypothesis::None | Hypothesis::Parameter)
+        });
     }
 
     /// Leaves at most this probability decided.
     fn keep(&mut self, most: f64) {
-        for (_, mass) in &mut self.masses {
-            self.undecided += (1.0 - most) * *mass;
-            *mass *= most;
+        self.keep_of(most, |_| true);
+    }
+
+    /// Leaves this share of the probability of those that count, and of what was lent: that is a cause's.
+    fn keep_of(&mut self, share: f64, counts: impl Fn(&Hypothesis) -> bool) {
+        for (_, mass) in self.masses.iter_mut().filter(|(h, _)| counts(h)) {
+            self.undecided += (1.0 - share) * *mass;
+            *mass *= share;
         }
-        self.lent *= most;
+        self.lent *= share;
     }
 
     /// Nothing says that what is left is more than repeats scatter.
@@ -195,6 +195,10 @@ impl Weighing {
         self.reasons.push(why.to_owned());
     }
 
+    fn unknown(&self) -> f64 {
+        self.mass(|h| *h == Hypothesis::Unknown)
+    }
+
     fn mass(&self, counts: impl Fn(&Hypothesis) -> bool) -> f64 {
         let masses = self
             .masses
@@ -206,9 +210,9 @@ impl Weighing {
     /// The answer and the effects it names.
     pub fn answer(&self, problem: Problem, projected: &Projected) -> (Answer, Vec<usize>) {
         let confident = problem.calibration.confident;
-        let [none, parameter, unknown] =
-            [Hypothesis::None, Hypothesis::Parameter, Hypothesis::Unknown]
-                .map(|known| self.mass(|h| *h == known));
+        let unknown = self.unknown();
+        let [none, parameter] =
+            [Hypothesis::None, Hypothesis::Parameter].map(|known| self.mass(|h| *h == known));
         if self.undecided > 1.0 - confident {
             return (Answer::Undecided, Vec::new());
         }
@@ -265,7 +269,7 @@ impl Weighing {
             .iter()
             .map(|(hypothesis, mass)| (hypothesis.name(problem.emulator), *mass));
         named
-            .chain([("undecided".to_owned(), self.undecided)])
+            .chain([(UNDECIDED.to_owned(), self.undecided)])
             .collect()
     }
 
