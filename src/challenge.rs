@@ -102,8 +102,8 @@ pub enum ChallengeError {
     /// Nothing to score yet.
     #[error("no campaign in {} is diagnosed yet; `lugwheel challenge run` does it", .0.display())]
     Unanswered(PathBuf),
-    /// A campaign is not the one that was published.
-    #[error("{} is not the campaign that was published: its hash differs", .0.display())]
+    /// A run file or a scenario is not the one that was published.
+    #[error("{} is not the file that was published: its hash differs", .0.display())]
     CampaignAltered(PathBuf),
     /// The caller stopped it.
     #[error("stopped with {done} of {total} cases done; the same again goes on with the others")]

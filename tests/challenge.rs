@@ -298,16 +298,18 @@ fn a_case_asked_without_other_effects_than_its_truth_leaves_out_is_not_scored() 
 
 #[test]
 fn an_altered_campaign_is_neither_diagnosed_nor_scored() {
-    let folder = trial();
-    let file = folder.path().join("campaigns/case_0003.h5");
-    let mut bytes = fs::read(&file).unwrap();
-    *bytes.last_mut().unwrap() ^= 1;
-    fs::write(&file, bytes).unwrap();
-    let go_on = &|_: challenge::Progress| ControlFlow::Continue(());
-    let asked = challenge::answer(folder.path(), None, &by_bytes, go_on).unwrap_err();
-    assert!(matches!(asked, ChallengeError::CampaignAltered(ref path) if *path == file));
-    let scored = challenge::score(folder.path(), None).unwrap_err();
-    assert!(matches!(scored, ChallengeError::CampaignAltered(_)));
+    for published in ["case_0003.h5", "sand.toml"] {
+        let folder = trial();
+        let file = folder.path().join("campaigns").join(published);
+        let mut bytes = fs::read(&file).unwrap();
+        *bytes.last_mut().unwrap() ^= 1;
+        fs::write(&file, bytes).unwrap();
+        let go_on = &|_: challenge::Progress| ControlFlow::Continue(());
+        let asked = challenge::answer(folder.path(), None, &by_bytes, go_on).unwrap_err();
+        assert!(matches!(asked, ChallengeError::CampaignAltered(ref path) if *path == file));
+        let scored = challenge::score(folder.path(), None).unwrap_err();
+        assert!(matches!(scored, ChallengeError::CampaignAltered(_)));
+    }
 }
 
 #[test]

@@ -262,6 +262,7 @@ fn a_file_that_cannot_be_written_is_told_before_the_run_and_exits_with_1() {
         ("no/run.h5", "make the folder first"),
         ("sub", "it is a folder; name a file in it"),
         ("note.txt/run.h5", "cannot write note.txt/run.h5"),
+        ("note.txt", "it is no HDF5 file; name another file"),
     ] {
         refuses(&format!("simulate quick {long} --out {out}"), 1, &[part]);
     }

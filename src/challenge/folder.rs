@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 
 /// What `format` says in a manifest.
 const FORMAT: &str = "lugwheel-challenge";
-/// The version of the manifest.
-const FORMAT_VERSION: u32 = 1;
+/// The version of the manifest: since 2 scenarios have their hash.
+const FORMAT_VERSION: u32 = 2;
 
 /// Which program wrote or answered.
 pub(super) const PROGRAM: &str = concat!("lugwheel ", env!("CARGO_PKG_VERSION"));
@@ -34,6 +34,8 @@ pub struct Posed {
     pub sha256: String,
     /// The scenario that it is to be compared with.
     pub scenario: String,
+    /// SHA-256 of that.
+    pub scenario_sha256: String,
     /// Effects that the diagnosis is to do without. That a case has such an order shows its
     /// question to who reads the manifest; the diagnosis gets the order alone.
     pub without: Vec<String>,
@@ -100,14 +102,20 @@ impl Campaigns {
     }
 
     /// # Errors
-    /// `CampaignAltered` where a case's file is not the one published; `File`.
+    /// `CampaignAltered` where a case's run file or scenario is not the one published; `File`.
     pub(super) fn check(&self, posed: &Posed) -> Result<(), ChallengeError> {
-        let path = self.path_of(&posed.file);
-        let bytes = std::fs::read(&path).map_err(|source| file_error("read", &path, source))?;
-        match sha256(&bytes) == posed.sha256 {
-            true => Ok(()),
-            false => Err(ChallengeError::CampaignAltered(path)),
+        let published = [
+            (&posed.file, &posed.sha256),
+            (&posed.scenario, &posed.scenario_sha256),
+        ];
+        for (name, published) in published {
+            let path = self.path_of(name);
+            let bytes = std::fs::read(&path).map_err(|source| file_error("read", &path, source))?;
+            if sha256(&bytes) != *published {
+                return Err(ChallengeError::CampaignAltered(path));
+            }
         }
+        Ok(())
     }
 }
 

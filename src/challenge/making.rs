@@ -242,6 +242,7 @@ impl Work<'_> {
             file,
             sha256: sha256(&bytes),
             scenario: format!("{}.toml", design.ground),
+            scenario_sha256: sha256(design.scenario.text().as_bytes()),
             without: truth.without(),
             seal: sha256(text.as_bytes()),
         }))

@@ -95,7 +95,7 @@ impl Diagnose {
 
     /// Diagnoses the runs and writes what came of it.
     pub(super) fn investigate(&self, output: &Output) -> anyhow::Result<Summary> {
-        let scenario = Scenario::load(scenario_args::found(&self.scenario)?)?;
+        let scenario = scenario_args::read(&self.scenario)?;
         let scenario = scenario.with_all(&self.set)?;
         let measured = self.read()?;
         let settings = Settings {

@@ -92,7 +92,8 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || matches!(
             cause.downcast_ref::<ChallengeError>(),
             Some(
-                ChallengeError::Content { .. }
+                ChallengeError::File { action: "read", .. }
+                    | ChallengeError::Content { .. }
                     | ChallengeError::TruthAltered(_)
                     | ChallengeError::CampaignAltered(_)
                     | ChallengeError::QuestionAltered(_)

@@ -3,6 +3,7 @@
 use clap::Args;
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
+use lugwheel::study::Study;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -30,10 +31,13 @@ pub struct ScenarioArgs {
 
 /// There is no such scenario.
 #[derive(Debug, thiserror::Error)]
-#[error("there is no scenario {}, as a file or in {FOLDER}/{hint}", asked.display())]
-pub struct NoScenario {
-    asked: PathBuf,
-    hint: String,
+pub enum NoScenario {
+    /// Nothing has the name.
+    #[error("there is no scenario {}, as a file or in {FOLDER}/{hint}", asked.display())]
+    Missing { asked: PathBuf, hint: String },
+    /// The file asks for many runs.
+    #[error("{} is a study, no scenario; `lugwheel study {}` runs it", .0.display(), .0.display())]
+    Study(PathBuf),
 }
 
 impl ScenarioArgs {
@@ -43,7 +47,7 @@ impl ScenarioArgs {
     /// `NoScenario` with the names like it; `ScenarioError` for one that is none, or an edit that
     /// makes it none.
     pub fn load(&self) -> anyhow::Result<Scenario> {
-        let scenario = Scenario::load(found(&self.scenario)?)?;
+        let scenario = read(&self.scenario)?;
         let effects = self.effect.iter().map(|effect| format!("effect.{effect}"));
         let edits: Vec<String> = self.set.iter().cloned().chain(effects).collect();
         Ok(scenario.with_all(&edits)?)
@@ -76,11 +80,20 @@ impl ScenarioArgs {
     }
 }
 
-/// The scenario file, or the one of that name in the folder of scenarios.
+/// The scenario of a file, or the one of that name in the folder of scenarios.
 ///
 /// # Errors
-/// With the names like it.
-pub fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
+/// `NoScenario` with the names like it, or for a study; `ScenarioError` for a text that is none.
+pub fn read(asked: &Path) -> anyhow::Result<Scenario> {
+    let path = found(asked)?;
+    Scenario::load(&path).map_err(|error| match Study::load(&path) {
+        Ok(_) => NoScenario::Study(path).into(),
+        Err(_) => error.into(),
+    })
+}
+
+/// The scenario file, or the one of that name in the folder of scenarios.
+fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
     if asked.exists() {
         return Ok(asked.to_owned());
     }
@@ -89,7 +102,7 @@ pub fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
     if by_name.is_file() {
         return Ok(by_name);
     }
-    Err(NoScenario {
+    Err(NoScenario::Missing {
         asked: asked.to_owned(),
         hint: hint(asked, &names()),
     })

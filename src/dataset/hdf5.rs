@@ -128,7 +128,7 @@ impl RunFileError {
 
 /// What to do about a file that could not be written for `reason`.
 fn way_out(reason: &str) -> &'static str {
-    const WAYS: [(&str, &str); 8] = [
+    const WAYS: [(&str, &str); 9] = [
         ("No space left", "free some space or name another folder"),
         ("quota exceeded", "free some space or name another folder"),
         (
@@ -139,6 +139,7 @@ fn way_out(reason: &str) -> &'static str {
         ("Read-only", "name a folder you may write to"),
         ("No such file", "make the folder first"),
         ("it is a folder", "name a file in it"),
+        ("it is no HDF5 file", "name another file, or remove that one"),
         ("earlier run failed", "see what was said of that run"),
     ];
     let known = WAYS.iter().find(|(part, _)| reason.contains(part));

@@ -618,6 +618,19 @@ mod tests {
         expect(&backward, Some("wheel_angle"), error, "change its sign");
     }
 
+    #[test]
+    fn an_acceleration_sampled_twice_a_second_has_its_time_in_milliseconds() {
+        let mut slow = sound();
+        slow.channels.truncate(1);
+        slow.channels[0].sample_rate /= 1000.0;
+        expect(
+            &slow,
+            Some("acceleration_y"),
+            Severity::Error,
+            "time in milliseconds?",
+        );
+    }
+
     fn shifted(by: f64) -> impl Fn(&mut Channel) {
         move |channel| channel.samples.iter_mut().for_each(|x| *x += by)
     }

@@ -13,7 +13,7 @@ use ::hdf5::filters::deflate_available;
 use ::hdf5::types::VarLenUnicode;
 use ::hdf5::{Dataset, DatasetBuilder, File, Group, H5Type, Location, Result};
 use std::collections::HashSet;
-use std::io;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -22,6 +22,9 @@ const CHUNK: usize = 16_384;
 
 /// zlib level: higher ones take twice the time for a hundredth of the size.
 const DEFLATE: u8 = 1;
+
+/// How an HDF5 file begins.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Writes a run file, run by run.
 ///
@@ -41,8 +44,8 @@ impl RunFileWriter {
     /// Starts a file that will be named `path`.
     ///
     /// # Errors
-    /// `Write` where the folder does not exist or cannot be written to, or the disk is full;
-    /// `Unfit` for a provenance with a NUL character.
+    /// `Write` where the folder does not exist or cannot be written to, the disk is full, or a file
+    /// of another kind has the name; `Unfit` for a provenance with a NUL character.
     pub fn create(path: impl AsRef<Path>, provenance: &Provenance) -> super::Outcome<Self> {
         let target = path.as_ref().to_owned();
         let (whole, file) = begin(&target, FORMAT, provenance)?;
@@ -104,6 +107,9 @@ pub(super) fn begin(
     for text in scenario.iter().chain([created_by]) {
         check_text(text).map_err(|reason| unfit(target, "/", reason))?;
     }
+    if is_of_another_kind(target) {
+        return Err(RunFileError::write(target, "it is no HDF5 file"));
+    }
     let whole = WholeFile::begin(target).map_err(|error| io_error(target, &error))?;
     let write = || {
         let file = File::with_options()
@@ -123,6 +129,14 @@ pub(super) fn begin(
     };
     let file = write().map_err(|error| RunFileError::write(target, reason(&error)))?;
     Ok((whole, file))
+}
+
+/// Whether a scenario or a table has the name, which would be lost under a run file.
+fn is_of_another_kind(target: &Path) -> bool {
+    let mut first = Vec::new();
+    let read = std::fs::File::open(target)
+        .and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut first));
+    read.is_ok() && !first.is_empty() && first != SIGNATURE
 }
 
 /// Closes a file and gives it its name.

@@ -24,6 +24,10 @@ const DRIVING_SLIP: f64 = 0.05;
 /// Braking slip [-] above which the ground holds the wheel back on any slope a rig has.
 const BRAKING_SLIP: f64 = 0.2;
 
+/// Sample rate [Hz] of an acceleration below which its time cannot be in seconds: a lug's blow lasts
+/// some milliseconds, and no rig records its vibration so seldom.
+const SLOWEST_ACCELERATION: f64 = 20.0;
+
 /// Pull over load [-] beyond which a unit is wrong, and torque over load at the lugs' tips: a
 /// locked wheel that ploughs to its axle drags by twice its load.
 const MOST_GRIP: f64 = 5.0;
@@ -37,6 +41,7 @@ pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
     check_sizes(trace, doubts);
     check_pull(trace, doubts);
     check_acceleration(trace, doubts);
+    check_time(trace, doubts);
     check_sinkage(trace, doubts);
     check_class(trace, doubts);
 }
@@ -341,6 +346,15 @@ fn check_acceleration(trace: &Trace, doubts: &mut Doubts) {
     };
     let message = format!("mean is {} m/s^2: {guess}", number(mean));
     doubts.channel(name, Severity::Error, message);
+}
+
+fn check_time(trace: &Trace, doubts: &mut Doubts) {
+    let name = "acceleration_y";
+    let rate = trace.channel(name).map(|channel| channel.sample_rate);
+    if let Some(rate) = rate.filter(|rate| *rate < SLOWEST_ACCELERATION) {
+        let message = format!("sampled at {} Hz: time in milliseconds?", number(rate));
+        doubts.channel(name, Severity::Error, message);
+    }
 }
 
 fn check_sinkage(trace: &Trace, doubts: &mut Doubts) {

@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 pub(super) struct Weighing {
     masses: Vec<(Hypothesis, f64)>,
     undecided: f64,
-    /// What the nearest effect has of the unknown's.
+    /// The nearest effect, and what it has of the unknown's.
+    nearest: Option<usize>,
     lent: f64,
     /// Effects for which parameters within their priors may stand.
     absorbed: Vec<usize>,
@@ -30,6 +31,7 @@ impl Weighing {
                 .map(|r| (r.hypothesis.clone(), libm::exp(r.log_probability)))
                 .collect(),
             undecided: 0.0,
+            nearest: None,
             lent: 0.0,
             absorbed: absorbed(problem, healthy(ranking), projected),
             cleared: true,
@@ -98,6 +100,7 @@ impl Weighing {
             let own = self.masses[nearest].1;
             let of_nearest = (share * lost).min((share - own).max(0.0));
             self.masses[nearest].1 += of_nearest;
+            self.nearest = self.masses[nearest].0.effects().first().copied();
             self.lent = of_nearest;
             inherited -= of_nearest;
         }
@@ -216,7 +219,7 @@ impl Weighing {
         if self.undecided > 1.0 - confident {
             return (Answer::Undecided, Vec::new());
         }
-        let absorbed = self.mass(|h| h.effects().iter().any(|e| self.absorbed.contains(e)));
+        let absorbed = self.of_absorbed();
         if self.cleared && none + parameter + absorbed >= problem.calibration.presumed {
             let answer = match none >= parameter + absorbed {
                 true => Answer::None,
@@ -235,6 +238,16 @@ impl Weighing {
             _ => Answer::Effects,
         };
         (answer, effects)
+    }
+
+    /// Mass of the effects for which parameters may stand, but for what one of them was lent: that is the unknown's.
+    fn of_absorbed(&self) -> f64 {
+        let is_absorbed = |effect: &usize| self.absorbed.contains(effect);
+        let lent = match self.nearest.as_ref().is_some_and(is_absorbed) {
+            true => self.lent,
+            false => 0.0,
+        };
+        self.mass(|h| h.effects().iter().any(is_absorbed)) - lent
     }
 
     /// The pair, or else the effect, that is probable enough to be named.
@@ -347,4 +360,33 @@ fn absorbed(problem: Problem, recalibrated: &Fit, projected: &Projected) -> Vec<
     let all = 0..problem.emulator.candidates.len();
     all.filter(|&effect| projected.absorbed(effect) > most)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_unknown_lends_an_effect_that_parameters_absorb_is_no_parameter_s() {
+        let effect = Hypothesis::Effects(vec![3]);
+        let weighing = |own: f64, lent: f64| Weighing {
+            masses: vec![
+                (Hypothesis::Unknown, 1.0 - own - lent),
+                (effect.clone(), own + lent),
+            ],
+            undecided: 0.0,
+            nearest: Some(3),
+            lent,
+            absorbed: vec![3],
+            cleared: true,
+            reasons: Vec::new(),
+        };
+        assert_eq!(weighing(0.0, 0.4).of_absorbed(), 0.0);
+        assert!((weighing(0.2, 0.2).of_absorbed() - 0.2).abs() < 1e-12);
+        let of_another = Weighing {
+            nearest: Some(1),
+            ..weighing(0.2, 0.2)
+        };
+        assert!((of_another.of_absorbed() - 0.4).abs() < 1e-12);
+    }
 }

@@ -14,12 +14,7 @@ pub fn sentence(told: &ToldDiagnosis) -> String {
             told.name,
             percent(probability(verdict, "none"))
         ),
-        Answer::Parameter => format!(
-            "No effect has to be added: recalibrated parameters explain what differs (probability {}, \
-             and {} that nothing is off at all).",
-            percent(probability(verdict, "parameter")),
-            percent(probability(verdict, "none"))
-        ),
+        Answer::Parameter => parameter(verdict),
         Answer::Effect | Answer::Effects => effects(told.diagnosis),
         Answer::Unknown => {
             let place = verdict.located.first().map_or(String::new(), |strongest| {
@@ -40,6 +35,24 @@ pub fn sentence(told: &ToldDiagnosis) -> String {
 
 fn probability(verdict: &Verdict, name: &str) -> f64 {
     verdict.probabilities.get(name).copied().unwrap_or(0.0)
+}
+
+/// With what else is likely, where most of the probability is others'.
+fn parameter(verdict: &Verdict) -> String {
+    let [parameter, none] = ["parameter", "none"].map(|name| probability(verdict, name));
+    let others = match parameter + none < 0.5 {
+        true => format!(
+            " Nothing else is probable enough to be named.{}",
+            likeliest(verdict, &["undecided", "parameter", "none"])
+        ),
+        false => String::new(),
+    };
+    format!(
+        "No effect has to be added: recalibrated parameters explain what differs (probability {}, \
+         and {} that nothing is off at all).{others}",
+        percent(parameter),
+        percent(none)
+    )
 }
 
 /// Probability of all explanations with an effect of each set.
@@ -97,26 +110,31 @@ fn magnitude(suspect: &Suspect) -> String {
 }
 
 fn undecided(verdict: &Verdict) -> String {
-    let mut likeliest: Vec<(&String, f64)> = verdict
-        .probabilities
-        .iter()
+    let next = match &verdict.next_run {
+        Some(next) => format!(" A run {} would help most.", next.run),
+        None => String::new(),
+    };
+    let likely = likeliest(verdict, &["undecided"]);
+    format!("These runs do not tell what differs.{likely}{next}")
+}
+
+/// The three likeliest explanations but these, where any has one per cent.
+fn likeliest(verdict: &Verdict, but: &[&str]) -> String {
+    let all = verdict.probabilities.iter();
+    let mut likeliest: Vec<(&String, f64)> = all
         .map(|(name, p)| (name, *p))
-        .filter(|(name, p)| *name != "undecided" && *p > 0.01)
+        .filter(|(name, p)| !but.contains(&name.as_str()) && *p > 0.01)
         .collect();
     likeliest.sort_by(|a, b| b.1.total_cmp(&a.1));
     let named = likeliest.iter().take(3);
     let named: Vec<String> = named
         .map(|(name, p)| format!("{name} ({})", percent(*p)))
         .collect();
-    let next = match &verdict.next_run {
-        Some(next) => format!(" A run {} would help most.", next.run),
-        None => String::new(),
-    };
-    let likely = match named.is_empty() {
-        true => String::new(),
-        false => format!(" Likeliest are {}.", listed(&named, "and")),
-    };
-    format!("These runs do not tell what differs.{likely}{next}")
+    match &named[..] {
+        [] => String::new(),
+        [one] => format!(" Likeliest is {one}."),
+        _ => format!(" Likeliest are {}.", listed(&named, "and")),
+    }
 }
 
 /// Tests, reasons and caveats.
