@@ -139,7 +139,10 @@ fn way_out(reason: &str) -> &'static str {
         ("Read-only", "name a folder you may write to"),
         ("No such file", "make the folder first"),
         ("it is a folder", "name a file in it"),
-        ("it is no HDF5 file", "name another file, or remove that one"),
+        (
+            "it is no HDF5 file",
+            "name another file, or remove that one",
+        ),
         ("earlier run failed", "see what was said of that run"),
     ];
     let known = WAYS.iter().find(|(part, _)| reason.contains(part));

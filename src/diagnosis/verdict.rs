@@ -192,26 +192,23 @@ impl Verdict {
         }
     }
 
-    /// With the gap that recalibration leaves when it is simulated. Where that is the floor's, no effect is missing that
-    /// could be seen in it, and what one adds to the score may be what the emulator errs by of parameters far from their
-    /// middle: only one that foretells very much better is named.
+    /// With the gap that recalibration leaves when it is simulated. Where that is the floor's, nothing is missing that
+    /// could be seen in it, and what a cause adds to the score, also an unknown one, may be what the emulator errs by of
+    /// parameters far from their middle: only where an effect foretells very much better does the answer stand.
     pub(super) fn recalibrated(mut self, gap: f64, calibration: &Calibration) -> Self {
         let floor = self.shrinkage.as_ref().map_or(0.0, |it| it.floor);
-        let may_be_effect = matches!(
-            self.verdict,
-            Answer::Effect | Answer::Effects | Answer::Undecided
-        );
+        let may_be_cause = !matches!(self.verdict, Answer::None | Answer::Parameter);
         let undecided = self.probabilities.get(UNDECIDED).copied();
         let is_decided = undecided.unwrap_or_default() <= 1.0 - calibration.confident;
         let leaves_nothing = gap <= (1.0 + calibration.at_floor) * floor;
         let stands_out = self.gain() > calibration.beyond_floor;
-        if !(may_be_effect && is_decided && leaves_nothing) || stands_out {
+        if !(may_be_cause && is_decided && leaves_nothing) || stands_out {
             return self;
         }
         self.reasons.push(format!(
-            "effects foretell better, yet the recalibrated scenario, simulated, leaves {gap:.2} where {floor:.2} is the floor"
+            "other causes foretell better, yet the recalibrated scenario, simulated, leaves {gap:.2} where {floor:.2} is the floor"
         ));
-        self.refute(calibration.refuted, PARAMETER);
+        self.refute(calibration.refuted, &[UNDECIDED], PARAMETER);
         self.verdict = Answer::Parameter;
         self
     }
@@ -237,16 +234,16 @@ impl Verdict {
             "simulated with {} the gap is {with_effects:.2}, without it {recalibrated:.2}",
             self.named[0][0]
         ));
-        self.refute(refuted, UNDECIDED);
+        self.refute(refuted, &[UNKNOWN, UNDECIDED], UNDECIDED);
         self.verdict = Answer::Undecided;
         self
     }
 
-    /// Names no effect: all keep this share of their probability, the rest is another's.
-    fn refute(&mut self, kept: f64, heir: &str) {
+    /// Names no effect: all causes but the spared keep this share of their probability, the rest is another's.
+    fn refute(&mut self, kept: f64, spared: &[&str], heir: &str) {
         let mut lost = 0.0;
         for (name, probability) in &mut self.probabilities {
-            if name != UNKNOWN && name != UNDECIDED && !PLAIN.contains(&&**name) {
+            if !spared.contains(&&**name) && !PLAIN.contains(&&**name) {
                 lost += (1.0 - kept) * *probability;
                 *probability *= kept;
             }

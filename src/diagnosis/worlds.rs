@@ -250,23 +250,31 @@ fn what_the_simulator_refutes_is_not_named() {
 }
 
 #[test]
-fn no_effect_is_named_where_recalibration_simulated_leaves_no_more_than_the_floor() {
+fn no_cause_is_answered_where_recalibration_simulated_leaves_no_more_than_the_floor() {
     let bench = Bench::new(SMALL, 2, 1);
-    let named = bench.verdict(&Truth::effect(5, 2.0), 3);
-    assert_eq!(named.named, [["e5"]]);
-    let floor = named.shrinkage.as_ref().unwrap().floor;
+    let effect = bench.verdict(&Truth::effect(5, 2.0), 3);
+    assert_eq!(effect.named, [["e5"]]);
+    let off = Truth {
+        off: vec![(3, 6.0), (7, 5.0), (11, -5.0)],
+        ..Truth::default()
+    };
+    let unknown = bench.verdict(&off, 50);
+    assert_answer(&unknown, Answer::Unknown);
     let calibration = |beyond_floor| Calibration {
         beyond_floor,
         ..Calibration::default()
     };
-    let [strict, lax] = [f64::INFINITY, 0.0].map(calibration);
-    assert_eq!(named.clone().recalibrated(1.5 * floor, &strict), named);
-    assert_eq!(named.clone().recalibrated(floor, &lax), named);
-    let cleared = named.recalibrated(floor, &strict);
-    assert_answer(&cleared, Answer::Parameter);
-    assert!(cleared.named.is_empty() && cleared.probabilities["parameter"] > 0.5);
-    let sum: f64 = cleared.probabilities.values().sum();
-    assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+    let [strict, lax] = [f64::INFINITY, f64::NEG_INFINITY].map(calibration);
+    for cause in [effect, unknown] {
+        let floor = cause.shrinkage.as_ref().unwrap().floor;
+        assert_eq!(cause.clone().recalibrated(1.5 * floor, &strict), cause);
+        assert_eq!(cause.clone().recalibrated(floor, &lax), cause);
+        let cleared = cause.recalibrated(floor, &strict);
+        assert_answer(&cleared, Answer::Parameter);
+        assert!(cleared.named.is_empty() && cleared.probabilities["parameter"] > 0.5);
+        let sum: f64 = cleared.probabilities.values().sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+    }
 }
 
 #[test]
