@@ -208,8 +208,13 @@ impl Verdict {
         self.reasons.push(format!(
             "other causes foretell better, yet the recalibrated scenario, simulated, leaves {gap:.2} where {floor:.2} is the floor"
         ));
-        self.refute(calibration.refuted, &[UNDECIDED], PARAMETER);
-        self.verdict = Answer::Parameter;
+        let has_parameters = self.explanations.iter().any(|it| it.name == PARAMETER);
+        let (answer, heir) = match has_parameters {
+            true => (Answer::Parameter, PARAMETER),
+            false => (Answer::None, NONE),
+        };
+        self.refute(calibration.refuted, &[UNDECIDED], heir);
+        self.verdict = answer;
         self
     }
 

@@ -275,6 +275,11 @@ fn no_cause_is_answered_where_recalibration_simulated_leaves_no_more_than_the_fl
         let sum: f64 = cleared.probabilities.values().sum();
         assert!((sum - 1.0).abs() < 1e-9, "{sum}");
     }
+    // Where no parameter may move, nothing is off.
+    let mut fixed = bench.verdict(&Truth::effect(5, 2.0), 3);
+    fixed.explanations.retain(|it| it.name != "parameter");
+    let floor = fixed.shrinkage.as_ref().unwrap().floor;
+    assert_answer(&fixed.recalibrated(floor, &strict), Answer::None);
 }
 
 #[test]
