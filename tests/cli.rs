@@ -250,6 +250,7 @@ fn an_invalid_input_file_exits_with_3_and_the_message_shows_the_way() {
     refuses("inspect missing.h5", 3, &["cannot read missing.h5"]);
     refuses("inspect note.txt", 3, &["note.txt is not an HDF5 file"]);
     refuses("plot sub", 3, &["cannot read sub"]);
+    refuses("challenge score sub", 3, &["cannot read sub/campaigns"]);
     refuses("import moon.toml --out a.h5", 3, &["campaign moon.toml"]);
     refuses("import note.txt --out a.h5", 3, &["note.txt:1:"]);
 }

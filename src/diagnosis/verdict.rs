@@ -208,10 +208,9 @@ impl Verdict {
         self.reasons.push(format!(
             "other causes foretell better, yet the recalibrated scenario, simulated, leaves {gap:.2} where {floor:.2} is the floor"
         ));
-        let has_parameters = self.explanations.iter().any(|it| it.name == PARAMETER);
-        let (answer, heir) = match has_parameters {
-            true => (Answer::Parameter, PARAMETER),
-            false => (Answer::None, NONE),
+        let (answer, heir) = match self.recalibration.is_empty() {
+            true => (Answer::None, NONE),
+            false => (Answer::Parameter, PARAMETER),
         };
         self.refute(calibration.refuted, &[UNDECIDED], heir);
         self.verdict = answer;

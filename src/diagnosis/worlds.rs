@@ -277,7 +277,7 @@ fn no_cause_is_answered_where_recalibration_simulated_leaves_no_more_than_the_fl
     }
     // Where no parameter may move, nothing is off.
     let mut fixed = bench.verdict(&Truth::effect(5, 2.0), 3);
-    fixed.explanations.retain(|it| it.name != "parameter");
+    fixed.recalibration.clear();
     let floor = fixed.shrinkage.as_ref().unwrap().floor;
     assert_answer(&fixed.recalibrated(floor, &strict), Answer::None);
 }
