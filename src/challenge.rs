@@ -33,7 +33,7 @@ mod order;
 pub mod score;
 mod truth;
 
-pub use answer::{Answer, Closed, Compared, Screened, Suspect, Verdict};
+pub use answer::{Answer, Closed, Compared, Screened, Suspect};
 pub use answering::{Answered, Progress, Question, Unanswered, answer};
 pub use folder::{Manifest, Posed, by_method};
 pub use making::{Made, begun, make};
@@ -51,7 +51,15 @@ pub const GROUNDS: [&str; 3] = ["sand", "hard", "gravel"];
 /// Why a trial cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum ChallengeError {
-    /// The file system refused.
+    /// A file of the trial cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// The file system refused to write.
     #[error("cannot {action} {}: {source}", path.display())]
     File {
         /// What was to be done.

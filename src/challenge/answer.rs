@@ -1,26 +1,9 @@
 //! What a diagnosis answered, as far as it is scored.
 
 use super::truth::effect_of;
+use crate::diagnosis::Answer as Verdict;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-
-/// What a diagnosis says explains the measurements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// Nothing is wrong.
-    None,
-    /// Parameters are off.
-    Parameter,
-    /// An effect is missing.
-    Effect,
-    /// Two effects are missing.
-    Effects,
-    /// Something that no effect makes.
-    Unknown,
-    /// The runs do not tell.
-    Undecided,
-}
 
 /// An effect that may be the cause.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -137,7 +120,7 @@ impl Answer {
 
     /// Probability [-] that nothing but parameters differs.
     pub(super) fn probability_of_nothing(&self) -> f64 {
-        self.probability("none") + self.probability("parameter")
+        self.probability(Verdict::None.name()) + self.probability(Verdict::Parameter.name())
     }
 
     /// What was found of an effect.
@@ -151,8 +134,7 @@ impl Answer {
             (Verdict::Effect, Some(name)) => effect_of(&name).to_owned(),
             (Verdict::None | Verdict::Parameter, _) => "nothing".to_owned(),
             (Verdict::Effect | Verdict::Effects, _) => "two effects".to_owned(),
-            (Verdict::Unknown, _) => "unknown".to_owned(),
-            (Verdict::Undecided, _) => "undecided".to_owned(),
+            (verdict, _) => verdict.name().to_owned(),
         }
     }
 

@@ -110,7 +110,7 @@ impl Campaigns {
         ];
         for (name, published) in published {
             let path = self.path_of(name);
-            let bytes = std::fs::read(&path).map_err(|source| file_error("read", &path, source))?;
+            let bytes = std::fs::read(&path).map_err(|source| unreadable(&path, source))?;
             if sha256(&bytes) != *published {
                 return Err(ChallengeError::CampaignAltered(path));
             }
@@ -154,7 +154,7 @@ pub(super) fn is_empty(path: &Path) -> Result<bool, ChallengeError> {
     match std::fs::read_dir(path) {
         Ok(mut entries) => Ok(entries.next().is_none()),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
-        Err(source) => Err(file_error("read", path, source)),
+        Err(source) => Err(unreadable(path, source)),
     }
 }
 
@@ -163,7 +163,7 @@ pub(super) fn make_folder(path: &Path) -> Result<(), ChallengeError> {
 }
 
 pub(super) fn read(path: &Path) -> Result<String, ChallengeError> {
-    std::fs::read_to_string(path).map_err(|source| file_error("read", path, source))
+    std::fs::read_to_string(path).map_err(|source| unreadable(path, source))
 }
 
 /// Writes a whole file or none.
@@ -182,6 +182,13 @@ pub(super) fn parsed<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, 
 pub(super) fn as_json(value: &impl Serialize) -> String {
     let text = serde_json::to_string_pretty(value).expect("names and finite numbers");
     text + "\n"
+}
+
+pub(super) fn unreadable(path: &Path, source: io::Error) -> ChallengeError {
+    ChallengeError::Unreadable {
+        path: path.to_owned(),
+        source,
+    }
 }
 
 pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -> ChallengeError {

@@ -235,7 +235,7 @@ impl Work<'_> {
                 Err(NoRuns::Stopped) => return Err(Halt::Stopped),
             }
         }
-        let bytes = std::fs::read(&path).map_err(|it| folder::file_error("read", &path, it))?;
+        let bytes = std::fs::read(&path).map_err(|it| folder::unreadable(&path, it))?;
         self.done.fetch_add(1, Ordering::Relaxed);
         Ok(Ok(Posed {
             case: truth.case.clone(),

@@ -30,12 +30,12 @@ pub use interval::Score;
 pub use tables::{Matrix, OfEffect, Power};
 
 use super::ChallengeError;
-use super::answer::Verdict;
 use super::answering::{has_failed, known, seconds};
 use super::folder::{self, Campaigns};
 use super::order::{Family, Set};
 use super::truth::{Level, Rig};
 use crate::diagnosis::Ablation;
+use crate::diagnosis::Answer as Verdict;
 use interval::mean;
 use judged::Judged;
 use serde::Serialize;
@@ -316,7 +316,10 @@ impl Unknown {
     fn of(cases: &[Judged]) -> Self {
         let told = cases.iter().filter_map(|case| {
             let answer = case.answer.as_ref()?;
-            Some((case.is_of(Set::C3), answer.probability("unknown")))
+            Some((
+                case.is_of(Set::C3),
+                answer.probability(Verdict::Unknown.name()),
+            ))
         });
         let told: Vec<(bool, f64)> = told.collect();
         let verdicts = cases.iter();

@@ -92,7 +92,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || matches!(
             cause.downcast_ref::<ChallengeError>(),
             Some(
-                ChallengeError::File { action: "read", .. }
+                ChallengeError::Unreadable { .. }
                     | ChallengeError::Content { .. }
                     | ChallengeError::TruthAltered(_)
                     | ChallengeError::CampaignAltered(_)

@@ -1,11 +1,12 @@
 //! What may explain a gap.
 
 use super::emulator::Emulator;
+use super::verdict::Answer;
 
 /// Names of explanations without effects.
-pub(super) const NONE: &str = "none";
-pub(super) const PARAMETER: &str = "parameter";
-pub(super) const UNKNOWN: &str = "unknown";
+pub(super) const NONE: &str = Answer::None.name();
+pub(super) const PARAMETER: &str = Answer::Parameter.name();
+pub(super) const UNKNOWN: &str = Answer::Unknown.name();
 
 /// An explanation, effects by their place among the candidates.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

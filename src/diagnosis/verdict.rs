@@ -25,7 +25,7 @@ const LOCATED: usize = 10;
 /// Score [-] from which on a cell of a remainder is worth a mention.
 const STRONG: f64 = 4.0;
 /// Name of the probability that no explanation has.
-const UNDECIDED: &str = "undecided";
+const UNDECIDED: &str = Answer::Undecided.name();
 /// Names of what explains by nothing but the scenario.
 const PLAIN: [&str; 2] = [NONE, PARAMETER];
 
@@ -45,6 +45,20 @@ pub enum Answer {
     Unknown,
     /// The runs do not tell.
     Undecided,
+}
+
+impl Answer {
+    /// Its name, also that of its probability; an effect's probability has the effect's own.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Parameter => "parameter",
+            Self::Effect => "effect",
+            Self::Effects => "effects",
+            Self::Unknown => "unknown",
+            Self::Undecided => "undecided",
+        }
+    }
 }
 
 /// An effect that may be the cause.

@@ -1,6 +1,7 @@
 //! How probable each explanation is, as bars.
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel};
+use crate::diagnosis::Answer;
 use std::collections::BTreeMap;
 
 /// Width of the drawing [px].
@@ -63,25 +64,36 @@ fn bars(probabilities: &BTreeMap<String, f64>) -> Vec<(String, f64)> {
     all
 }
 
+/// Answers that name no effect: their colours and what they are called.
+const PLAIN: [(Answer, &str, &str); 4] = [
+    (Answer::None, PALETTE[2], "nothing missing, nothing off"),
+    (
+        Answer::Parameter,
+        PALETTE[2],
+        "parameters off, nothing missing",
+    ),
+    (Answer::Unknown, PALETTE[5], "something unknown"),
+    (Answer::Undecided, "#8a93a3", "undecided"),
+];
+
+fn plain(name: &str) -> Option<(&'static str, &'static str)> {
+    let mut plain = PLAIN.iter();
+    let found = plain.find(|(answer, ..)| answer.name() == name);
+    found.map(|(_, colour, told)| (*colour, *told))
+}
+
 fn colour(name: &str) -> &'static str {
-    match name {
-        "none" | "parameter" => PALETTE[2],
-        "unknown" => PALETTE[5],
-        "undecided" => "#8a93a3",
-        OTHERS => "#b9c0cc",
-        _ => PALETTE[0],
+    match (plain(name), name) {
+        (Some((colour, _)), _) => colour,
+        (None, OTHERS) => "#b9c0cc",
+        (None, _) => PALETTE[0],
     }
 }
 
 /// What an explanation is called.
 fn told(name: &str) -> String {
-    match name {
-        "none" => "nothing missing, nothing off".to_owned(),
-        "parameter" => "parameters off, nothing missing".to_owned(),
-        "unknown" => "something unknown".to_owned(),
-        "undecided" => "undecided".to_owned(),
-        name => name.replace('+', " + "),
-    }
+    let plain = plain(name).map(|(_, told)| told.to_owned());
+    plain.unwrap_or_else(|| name.replace('+', " + "))
 }
 
 fn draw_bar(canvas: &mut Canvas, panel: &Panel, place: f64, (name, probability): &(String, f64)) {

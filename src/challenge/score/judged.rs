@@ -1,8 +1,9 @@
 //! One case: what was done, what was answered, and how that agrees.
 
-use crate::challenge::answer::{Answer, Suspect, Verdict};
+use crate::challenge::answer::{Answer, Suspect};
 use crate::challenge::order::Set;
 use crate::challenge::truth::{Hidden, Truth};
+use crate::diagnosis::Answer as Verdict;
 use crate::effects::Application;
 
 /// A case with its answer.
@@ -111,7 +112,7 @@ impl Judged {
     /// The right answer as a key of [`labels`](Self::labels).
     pub(super) fn label(&self) -> String {
         match (self.truth.set, self.truth.effects.as_slice()) {
-            (Set::C3, _) => "unknown".to_owned(),
+            (Set::C3, _) => Verdict::Unknown.name().to_owned(),
             (_, [hidden]) => hidden.name.clone(),
             (_, [a, b]) => pair(&a.name, &b.name),
             _ => "nothing".to_owned(),
@@ -125,8 +126,10 @@ impl Judged {
             return Vec::new();
         };
         let known = answer.probabilities.iter();
-        let others =
-            known.filter(|(name, _)| !["none", "parameter", "undecided"].contains(&name.as_str()));
+        let others = known.filter(|(name, _)| {
+            let apart = [Verdict::None, Verdict::Parameter, Verdict::Undecided];
+            apart.iter().all(|verdict| verdict.name() != name.as_str())
+        });
         let mut labels = vec![("nothing".to_owned(), answer.probability_of_nothing())];
         labels.extend(others.map(|(name, probability)| {
             let name = match name.split_once('+') {
@@ -144,7 +147,7 @@ impl Judged {
             return 0.0;
         };
         match (self.truth.set, self.truth.effects.as_slice()) {
-            (Set::C3, _) => answer.probability("unknown"),
+            (Set::C3, _) => answer.probability(Verdict::Unknown.name()),
             (_, [hidden]) => answer.probability(&hidden.name),
             (_, [a, b]) => answer.probability_of_pair([&a.name, &b.name]),
             _ => answer.probability_of_nothing(),

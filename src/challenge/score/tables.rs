@@ -5,6 +5,7 @@ use super::judged::Judged;
 use crate::challenge::answer::Answer;
 use crate::challenge::order::Set;
 use crate::challenge::truth::Hidden;
+use crate::diagnosis::Answer as Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -61,11 +62,17 @@ const ANOTHER: &str = "another effect";
 /// Cases by truth and answer, effects without their channels; cases of two effects are not in it.
 pub(super) fn confusion(cases: &[Judged]) -> Matrix {
     let effects = effects(cases);
-    let rows = named(&effects, &["nothing"], &["unknown"]);
+    let rows = named(&effects, &["nothing"], &[Verdict::Unknown.name()]);
     let columns = named(
         &effects,
         &["nothing"],
-        &[ANOTHER, "two effects", "unknown", "undecided", "failed"],
+        &[
+            ANOTHER,
+            "two effects",
+            Verdict::Unknown.name(),
+            Verdict::Undecided.name(),
+            "failed",
+        ],
     );
     let answered = |case: &Judged| {
         let word = case
@@ -125,7 +132,7 @@ pub(super) fn isolability(cases: &[Judged]) -> Matrix {
 /// Mean probability [-] that answers (columns) have where something else (rows) is true.
 pub(super) fn told(cases: &[Judged]) -> Matrix {
     let effects = effects(cases);
-    let rows = named(&effects, &["nothing"], &["unknown"]);
+    let rows = named(&effects, &["nothing"], &[Verdict::Unknown.name()]);
     let columns = rows.clone();
     let row = |row: &String| -> Vec<f64> {
         let of_row: Vec<&Judged> = cases
@@ -210,7 +217,7 @@ fn named(effects: &[String], before: &[&str], after: &[&str]) -> Vec<String> {
 fn truth_of(case: &Judged) -> Option<String> {
     match (case.truth.set, case.hidden()) {
         (Set::C0, _) => Some("nothing".to_owned()),
-        (Set::C3, _) => Some("unknown".to_owned()),
+        (Set::C3, _) => Some(Verdict::Unknown.name().to_owned()),
         (Set::C1 | Set::C2, hidden) => hidden.map(|it: &Hidden| it.effect().to_owned()),
         (Set::C4, _) => None,
     }

@@ -13,14 +13,20 @@ use std::collections::BTreeMap;
 pub(super) struct Weighing {
     masses: Vec<(Hypothesis, f64)>,
     undecided: f64,
-    /// The nearest effect, and what it has of the unknown's.
-    nearest: Option<usize>,
-    lent: f64,
+    /// What an effect has of the unknown's.
+    lent: Option<Lent>,
     /// Effects for which parameters within their priors may stand.
     absorbed: Vec<usize>,
     /// Whether what is left without any effect may be chance, or is little of the gap.
     cleared: bool,
     pub reasons: Vec<String>,
+}
+
+/// The effect nearest to something unknown, and the probability that it has for that.
+#[derive(Clone, Copy)]
+struct Lent {
+    effect: usize,
+    mass: f64,
 }
 
 impl Weighing {
@@ -31,8 +37,7 @@ impl Weighing {
                 .map(|r| (r.hypothesis.clone(), libm::exp(r.log_probability)))
                 .collect(),
             undecided: 0.0,
-            nearest: None,
-            lent: 0.0,
+            lent: None,
             absorbed: absorbed(problem, healthy(ranking), projected),
             cleared: true,
             reasons: Vec::new(),
@@ -41,7 +46,7 @@ impl Weighing {
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
-        if weighing.unknown() + weighing.lent >= problem.calibration.confident
+        if weighing.unknown() + weighing.lent() >= problem.calibration.confident
             && !shows(problem, healthy(ranking))
         {
             weighing.without_unknown();
@@ -100,8 +105,10 @@ impl Weighing {
             let own = self.masses[nearest].1;
             let of_nearest = (share * lost).min((share - own).max(0.0));
             self.masses[nearest].1 += of_nearest;
-            self.nearest = self.masses[nearest].0.effects().first().copied();
-            self.lent = of_nearest;
+            self.lent = Some(Lent {
+                effect: self.masses[nearest].0.effects()[0],
+                mass: of_nearest,
+            });
             inherited -= of_nearest;
         }
         if let Some(heir) = heir {
@@ -184,7 +191,9 @@ impl Weighing {
             self.undecided += (1.0 - share) * *mass;
             *mass *= share;
         }
-        self.lent *= share;
+        if let Some(lent) = &mut self.lent {
+            lent.mass *= share;
+        }
     }
 
     /// Nothing says that what is left is more than repeats scatter.
@@ -193,9 +202,14 @@ impl Weighing {
         for (_, mass) in unknown.filter(|(hypothesis, _)| *hypothesis == Hypothesis::Unknown) {
             self.undecided += std::mem::take(mass);
         }
-        self.lent = 0.0;
+        self.lent = None;
         let why = "what recalibration leaves is no wider than repeats scatter, and shows in no statistic by itself";
         self.reasons.push(why.to_owned());
+    }
+
+    /// What the nearest effect has of the unknown's.
+    fn lent(&self) -> f64 {
+        self.lent.map_or(0.0, |lent| lent.mass)
     }
 
     fn unknown(&self) -> f64 {
@@ -228,7 +242,8 @@ impl Weighing {
             return (answer, Vec::new());
         }
         // The nearest effect by another law is one way of being unknown.
-        if unknown > self.lent && unknown + self.lent >= confident {
+        let lent = self.lent();
+        if unknown > lent && unknown + lent >= confident {
             return (Answer::Unknown, Vec::new());
         }
         let effects = self.effects(problem, projected);
@@ -243,11 +258,8 @@ impl Weighing {
     /// Mass of the effects for which parameters may stand, but for what one of them was lent: that is the unknown's.
     fn of_absorbed(&self) -> f64 {
         let is_absorbed = |effect: &usize| self.absorbed.contains(effect);
-        let lent = match self.nearest.as_ref().is_some_and(is_absorbed) {
-            true => self.lent,
-            false => 0.0,
-        };
-        self.mass(|h| h.effects().iter().any(is_absorbed)) - lent
+        let lent = self.lent.filter(|lent| is_absorbed(&lent.effect));
+        self.mass(|h| h.effects().iter().any(is_absorbed)) - lent.map_or(0.0, |lent| lent.mass)
     }
 
     /// The pair, or else the effect, that is probable enough to be named.
@@ -375,8 +387,10 @@ mod tests {
                 (effect.clone(), own + lent),
             ],
             undecided: 0.0,
-            nearest: Some(3),
-            lent,
+            lent: Some(Lent {
+                effect: 3,
+                mass: lent,
+            }),
             absorbed: vec![3],
             cleared: true,
             reasons: Vec::new(),
@@ -384,7 +398,10 @@ mod tests {
         assert_eq!(weighing(0.0, 0.4).of_absorbed(), 0.0);
         assert!((weighing(0.2, 0.2).of_absorbed() - 0.2).abs() < 1e-12);
         let of_another = Weighing {
-            nearest: Some(1),
+            lent: Some(Lent {
+                effect: 1,
+                mass: 0.2,
+            }),
             ..weighing(0.2, 0.2)
         };
         assert!((of_another.of_absorbed() - 0.4).abs() < 1e-12);

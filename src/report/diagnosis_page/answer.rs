@@ -12,7 +12,7 @@ pub fn sentence(told: &ToldDiagnosis) -> String {
         Answer::None => format!(
             "Nothing is missing and nothing is off: {} explains these runs as it came (probability {}).",
             told.name,
-            percent(probability(verdict, "none"))
+            percent(probability(verdict, Answer::None))
         ),
         Answer::Parameter => parameter(verdict),
         Answer::Effect | Answer::Effects => effects(told.diagnosis),
@@ -26,24 +26,29 @@ pub fn sentence(told: &ToldDiagnosis) -> String {
             });
             format!(
                 "Something is missing that no effect of the library makes (probability {}).{place}",
-                percent(probability(verdict, "unknown"))
+                percent(probability(verdict, Answer::Unknown))
             )
         }
         Answer::Undecided => undecided(verdict),
     }
 }
 
-fn probability(verdict: &Verdict, name: &str) -> f64 {
-    verdict.probabilities.get(name).copied().unwrap_or(0.0)
+fn probability(verdict: &Verdict, answer: Answer) -> f64 {
+    let told = verdict.probabilities.get(answer.name());
+    told.copied().unwrap_or(0.0)
 }
 
 /// With what else is likely, where most of the probability is others'.
 fn parameter(verdict: &Verdict) -> String {
-    let [parameter, none] = ["parameter", "none"].map(|name| probability(verdict, name));
+    let [parameter, none] =
+        [Answer::Parameter, Answer::None].map(|answer| probability(verdict, answer));
     let others = match parameter + none < 0.5 {
         true => format!(
             " Nothing else is probable enough to be named.{}",
-            likeliest(verdict, &["undecided", "parameter", "none"])
+            likeliest(
+                verdict,
+                &[Answer::Undecided, Answer::Parameter, Answer::None]
+            )
         ),
         false => String::new(),
     };
@@ -114,16 +119,16 @@ fn undecided(verdict: &Verdict) -> String {
         Some(next) => format!(" A run {} would help most.", next.run),
         None => String::new(),
     };
-    let likely = likeliest(verdict, &["undecided"]);
+    let likely = likeliest(verdict, &[Answer::Undecided]);
     format!("These runs do not tell what differs.{likely}{next}")
 }
 
 /// The three likeliest explanations but these, where any has one per cent.
-fn likeliest(verdict: &Verdict, but: &[&str]) -> String {
+fn likeliest(verdict: &Verdict, but: &[Answer]) -> String {
     let all = verdict.probabilities.iter();
     let mut likeliest: Vec<(&String, f64)> = all
         .map(|(name, p)| (name, *p))
-        .filter(|(name, p)| !but.contains(&name.as_str()) && *p > 0.01)
+        .filter(|(name, p)| but.iter().all(|it| it.name() != *name) && *p > 0.01)
         .collect();
     likeliest.sort_by(|a, b| b.1.total_cmp(&a.1));
     let named = likeliest.iter().take(3);

@@ -1,6 +1,7 @@
 //! What diagnoses make of the runs.
 
 use super::value_cell;
+use crate::diagnosis::Answer;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{CampaignBar, campaign_bars};
 use crate::study::diagnosis::score::{CampaignScore, DiagnosisScore, Finding, Truth};
@@ -98,14 +99,14 @@ fn bar(campaign: &CampaignScore) -> CampaignBar {
 /// counts once.
 fn probabilities(campaign: &CampaignScore, finding: &Finding) -> [f64; 6] {
     let truth = campaign.probability_of_truth().unwrap_or_default();
-    let of = |name: &str, is_truth: bool| match is_truth {
+    let of = |answer: Answer, is_truth: bool| match is_truth {
         true => 0.0,
-        false => finding.probability(name).unwrap_or_default(),
+        false => finding.probability(answer.name()).unwrap_or_default(),
     };
-    let parameter = of("parameter", campaign.truth == Truth::Parameter);
-    let none = of("none", campaign.truth == Truth::None);
-    let unknown = of("unknown", campaign.truth == Truth::Other);
-    let undecided = of("undecided", false);
+    let parameter = of(Answer::Parameter, campaign.truth == Truth::Parameter);
+    let none = of(Answer::None, campaign.truth == Truth::None);
+    let unknown = of(Answer::Unknown, campaign.truth == Truth::Other);
+    let undecided = of(Answer::Undecided, false);
     let effects = 1.0 - truth - parameter - none - unknown - undecided;
     [truth, effects.max(0.0), parameter, none, unknown, undecided]
 }
@@ -145,8 +146,8 @@ fn row(campaign: &CampaignScore) -> Vec<Cell> {
     cells.push(Cell::Text(campaign.truth.to_string()));
     cells.push(Cell::Text(campaign.answer()));
     cells.push(number(campaign.probability_of_truth()));
-    let of = |name: &str| number(finding.and_then(|it| it.probability(name)));
-    cells.extend(["none", "parameter", "unknown"].map(of));
+    let of = |answer: Answer| number(finding.and_then(|it| it.probability(answer.name())));
+    cells.extend([Answer::None, Answer::Parameter, Answer::Unknown].map(of));
     match finding.and_then(Finding::likeliest) {
         Some(effect) => cells.extend([
             Cell::text(&effect.name),
