@@ -794,3 +794,17 @@ fn an_effect_of_another_form_among_runs_that_went_astray_is_named_all_the_same()
     }
     assert!(named >= 5, "{named} of 6");
 }
+
+#[test]
+fn an_effect_that_a_parameter_absorbs_is_no_cause_of_what_that_parameter_cannot_explain() {
+    let mut world = World::new(SMALL, 1);
+    for condition in 0..SMALL.conditions {
+        world.signatures[condition][2] = world.jacobian[condition][0].clone();
+    }
+    let library = world.library(1);
+    let bench = Bench::of(world, library, 2, 1);
+    for seed in 0..3 {
+        let measured = bench.world.in_another_form(2, 5.0, 0.6, seed);
+        assert_answer(&bench.verdict_on(&measured), Answer::Unknown);
+    }
+}

@@ -32,17 +32,21 @@ struct Lent {
 impl Weighing {
     pub fn of(problem: Problem, ranking: &Ranking, projected: &Projected) -> Self {
         let ranked = ranking.ranked.iter();
+        let absorbed = absorbed(problem, projected);
         let mut weighing = Self {
             masses: ranked
                 .map(|r| (r.hypothesis.clone(), libm::exp(r.log_probability)))
                 .collect(),
             undecided: 0.0,
             lent: None,
-            absorbed: absorbed(problem, healthy(ranking), projected),
+            absorbed: match keeps_to_priors(healthy(ranking)) {
+                true => absorbed.clone(),
+                false => Vec::new(),
+            },
             cleared: true,
             reasons: Vec::new(),
         };
-        weighing.check(problem, ranking);
+        weighing.check(problem, ranking, &absorbed);
         weighing.disagreement(ranking);
         weighing.stand_in(problem);
         weighing.reserve(problem.calibration.surest);
@@ -66,8 +70,9 @@ impl Weighing {
     /// the unknown, and a part of it to the effect that foretells best, which may act by another law than the
     /// catalogue's; where the best does either, the unknown has a small share of what it had. That the unknown
     /// itself foretells better than all of them is not asked for: it did not, and a wrong pair was named, where a
-    /// world lacked an effect.
-    fn check(&mut self, problem: Problem, ranking: &Ranking) {
+    /// world lacked an effect. An effect that parameters absorb keeps nothing where they fail: what it explains by
+    /// another law than the catalogue's is the unknown's.
+    fn check(&mut self, problem: Problem, ranking: &Ranking, absorbed: &[usize]) {
         let trust = Trust::of(problem, ranking);
         let others = ranking.ranked.iter();
         let mut others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
@@ -88,9 +93,13 @@ impl Weighing {
             };
         }
         self.without_seconds(&trust, problem.calibration.with_second);
+        self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
         let mut lost = 0.0;
         for (hypothesis, mass) in &mut self.masses {
-            let kept = trust.kept(hypothesis);
+            let kept = match is_refuted(hypothesis, absorbed, self.cleared) {
+                true if !trust.is_sound(hypothesis) => 0.0,
+                _ => trust.kept(hypothesis),
+            };
             lost += (1.0 - kept) * *mass;
             *mass *= kept;
         }
@@ -126,7 +135,6 @@ impl Weighing {
                 nearest.name(problem.emulator).replace('+', " with ")
             ));
         }
-        self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
     }
 
     /// Of a pair that barely passes its check, leaves the effect that explains the gap alone, the better of these,
@@ -355,23 +363,31 @@ impl Weighing {
     }
 }
 
+/// Whether parameters, for which an effect may stand, were tried in its place and fail.
+fn is_refuted(hypothesis: &Hypothesis, absorbed: &[usize], cleared: bool) -> bool {
+    match hypothesis.effects() {
+        [effect] => !cleared && absorbed.contains(effect),
+        _ => false,
+    }
+}
+
 /// Whether what recalibration leaves shows: in some statistic by itself, or in all of them beyond what repeats
 /// scatter.
 fn shows(problem: Problem, recalibrated: &Fit) -> bool {
     recalibrated.left > problem.calibration.noticeable || !located(problem, recalibrated).is_empty()
 }
 
-/// Effects that parameters absorb as far as equivalent effects would each other, where
-/// recalibration keeps to the priors.
-fn absorbed(problem: Problem, recalibrated: &Fit, projected: &Projected) -> Vec<usize> {
-    let at_end = |[offset, _]: &[f64; 2]| offset.abs() > END;
-    if recalibrated.offsets.iter().any(at_end) {
-        return Vec::new();
-    }
+/// Effects that parameters, however far off, absorb as far as equivalent effects would each other.
+fn absorbed(problem: Problem, projected: &Projected) -> Vec<usize> {
     let most = problem.calibration.equivalent * problem.calibration.equivalent;
     let all = 0..problem.emulator.candidates.len();
     all.filter(|&effect| projected.absorbed(effect) > most)
         .collect()
+}
+
+fn keeps_to_priors(recalibrated: &Fit) -> bool {
+    let mut offsets = recalibrated.offsets.iter();
+    offsets.all(|[offset, _]| offset.abs() <= END)
 }
 
 #[cfg(test)]
