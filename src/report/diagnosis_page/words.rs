@@ -1,6 +1,7 @@
 //! Names of a diagnosis as a reader says them.
 
 use crate::diagnosis::arm::Arm;
+use crate::diagnosis::parameter::Parameter;
 use crate::effects::{self, Effect};
 use crate::gap::{Cell, Statistic};
 use crate::report::page::four_digits;
@@ -21,7 +22,11 @@ pub fn percent(share: f64) -> String {
 
 /// What was simulated: parameters that moved, in prior standard deviations, and effects.
 pub fn arm(arm: &Arm) -> String {
-    let moved = arm.offsets().iter().filter(|(_, by)| by.abs() >= MOVED);
+    let moved = arm.offsets().iter().map(|(name, by)| {
+        let sd = Parameter::find(name).map_or(1.0, |parameter| parameter.sd);
+        (name, by / sd)
+    });
+    let moved = moved.filter(|(_, by)| by.abs() >= MOVED);
     let moved = moved.map(|(name, by)| format!("{name} {by:+.2} sd").replace('-', "−"));
     let effects = arm.effects().iter().map(|effect| {
         let told = format!("{} = {}", effect.name(), four_digits(effect.magnitude()));
@@ -145,9 +150,10 @@ mod tests {
     #[test]
     fn of_what_was_simulated_only_what_moved_is_told() {
         let told = |text: &str| arm(&text.parse::<Arm>().unwrap());
-        let recalibrated = "soil_cohesion~-1.2345 soil_moduli~1.1e-10";
-        assert_eq!(told(recalibrated), "soil_cohesion −1.23 sd");
-        let effect = "soil_moduli~0.5 slip_sinkage=0.4057442";
+        // An arm has parameters in their coordinates: degrees of a friction angle known to two.
+        let recalibrated = "soil_friction_angle~-2.469 soil_moduli~1.1e-10";
+        assert_eq!(told(recalibrated), "soil_friction_angle −1.23 sd");
+        let effect = "soil_moduli~0.35 slip_sinkage=0.4057442";
         assert_eq!(told(effect), "soil_moduli +0.50 sd, slip_sinkage = 0.4057");
         assert_eq!(told("slope=2"), "slope = 2.000 °");
         assert_eq!(told("soil_moduli~1e-9"), "the scenario as shipped");
