@@ -33,7 +33,7 @@ mod order;
 pub mod score;
 mod truth;
 
-pub use answer::{Answer, Closed, Compared, Screened, Suspect};
+pub use answer::{Answer, Closed, Compared, Screened, Suspect, Verdict};
 pub use answering::{Answered, Progress, Question, Unanswered, answer};
 pub use folder::{Manifest, Posed, by_method};
 pub use making::{Made, begun, make};

@@ -1,7 +1,7 @@
 //! What a diagnosis answered, as far as it is scored.
 
 use super::truth::effect_of;
-use crate::diagnosis::Answer as Verdict;
+pub use crate::diagnosis::Answer as Verdict;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

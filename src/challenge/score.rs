@@ -30,12 +30,12 @@ pub use interval::Score;
 pub use tables::{Matrix, OfEffect, Power};
 
 use super::ChallengeError;
+use super::answer::Verdict;
 use super::answering::{has_failed, known, seconds};
 use super::folder::{self, Campaigns};
 use super::order::{Family, Set};
 use super::truth::{Level, Rig};
 use crate::diagnosis::Ablation;
-use crate::diagnosis::Answer as Verdict;
 use interval::mean;
 use judged::Judged;
 use serde::Serialize;

@@ -391,6 +391,13 @@ impl Offsets {
         self.0.iter().map(|(name, offset)| (*name, *offset))
     }
 
+    /// Names and offsets in prior standard deviations, in the order of names.
+    pub fn deviations(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let known = self.iter();
+        let known = known.filter_map(|(name, offset)| Some((Parameter::find(name)?, offset)));
+        known.map(|(parameter, offset)| (parameter.name, offset / parameter.sd))
+    }
+
     /// Whether all parameters are at the scenario's values.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

@@ -196,6 +196,12 @@ impl Verdict {
         }
     }
 
+    /// Probability [-] of an answer that names no effect; 0 where it has none.
+    pub fn probability(&self, answer: Answer) -> f64 {
+        let told = self.probabilities.get(answer.name());
+        told.copied().unwrap_or_default()
+    }
+
     /// The two likeliest effects, where the answer leaves open which it is.
     pub fn open_between(&self) -> Option<[&Suspect; 2]> {
         let is_open =
@@ -212,8 +218,7 @@ impl Verdict {
     pub(super) fn recalibrated(mut self, gap: f64, calibration: &Calibration) -> Self {
         let floor = self.shrinkage.as_ref().map_or(0.0, |it| it.floor);
         let may_be_cause = !matches!(self.verdict, Answer::None | Answer::Parameter);
-        let undecided = self.probabilities.get(UNDECIDED).copied();
-        let is_decided = undecided.unwrap_or_default() <= 1.0 - calibration.confident;
+        let is_decided = self.probability(Answer::Undecided) <= 1.0 - calibration.confident;
         let leaves_nothing = gap <= (1.0 + calibration.at_floor) * floor;
         let stands_out = self.gain() > calibration.beyond_floor;
         if !(may_be_cause && is_decided && leaves_nothing) || stands_out {

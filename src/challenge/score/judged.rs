@@ -1,9 +1,8 @@
 //! One case: what was done, what was answered, and how that agrees.
 
-use crate::challenge::answer::{Answer, Suspect};
+use crate::challenge::answer::{Answer, Suspect, Verdict};
 use crate::challenge::order::Set;
 use crate::challenge::truth::{Hidden, Truth};
-use crate::diagnosis::Answer as Verdict;
 use crate::effects::Application;
 
 /// A case with its answer.

@@ -2,10 +2,9 @@
 
 use super::interval::{Score, mean};
 use super::judged::Judged;
-use crate::challenge::answer::Answer;
+use crate::challenge::answer::{Answer, Verdict};
 use crate::challenge::order::Set;
 use crate::challenge::truth::Hidden;
-use crate::diagnosis::Answer as Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

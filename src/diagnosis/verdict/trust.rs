@@ -12,6 +12,8 @@ use super::healthy;
 pub(super) struct Trust<'a> {
     ranking: &'a Ranking,
     calibration: &'a Calibration,
+    /// Effects that parameters, however far off, absorb.
+    absorbed: &'a [usize],
     /// Mean square [-] beyond what spread explains that the scenario as shipped leaves, outlying numbers cut, and that
     /// recalibration does, all numbers whole.
     shipped: f64,
@@ -19,10 +21,11 @@ pub(super) struct Trust<'a> {
 }
 
 impl<'a> Trust<'a> {
-    pub fn of(problem: Problem<'a>, ranking: &'a Ranking) -> Self {
+    pub fn of(problem: Problem<'a>, ranking: &'a Ranking, absorbed: &'a [usize]) -> Self {
         Self {
             ranking,
             calibration: problem.calibration,
+            absorbed,
             shipped: checked(ranking, &Hypothesis::None).map_or(0.0, |check| check.excess),
             recalibrated: healthy(ranking).left,
         }
@@ -40,6 +43,21 @@ impl<'a> Trust<'a> {
             && self.passes(hypothesis)
             && self.explains(hypothesis)
             && self.score(hypothesis) > self.score(&Hypothesis::Unknown)
+    }
+
+    /// Whether what is left without any effect may be chance, or is little of the gap.
+    pub fn is_cleared(&self) -> bool {
+        self.kept(&healthy(self.ranking).hypothesis) == 1.0
+    }
+
+    /// Whether parameters, which absorb an effect, were tried in its place and fail, and it is not sound by itself.
+    pub fn is_refuted(&self, hypothesis: &Hypothesis) -> bool {
+        match hypothesis.effects() {
+            [effect] => {
+                self.absorbed.contains(effect) && !self.is_cleared() && !self.is_sound(hypothesis)
+            }
+            _ => false,
+        }
     }
 
     /// Whether it passes its check with room to spare.

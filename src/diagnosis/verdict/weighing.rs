@@ -73,7 +73,7 @@ impl Weighing {
     /// world lacked an effect. An effect that parameters absorb keeps nothing where they fail: what it explains by
     /// another law than the catalogue's is the unknown's.
     fn check(&mut self, problem: Problem, ranking: &Ranking, absorbed: &[usize]) {
-        let trust = Trust::of(problem, ranking);
+        let trust = Trust::of(problem, ranking, absorbed);
         let others = ranking.ranked.iter();
         let mut others = others.filter(|ranked| ranked.hypothesis != Hypothesis::Unknown);
         let all = log_sum(others.clone().map(|ranked| ranked.log_probability));
@@ -93,12 +93,12 @@ impl Weighing {
             };
         }
         self.without_seconds(&trust, problem.calibration.with_second);
-        self.cleared = trust.kept(&healthy(ranking).hypothesis) == 1.0;
+        self.cleared = trust.is_cleared();
         let mut lost = 0.0;
         for (hypothesis, mass) in &mut self.masses {
-            let kept = match is_refuted(hypothesis, absorbed, self.cleared) {
-                true if !trust.is_sound(hypothesis) => 0.0,
-                _ => trust.kept(hypothesis),
+            let kept = match trust.is_refuted(hypothesis) {
+                true => 0.0,
+                false => trust.kept(hypothesis),
             };
             lost += (1.0 - kept) * *mass;
             *mass *= kept;
@@ -360,14 +360,6 @@ impl Weighing {
             detectable: screened.detectable,
             absorbed: screened.absorbed,
         })
-    }
-}
-
-/// Whether parameters, for which an effect may stand, were tried in its place and fail.
-fn is_refuted(hypothesis: &Hypothesis, absorbed: &[usize], cleared: bool) -> bool {
-    match hypothesis.effects() {
-        [effect] => !cleared && absorbed.contains(effect),
-        _ => false,
     }
 }
 

@@ -12,7 +12,7 @@ pub fn sentence(told: &ToldDiagnosis) -> String {
         Answer::None => format!(
             "Nothing is missing and nothing is off: {} explains these runs as it came (probability {}).",
             told.name,
-            percent(probability(verdict, Answer::None))
+            percent(verdict.probability(Answer::None))
         ),
         Answer::Parameter => parameter(verdict),
         Answer::Effect | Answer::Effects => effects(told.diagnosis),
@@ -26,22 +26,17 @@ pub fn sentence(told: &ToldDiagnosis) -> String {
             });
             format!(
                 "Something is missing that no effect of the library makes (probability {}).{place}",
-                percent(probability(verdict, Answer::Unknown))
+                percent(verdict.probability(Answer::Unknown))
             )
         }
         Answer::Undecided => undecided(verdict),
     }
 }
 
-fn probability(verdict: &Verdict, answer: Answer) -> f64 {
-    let told = verdict.probabilities.get(answer.name());
-    told.copied().unwrap_or(0.0)
-}
-
 /// With what else is likely, where most of the probability is others'.
 fn parameter(verdict: &Verdict) -> String {
     let [parameter, none] =
-        [Answer::Parameter, Answer::None].map(|answer| probability(verdict, answer));
+        [Answer::Parameter, Answer::None].map(|answer| verdict.probability(answer));
     let others = match parameter + none < 0.5 {
         true => format!(
             " Nothing else is probable enough to be named.{}",

@@ -1,7 +1,6 @@
 //! Names of a diagnosis as a reader says them.
 
 use crate::diagnosis::arm::Arm;
-use crate::diagnosis::parameter::Parameter;
 use crate::effects::{self, Effect};
 use crate::gap::{Cell, Statistic};
 use crate::report::page::four_digits;
@@ -22,10 +21,7 @@ pub fn percent(share: f64) -> String {
 
 /// What was simulated: parameters that moved, in prior standard deviations, and effects.
 pub fn arm(arm: &Arm) -> String {
-    let moved = arm.offsets().iter().map(|(name, by)| {
-        let sd = Parameter::find(name).map_or(1.0, |parameter| parameter.sd);
-        (name, by / sd)
-    });
+    let moved = arm.offsets().deviations();
     let moved = moved.filter(|(_, by)| by.abs() >= MOVED);
     let moved = moved.map(|(name, by)| format!("{name} {by:+.2} sd").replace('-', "−"));
     let effects = arm.effects().iter().map(|effect| {
