@@ -24,6 +24,7 @@ mod series;
 mod simulate;
 mod steady;
 mod study;
+mod target;
 
 use clap::{Parser, Subcommand};
 use output::Output;
@@ -75,7 +76,19 @@ enum Command {
 
 /// What the program was called with; wrong usage and `--help` end it here.
 pub fn read_arguments() -> Cli {
-    Cli::parse()
+    Cli::try_parse().unwrap_or_else(|error| {
+        if error.use_stderr() && std::env::args().any(|argument| argument == "--json") {
+            failure::print_usage(&error);
+        }
+        error.exit()
+    })
+}
+
+impl Cli {
+    /// Whether the result, or the error, is asked for as JSON.
+    pub fn is_json(&self) -> bool {
+        self.output.json
+    }
 }
 
 /// Runs the command.

@@ -128,6 +128,14 @@ pub struct DataSet {
 }
 
 impl DataSet {
+    /// Endings of the texts beside a data set's file.
+    pub const ENDINGS: [&'static str; 4] = [
+        "windows.csv",
+        "splits.csv",
+        "datasheet.md",
+        "croissant.json",
+    ];
+
     /// A data set of these windows, those of a run together: columns [`run_fields`], then
     /// [`windows::fields`].
     pub fn new(facts: Facts, windows: Records) -> Self {
@@ -180,12 +188,13 @@ impl DataSet {
 
     /// The texts beside the file of runs, each with the ending of its name.
     pub fn texts(&self, file: &FileFact) -> Vec<(&'static str, String)> {
+        let [windows, splits, datasheet, croissant] = Self::ENDINGS;
         let mut texts = vec![
-            ("windows.csv", self.windows.to_csv()),
-            ("splits.csv", self.splits().to_csv()),
-            ("datasheet.md", self.datasheet(file)),
+            (windows, self.windows.to_csv()),
+            (splits, self.splits().to_csv()),
+            (datasheet, self.datasheet(file)),
         ];
-        texts.push(("croissant.json", self.croissant(file, &texts)));
+        texts.push((croissant, self.croissant(file, &texts)));
         texts
     }
 

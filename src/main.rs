@@ -5,8 +5,9 @@ mod cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::run(&cli::read_arguments()) {
+    let cli = cli::read_arguments();
+    match cli::run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => cli::failure::report(&error),
+        Err(error) => cli::failure::report(&error, cli.is_json()),
     }
 }

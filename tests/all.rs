@@ -25,6 +25,7 @@ mod import;
 mod investigation;
 mod learning;
 mod measured_soils;
+mod outputs;
 mod page_in_chromium;
 mod physics;
 mod read_with_h5py;

@@ -20,7 +20,7 @@ const SHORT: [&str; 4] = [
 ];
 
 /// The program in `folder`, where the scenarios are found by name.
-fn program(folder: &Path) -> Command {
+pub fn program(folder: &Path) -> Command {
     let link = folder.join("scenarios");
     if !link.exists() {
         std::os::unix::fs::symlink(SCENARIOS, link).unwrap();
@@ -30,7 +30,7 @@ fn program(folder: &Path) -> Command {
     command
 }
 
-fn run(folder: &Path, words: &str) -> Output {
+pub fn run(folder: &Path, words: &str) -> Output {
     program(folder)
         .args(words.split_whitespace())
         .output()
@@ -44,7 +44,7 @@ fn short(folder: &Path, command: &str, words: &str) -> Output {
     program.args(words.split_whitespace()).output().unwrap()
 }
 
-fn done(output: Output) -> String {
+pub fn done(output: Output) -> String {
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!((output.status.code(), errors.as_str()), (Some(0), ""));
     String::from_utf8(output.stdout).unwrap()
@@ -260,10 +260,10 @@ fn a_file_that_cannot_be_written_is_told_before_the_run_and_exits_with_1() {
     let begun = Instant::now();
     let long = "--set duration=1000 --set rig.single_wheel.forward_speed=0.01";
     for (out, part) in [
-        ("no/run.h5", "make the folder first"),
-        ("sub", "it is a folder; name a file in it"),
-        ("note.txt/run.h5", "cannot write note.txt/run.h5"),
-        ("note.txt", "it is no HDF5 file; name another file"),
+        ("sub", "sub is a folder; name a file"),
+        ("note.txt/run.h5", "note.txt/run.h5"),
+        ("note.txt", "note.txt exists; give --force"),
+        ("note.txt --force", "it is no HDF5 file; name another file"),
     ] {
         refuses(&format!("simulate quick {long} --out {out}"), 1, &[part]);
     }
@@ -276,14 +276,15 @@ fn a_failed_run_is_named_with_its_reason_and_leaves_the_file_of_before() {
     let at = folder.path();
     done(short(at, "dataset", "--runs 2 --out runs.h5"));
     let before = fs::read(at.join("runs.h5")).unwrap();
-    let sinks = "dataset quick --runs 4 --jobs 2 --set rig.single_wheel.load=50000 --out runs.h5";
+    let sinks =
+        "dataset quick --runs 4 --jobs 2 --set rig.single_wheel.load=50000 --out runs.h5 --force";
     let output = run(at, sinks);
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{errors}");
     let lines: Vec<&str> = errors.lines().collect();
     assert_eq!(
         lines[0],
-        "error: run 0 of seed 1 failed; nothing was written"
+        "error: run 0 of seed 1 failed; no file was written"
     );
     assert!(
         lines[1].starts_with("  because: at ") && lines[1].contains("sunk"),
@@ -291,7 +292,7 @@ fn a_failed_run_is_named_with_its_reason_and_leaves_the_file_of_before() {
     );
     assert_eq!(lines.len(), 2, "{errors}");
     assert!(before == fs::read(at.join("runs.h5")).unwrap());
-    done(short(at, "dataset", "--runs 1 --out runs.h5"));
+    done(short(at, "dataset", "--runs 1 --out runs.h5 --force"));
     assert_eq!(RunFile::open(at.join("runs.h5")).unwrap().runs().len(), 1);
     assert_eq!(left(at), DATA_SET);
 }
@@ -330,7 +331,7 @@ fn a_campaign_is_imported_whole_or_not_at_all() {
         "the same bytes"
     );
     write_campaign(at, "ten");
-    let output = run(at, "import campaign.toml --out runs.h5");
+    let output = run(at, "import campaign.toml --out runs.h5 --force");
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(3), "{errors}");
     assert!(

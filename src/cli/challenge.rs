@@ -151,7 +151,10 @@ impl Make {
             duration: self.duration,
             seed: self.seed()?,
         };
-        output::make_folder(&self.out)?;
+        // A trial goes on in its own folder.
+        if challenge::begun(&self.out)?.is_none() {
+            output.claim(&[]).folder(&self.out)?;
+        }
         let progress = OnceLock::new();
         let size = |simulated: f64| {
             progress.get_or_init(|| Progress::new(output, "campaigns", simulated));

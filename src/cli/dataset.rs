@@ -1,5 +1,8 @@
 //! `dataset`: many runs of one scenario, with their labels and ground truth.
 
+mod parts;
+
+use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::scenario_args::ScenarioArgs;
@@ -7,7 +10,7 @@ use super::series::{Jobs, Outcome, Series, spreads};
 use super::steady::{QUANTITIES, Spread};
 use clap::Args;
 use lugwheel::dataset::Provenance;
-use lugwheel::dataset::hdf5::write_table;
+use lugwheel::dataset::hdf5::{RunFileWriter, write_table};
 use lugwheel::dataset::records::Records;
 use lugwheel::features::{Settings, Window};
 use lugwheel::learning::windows::Windower;
@@ -17,6 +20,7 @@ use lugwheel::learning::{
 use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::Trace;
+use parts::{Before, Part, Parts, RunFacts};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -40,6 +44,9 @@ pub struct Dataset {
     /// Keep class and features of every window instead of the samples, some 0.5 kB a window
     #[arg(long)]
     features: bool,
+    /// Go on from the runs of an interrupted data set of the same name
+    #[arg(long)]
+    resume: bool,
     #[command(flatten)]
     jobs: Jobs,
 }
@@ -52,7 +59,8 @@ Examples:
 
 Beside runs.h5 stand runs.windows.csv (class and features of every window), runs.splits.csv (parts to
 train and test on that share no ground), runs.datasheet.md and runs.croissant.json.
-The file holds all runs, or it is not written: a run that fails is named with its reason.
+The file holds all runs, or it is not written: a run that fails is named with its reason. Until then
+they stand in runs.h5.parts; after Ctrl-C or a kill the same command with --resume goes on from them.
 A data set over several grounds or conditions is a study with a table [dataset].";
 
 /// What the runs came to.
@@ -80,22 +88,21 @@ impl Dataset {
         if self.raw {
             scenario = scenario.with("sensors.raw=true")?;
         }
-        let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "runs.h5")?;
+        let out = self.claim(output)?;
+        let parts = Parts::open(&out, &self.origin(&scenario), self.before(output))?;
         let series = Series {
             scenario: &scenario,
             seed: self.scenario.seed(),
-            runs: 0..self.runs,
+            runs: (0..self.runs).filter(|run| !parts.has(*run)).collect(),
             jobs: self.jobs,
         };
         let progress = Progress::new(output, &self.scenario.stem(), series.simulated());
         let mut seen = Seen::new(&scenario, self.scenario.stem())?;
-        let see = &mut |run: u64, trace: &Trace| seen.add(run, trace);
-        let outcomes = if self.features {
-            series.see(&progress, see)?
-        } else {
-            series.write_and_see(&out, &progress, see)?
-        };
+        self.simulate(&series, &progress, &mut seen, &parts)
+            .map_err(|error| self.what_is_left(error, &parts))?;
+        let outcomes = self.put_together(&out, &scenario, &parts, &mut seen)?;
         let beside = self.describe(seen, &out)?;
+        parts.remove()?;
         let computing_s = progress.elapsed();
         drop(progress);
         let steady = spreads(&outcomes).map(|(quantity, spread)| (quantity.key, spread));
@@ -118,6 +125,95 @@ impl Dataset {
 }
 
 impl Dataset {
+    /// What decides the bytes of the runs.
+    fn origin(&self, scenario: &Scenario) -> String {
+        let Provenance { created_by, .. } = Provenance::measured();
+        let kept = if self.features { "windows" } else { "traces" };
+        let seed = self.scenario.seed().0;
+        let text = scenario.text();
+        format!("{created_by}\nseed {seed}\nkeeps {kept}\n\n{text}")
+    }
+
+    fn before(&self, output: &Output) -> Before {
+        if self.resume {
+            Before::Resume
+        } else if output.force {
+            Before::Discard
+        } else {
+            Before::Keep
+        }
+    }
+
+    /// Simulates the runs that are missing and adds each to the parts.
+    fn simulate(
+        &self,
+        series: &Series,
+        progress: &Progress,
+        seen: &mut Seen,
+        parts: &Parts,
+    ) -> anyhow::Result<()> {
+        series.each(progress, |run, trace, outcome| {
+            let windows = seen.windows_of(run, trace);
+            let facts = RunFacts { outcome, windows };
+            parts.add(run, &facts, (!self.features).then_some(trace))
+        })
+    }
+
+    /// The error, with what it leaves behind and how to go on.
+    fn what_is_left(&self, error: anyhow::Error, parts: &Parts) -> anyhow::Error {
+        let (whole, runs) = (parts.count(), self.runs);
+        if whole == 0 && parts.remove().is_ok() {
+            return error;
+        }
+        let left =
+            format!("{whole} of {runs} runs are whole; the same command with --resume goes on");
+        if error.is::<Interrupted>() {
+            return Interrupted(left).into();
+        }
+        error.context(left)
+    }
+
+    /// Gathers the parts in the file; the outcomes of the runs.
+    fn put_together(
+        &self,
+        out: &Path,
+        scenario: &Scenario,
+        parts: &Parts,
+        seen: &mut Seen,
+    ) -> anyhow::Result<Vec<Outcome>> {
+        let provenance = Provenance::simulated(scenario.text(), self.scenario.seed());
+        let mut file = match self.features {
+            true => None,
+            false => Some(RunFileWriter::create(out, &provenance)?),
+        };
+        let mut outcomes = Vec::new();
+        for run in 0..self.runs {
+            interrupt::check().map_err(|error| self.what_is_left(error.into(), parts))?;
+            let Part { facts, trace } = parts.read(run, file.is_some())?;
+            outcomes.push(facts.outcome);
+            seen.windows.rows.extend(facts.windows);
+            if let (Some(file), Some(trace)) = (&mut file, trace) {
+                seen.channels = ChannelFact::of(&trace);
+                file.add(&run_id(run), &trace)?;
+            }
+        }
+        file.map_or(Ok(()), RunFileWriter::finish)?;
+        Ok(outcomes)
+    }
+
+    /// The run file, claimed with the texts beside it.
+    fn claim(&self, output: &Output) -> anyhow::Result<PathBuf> {
+        let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "runs.h5");
+        let scenario = self.scenario.file()?;
+        let inputs: [&Path; 1] = [&scenario];
+        let claim = output.claim(&inputs);
+        claim.file(&out)?;
+        for ending in DataSet::ENDINGS {
+            claim.file(&out.with_extension(ending))?;
+        }
+        Ok(out)
+    }
+
     /// Writes the texts beside the runs, and what is kept where only features are; names the texts.
     fn describe(&self, seen: Seen, out: &Path) -> anyhow::Result<Vec<String>> {
         let kept = if self.features {
@@ -192,7 +288,8 @@ impl Seen {
         })
     }
 
-    fn add(&mut self, run: u64, trace: &Trace) {
+    /// A row of cells for every window of a run.
+    fn windows_of(&mut self, run: u64, trace: &Trace) -> Vec<Vec<String>> {
         let condition = "0".to_owned();
         let first = [
             run_id(run),
@@ -201,11 +298,9 @@ impl Seen {
             self.scenario.clone(),
         ];
         let windows = self.windower.rows(trace).into_iter();
-        let rows = windows.map(|cells| [first.to_vec(), cells].concat());
-        self.windows.rows.extend(rows);
-        if self.channels.is_empty() {
-            self.channels = ChannelFact::of(trace);
-        }
+        windows
+            .map(|cells| [first.to_vec(), cells].concat())
+            .collect()
     }
 }
 

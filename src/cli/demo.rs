@@ -23,6 +23,7 @@ use lugwheel::trace::Trace;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use story::Told;
@@ -101,10 +102,13 @@ struct Finding {
     first: (String, Trace, String),
 }
 
+/// What marks a folder as a demo's, whose files the next demo may make again.
+const ORIGIN: &str = "lugwheel demo\n";
+
 impl Demo {
     /// Runs the demo.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        output::make_folder(&self.out.join("figures"))?;
+        self.claim(output)?;
         let scenarios = GROUNDS
             .iter()
             .map(|ground| {
@@ -156,6 +160,16 @@ impl Demo {
         })
     }
 
+    /// Claims the folder, which an earlier demo may have made, and marks it as a demo's.
+    fn claim(&self, output: &Output) -> anyhow::Result<()> {
+        let mark = self.out.join("origin.txt");
+        if !fs::read_to_string(&mark).is_ok_and(|origin| origin == ORIGIN) {
+            output.claim(&[]).folder(&self.out)?;
+            output::write_file(&mark, ORIGIN)?;
+        }
+        output::make_folder(&self.out.join("figures"))
+    }
+
     /// Simulates the runs on all grounds, reads them back, checks and draws them.
     fn explore(
         &self,
@@ -165,13 +179,13 @@ impl Demo {
         let series = scenarios.iter().map(|scenario| Series {
             scenario,
             seed: Seed(self.seed),
-            runs: 0..RUNS,
+            runs: (0..RUNS).collect(),
             jobs: self.jobs,
         });
         let series: Vec<Series> = series.collect();
         let files = GROUNDS.iter().map(|ground| self.file(ground, "h5"));
         let files: Vec<PathBuf> = files.collect();
-        let outcomes = write_all(&series, &files, self.jobs, progress, &mut |_, _| {})?;
+        let outcomes = write_all(&series, &files, self.jobs, progress)?;
         let grounds = GROUNDS.iter().zip(scenarios).zip(outcomes);
         grounds
             .map(|((ground, scenario), outcomes)| self.find(ground, scenario, outcomes))

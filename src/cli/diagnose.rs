@@ -87,10 +87,32 @@ gap_map.svg, the scenario recalibrated (recalibrated.toml) and, where effects ar
 (with_effect.toml). Simulated statistics are kept in --bank: a stopped diagnosis goes on with the same
 command, and one of other runs at the same conditions takes a minute.";
 
+/// What a diagnosis writes into its folder.
+const RESULTS: [&str; 5] = [
+    "diagnosis.json",
+    "gap_map.svg",
+    "diagnosis.html",
+    "recalibrated.toml",
+    "with_effect.toml",
+];
+
 impl Diagnose {
     /// Diagnoses the runs and says what came of it.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        self.claim(output)?;
         output.print(&self.investigate(output)?)
+    }
+
+    /// Claims the folder of results and every file that may be written into it.
+    fn claim(&self, output: &Output) -> anyhow::Result<()> {
+        let scenario = scenario_args::found(&self.scenario)?;
+        let inputs: [&Path; 2] = [&self.measured, &scenario];
+        let claim = output.claim(&inputs);
+        claim.folder(&self.out)?;
+        for name in RESULTS {
+            claim.file(&self.out.join(name))?;
+        }
+        Ok(())
     }
 
     /// Diagnoses the runs and writes what came of it.
@@ -139,15 +161,16 @@ impl Diagnose {
             answer: page.answer.clone(),
             page: self.out.join("diagnosis.html").display().to_string(),
         };
-        self.write("diagnosis.json", &serde_json::to_string_pretty(&summary)?)?;
-        self.write("gap_map.svg", &drawn_map(&summary.diagnosis))?;
-        self.write("diagnosis.html", &report::page(&page))?;
+        let [json, map, html, recalibrated, with_effect_toml] = RESULTS;
+        self.write(json, &serde_json::to_string_pretty(&summary)?)?;
+        self.write(map, &drawn_map(&summary.diagnosis))?;
+        self.write(html, &report::page(&page))?;
         let lugs = investigation.cases()[0].attributes.lug_count;
         let edited = |arm: &Arm| arm.of(&scenario, lugs).ok();
-        self.write_or_remove("recalibrated.toml", edited(&arms.recalibrated))?;
+        self.write_or_remove(recalibrated, edited(&arms.recalibrated))?;
         let is_named = !summary.diagnosis.verdict.named.is_empty();
         let with_effect = arms.with_effect.as_ref().filter(|_| is_named);
-        self.write_or_remove("with_effect.toml", with_effect.and_then(edited))?;
+        self.write_or_remove(with_effect_toml, with_effect.and_then(edited))?;
         Ok(summary)
     }
 

@@ -10,9 +10,11 @@ use lugwheel::challenge::ChallengeError;
 use lugwheel::dataset::csv::CampaignError;
 use lugwheel::dataset::hdf5::RunFileError;
 use lugwheel::diagnosis::InvestigationError;
+use lugwheel::document::Fault;
 use lugwheel::effects::EffectError;
 use lugwheel::scenario::ScenarioError;
 use lugwheel::study::StudyError;
+use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
@@ -26,11 +28,79 @@ const FAILED_RUNS: u8 = 4;
 /// Ctrl-C, as shells number it.
 const INTERRUPTED: u8 = 130;
 
-/// Prints `error` with its causes to stderr and tells the exit code for it.
-pub fn report(error: &anyhow::Error) -> ExitCode {
-    // There is nobody left to tell if this fails.
+/// Prints `error` with its causes to stderr, with `--json` as a document to stdout too, and returns
+/// the exit code for it.
+pub fn report(error: &anyhow::Error, json: bool) -> ExitCode {
+    // Nobody reads on if this fails.
     let _ = write!(std::io::stderr(), "{}", message(error));
+    if json {
+        print(&ErrorFact::of(error));
+    }
     ExitCode::from(exit_code(error))
+}
+
+/// Prints wrong usage as a JSON document to stdout.
+pub fn print_usage(error: &clap::Error) {
+    let message = error.to_string();
+    let message = message.trim_start_matches("error: ").trim_end();
+    print(&ErrorFact {
+        kind: "usage",
+        message: message.to_owned(),
+        file: None,
+        line: None,
+    });
+}
+
+fn print(error: &ErrorFact) {
+    let document = serde_json::json!({ "error": error });
+    let _ = writeln!(std::io::stdout(), "{document:#}");
+}
+
+/// An error as machines read it.
+#[derive(Debug, Serialize)]
+struct ErrorFact {
+    kind: &'static str,
+    message: String,
+    /// The input file at fault.
+    file: Option<String>,
+    /// The line in it, from 1.
+    line: Option<usize>,
+}
+
+impl ErrorFact {
+    fn of(error: &anyhow::Error) -> Self {
+        let fault = error.chain().find_map(fault);
+        let unreadable = || {
+            let run_file = error.chain().find_map(|cause| cause.downcast_ref());
+            run_file.map(|error: &RunFileError| error.path().display().to_string())
+        };
+        let message = message(error);
+        Self {
+            kind: match exit_code(error) {
+                INTERRUPTED => "interrupted",
+                FAILED_RUNS => "failed_runs",
+                INVALID_INPUT => "invalid_input",
+                _ => "failed",
+            },
+            message: message.trim_start_matches("error: ").trim_end().to_owned(),
+            file: fault.map(|fault| fault.file.clone()).or_else(unreadable),
+            line: fault.map(|fault| fault.line),
+        }
+    }
+}
+
+/// The fault in a text that an error reports.
+fn fault<'e>(cause: &'e (dyn Error + 'static)) -> Option<&'e Fault> {
+    if let Some(ScenarioError::Invalid(fault)) = cause.downcast_ref() {
+        return Some(fault);
+    }
+    if let Some(CampaignError::Invalid(fault)) = cause.downcast_ref() {
+        return Some(fault);
+    }
+    match cause.downcast_ref() {
+        Some(StudyError::Invalid(fault)) => Some(fault),
+        _ => None,
+    }
 }
 
 /// The error on a line, and each cause that says more on another.

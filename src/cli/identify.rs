@@ -168,6 +168,9 @@ impl Identify {
     /// Identifies the parameters and says what they are.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let runs = self.runs()?;
+        if let Some(folder) = &self.out {
+            output.claim(&[]).folder(folder)?;
+        }
         let mut teller = Teller::new(self.class.given())?;
         let mut groups = Groups::default();
         let progress = Progress::of_runs(output, "identify", runs.len());

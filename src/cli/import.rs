@@ -11,7 +11,7 @@ use lugwheel::trace::Trace;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Gather measured CSV files in a run file
 #[derive(Debug, Args)]
@@ -57,6 +57,10 @@ impl Import {
     /// Imports the campaign and says what it holds.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let campaign = Campaign::load(&self.campaign)?;
+        let sources = campaign.files();
+        let mut inputs: Vec<&Path> = sources.iter().map(PathBuf::as_path).collect();
+        inputs.push(&self.campaign);
+        output.claim(&inputs).file(&self.out)?;
         let mut writer = RunFileWriter::create(&self.out, &Provenance::measured())?;
         let mut summary = Summary {
             campaign: self.campaign.display().to_string(),

@@ -1,5 +1,6 @@
 //! Where a command's words and files go.
 
+use super::target::Claim;
 use anyhow::Context;
 use clap::Args;
 use lugwheel::whole_file;
@@ -18,9 +19,20 @@ pub struct Output {
     /// Show no progress
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Replace existing results; never an input or a write-protected file
+    #[arg(long, global = true)]
+    pub force: bool,
 }
 
 impl Output {
+    /// A claim on what a command that reads `inputs` is about to write.
+    pub fn claim<'a>(&self, inputs: &'a [&'a Path]) -> Claim<'a> {
+        Claim {
+            force: self.force,
+            inputs,
+        }
+    }
+
     /// Prints the result of a command to stdout.
     ///
     /// # Errors
@@ -40,14 +52,10 @@ impl Output {
     }
 }
 
-/// The file asked for, or `name` in the folder of results named `of`, which is made if need be.
-pub fn file_or_default(asked: Option<&Path>, of: &str, name: &str) -> anyhow::Result<PathBuf> {
-    if let Some(path) = asked {
-        return Ok(path.to_owned());
-    }
-    let folder = Path::new("output").join(of);
-    make_folder(&folder)?;
-    Ok(folder.join(name))
+/// The file asked for, or `name` in the folder of results named `of`.
+pub fn file_or_default(asked: Option<&Path>, of: &str, name: &str) -> PathBuf {
+    let default = || Path::new("output").join(of).join(name);
+    asked.map_or_else(default, Path::to_owned)
 }
 
 /// Makes a folder and those above it, if need be.

@@ -1,7 +1,7 @@
 //! `plot`: the figure of a run.
 
 use super::output::{self, Output};
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use clap::Args;
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::report::trace_figure;
@@ -40,6 +40,9 @@ struct Drawn {
 impl Plot {
     /// Draws the run.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        if let Some(out) = &self.out {
+            check_suffix(out)?;
+        }
         let file = RunFile::open(&self.file)?;
         let run = match &self.run {
             Some(run) => run,
@@ -48,11 +51,12 @@ impl Plot {
                 .first()
                 .with_context(|| format!("{} has no runs to draw", self.file.display()))?,
         };
-        let svg = trace_figure(&file.read(run)?, run)?;
         let figure = match &self.out {
             Some(out) => out.clone(),
             None => beside(&self.file, run),
         };
+        output.claim(&[&self.file]).file(&figure)?;
+        let svg = trace_figure(&file.read(run)?, run)?;
         output::write_file(&figure, &svg)?;
         output.print(&Drawn {
             file: self.file.display().to_string(),
@@ -60,6 +64,18 @@ impl Plot {
             figure: figure.display().to_string(),
         })
     }
+}
+
+/// Refuses a name that promises another format than SVG.
+fn check_suffix(out: &Path) -> anyhow::Result<()> {
+    let suffix = out.extension().unwrap_or_default().to_string_lossy();
+    ensure!(
+        suffix.eq_ignore_ascii_case("svg"),
+        "plot writes SVG; name {} instead of {}",
+        out.with_extension("svg").display(),
+        out.display()
+    );
+    Ok(())
 }
 
 /// `runs.h5` and `run_000003` to `runs_run_000003.svg`.

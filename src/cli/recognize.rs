@@ -113,6 +113,9 @@ impl Recognize {
         let settings = self.settings();
         let file = RunFile::open(&self.file)?;
         let runs = chosen(&file, &self.run)?;
+        if let Some(folder) = &self.out {
+            output.claim(&[]).folder(folder)?;
+        }
         let mut figures = self.out.as_deref().map(Figures::new).transpose()?;
         let reference = match &self.reference {
             Some(path) => reference::measured(path, settings)?,

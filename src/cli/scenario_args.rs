@@ -53,6 +53,14 @@ impl ScenarioArgs {
         Ok(scenario.with_all(&edits)?)
     }
 
+    /// The file that the scenario is read from.
+    ///
+    /// # Errors
+    /// `NoScenario` with the names like it.
+    pub fn file(&self) -> Result<PathBuf, NoScenario> {
+        found(&self.scenario)
+    }
+
     /// The options that edit the scenario, as they would be given again.
     pub fn edits(&self) -> String {
         let set = self.set.iter().map(|set| format!(" --set {set:?}"));
@@ -93,7 +101,10 @@ pub fn read(asked: &Path) -> anyhow::Result<Scenario> {
 }
 
 /// The scenario file, or the one of that name in the folder of scenarios.
-fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
+///
+/// # Errors
+/// `NoScenario` with the names like it.
+pub fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
     if asked.exists() {
         return Ok(asked.to_owned());
     }

@@ -14,9 +14,10 @@ use lugwheel::scenario::experiment::ExperimentError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::Trace;
 use rayon::{ScopeFifo, ThreadPoolBuilder};
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::num::NonZeroUsize;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -53,13 +54,13 @@ pub struct Series<'a> {
     /// The seed of all runs.
     pub seed: Seed,
     /// Their numbers.
-    pub runs: Range<u64>,
+    pub runs: Vec<u64>,
     /// How many at a time.
     pub jobs: Jobs,
 }
 
 /// What one run came to.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// The ground, if it was one.
     pub terrain: Option<TerrainLabel>,
@@ -92,7 +93,7 @@ type Simulated = Result<Trace, ExperimentError>;
 impl Series<'_> {
     /// Simulated time [s] of all runs together.
     pub fn simulated(&self) -> f64 {
-        (self.runs.end - self.runs.start) as f64 * self.scenario.driven()
+        self.runs.len() as f64 * self.scenario.driven()
     }
 
     /// Simulates the runs and writes them to `out` in their order: all of them, or no file.
@@ -101,42 +102,25 @@ impl Series<'_> {
     /// `RunFileError` where the file cannot be written, before any run if it is known by then; the
     /// first run that fails; `Interrupted`.
     pub fn write(&self, out: &Path, progress: &Progress) -> anyhow::Result<Vec<Outcome>> {
-        self.write_and_see(out, progress, &mut |_, _| {})
-    }
-
-    /// The same; `see` is shown every run in its turn.
-    ///
-    /// # Errors
-    /// Those of [`Series::write`].
-    pub fn write_and_see(
-        &self,
-        out: &Path,
-        progress: &Progress,
-        see: &mut dyn FnMut(u64, &Trace),
-    ) -> anyhow::Result<Vec<Outcome>> {
         let own = std::slice::from_ref(self);
-        let outcomes = write_all(own, &[out.to_owned()], self.jobs, progress, see)?;
+        let outcomes = write_all(own, &[out.to_owned()], self.jobs, progress)?;
         Ok(outcomes.concat())
     }
 
-    /// Simulates the runs and shows each in its turn to `see`; none is kept.
+    /// Simulates the runs and hands each to `take` in its turn.
     ///
     /// # Errors
-    /// The first run that fails; `Interrupted`.
-    pub fn see(
+    /// The first run that fails; `Interrupted`; those of `take`.
+    pub fn each(
         &self,
         progress: &Progress,
-        see: &mut dyn FnMut(u64, &Trace),
-    ) -> anyhow::Result<Vec<Outcome>> {
+        mut take: impl FnMut(u64, &Trace, Outcome) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
         let own = std::slice::from_ref(self);
-        let mut outcomes = Vec::new();
         simulate_all(own, self.jobs, progress, |_, run, trace| {
-            outcomes.push(Outcome::of(&trace));
-            see(run, &trace);
-            Ok(())
+            take(run, &trace, Outcome::of(&trace))
         })?;
-        interrupt::check()?;
-        Ok(outcomes)
+        Ok(interrupt::check()?)
     }
 
     fn file(&self, out: &Path) -> anyhow::Result<RunFileWriter> {
@@ -149,12 +133,12 @@ impl Series<'_> {
             return Err(Interrupted("nothing was written".to_owned()).into());
         }
         let Seed(seed) = self.seed;
-        simulated.with_context(|| format!("run {run} of seed {seed} failed; nothing was written"))
+        simulated.with_context(|| format!("run {run} of seed {seed} failed; no file was written"))
     }
 }
 
-/// Simulates several series and writes each to its file: all of them, or no file; `see` is shown every
-/// run in its turn. No core waits for the last run of a series.
+/// Simulates several series and writes each to its file: all of them, or no file. No core waits for
+/// the last run of a series.
 ///
 /// # Errors
 /// Those of [`Series::write`].
@@ -163,14 +147,12 @@ pub fn write_all(
     files: &[PathBuf],
     jobs: Jobs,
     progress: &Progress,
-    see: &mut dyn FnMut(u64, &Trace),
 ) -> anyhow::Result<Vec<Vec<Outcome>>> {
     let files = all.iter().zip(files).map(|(series, out)| series.file(out));
     let mut files = files.collect::<anyhow::Result<Vec<RunFileWriter>>>()?;
     let mut outcomes = vec![Vec::new(); all.len()];
     simulate_all(all, jobs, progress, |place, run, trace| {
         outcomes[place].push(Outcome::of(&trace));
-        see(run, &trace);
         Ok(files[place].add(&run_id(run), &trace)?)
     })?;
     interrupt::check()?;
@@ -199,7 +181,7 @@ fn simulate_all(
     };
     let places = all.iter().enumerate();
     let mut left =
-        places.flat_map(|(place, series)| series.runs.clone().map(move |run| (place, run)));
+        places.flat_map(|(place, series)| series.runs.iter().map(move |run| (place, *run)));
     pool.in_place_scope_fifo(|scope| {
         let mut begun = VecDeque::new();
         loop {

@@ -67,11 +67,12 @@ impl Simulate {
         if self.raw {
             scenario = scenario.with("sensors.raw=true")?;
         }
-        let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "run.h5")?;
+        let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "run.h5");
+        output.claim(&[&self.scenario.file()?]).file(&out)?;
         let series = Series {
             scenario: &scenario,
             seed: self.scenario.seed(),
-            runs: self.run..self.run.saturating_add(1),
+            runs: vec![self.run],
             jobs: Jobs::ONE,
         };
         let progress = Progress::new(output, &self.scenario.stem(), series.simulated());

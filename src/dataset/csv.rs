@@ -140,6 +140,14 @@ impl Campaign {
         })
     }
 
+    /// The CSV files, in the order in which the campaign names them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let sources = self.table.runs.iter().chain(&self.table.table);
+        sources
+            .map(|source| self.folder().join(&source.file))
+            .collect()
+    }
+
     /// Cells without a number in the columns read so far: what they would have told counts as not
     /// measured.
     pub fn gaps(&self) -> Vec<Gap> {

@@ -116,6 +116,19 @@ pub enum RunFileError {
 type Outcome<T> = Result<T, RunFileError>;
 
 impl RunFileError {
+    /// The file that cannot be read or written.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Write { path, .. }
+            | Self::Unfit { path, .. }
+            | Self::Read { path, .. }
+            | Self::NotHdf5 { path }
+            | Self::Damaged { path, .. }
+            | Self::Content { path, .. }
+            | Self::NoSuchRun { path, .. } => path,
+        }
+    }
+
     fn write(path: &Path, reason: impl Into<String>) -> Self {
         let reason = reason.into();
         Self::Write {

@@ -51,7 +51,7 @@ impl Asking<'_> {
         let diagnoses = by_method(self.folder, "diagnoses", self.ablation);
         let mut command = Command::new(program);
         command
-            .args(["diagnose", "--json", "--quiet", "--measured"])
+            .args(["diagnose", "--json", "--quiet", "--force", "--measured"])
             .arg(&question.measured)
             .arg("--scenario")
             .arg(&question.scenario)

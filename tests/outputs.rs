@@ -1,0 +1,269 @@
+//! No command destroys a file: what exists stays unless `--force` is given, and inputs stay always.
+
+use crate::cli::{done, program, run};
+use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::Path;
+use std::process::Output;
+use std::thread;
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Half a second on slate.
+const SHORT: &str = "single_wheel_ht --set duration=0.5 --set rig.single_wheel.forward_speed=0.02";
+
+fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// A folder with a campaign of one CSV file, its run file and a scenario.
+fn workplace() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("means.csv"), "pull_n,slip\n10,0.1\n20,0.3\n").unwrap();
+    fs::write(
+        at("rig.toml"),
+        "version = 1\n[table]\nfile = \"means.csv\"\ncolumns = { drawbar_pull = \"pull_n\" }\n\
+         slip_ratio = { column = \"slip\" }\n",
+    )
+    .unwrap();
+    done(run(folder.path(), "import rig.toml --out rig.h5"));
+    done(run(folder.path(), &format!("simulate {SHORT} --out ht.h5")));
+    folder
+}
+
+/// Something that a user would not want to lose, of the kind that the command writes.
+fn precious(folder: &Path, command: &str) -> Vec<u8> {
+    match command {
+        "plot" => b"<svg>drawn in 1997</svg>".to_vec(),
+        _ => fs::read(folder.join("rig.h5")).unwrap(),
+    }
+}
+
+/// Every command that writes a file, with `{}` for its output.
+fn commands() -> [(&'static str, String); 4] {
+    [
+        ("simulate", format!("simulate {SHORT} --out {{}}")),
+        ("dataset", format!("dataset {SHORT} --runs 1 --out {{}}")),
+        ("import", "import rig.toml --out {}".to_owned()),
+        ("plot", "plot ht.h5 --out {}".to_owned()),
+    ]
+}
+
+fn name_for(command: &str) -> &'static str {
+    match command {
+        "plot" => "out.svg",
+        _ => "out.h5",
+    }
+}
+
+#[test]
+fn an_existing_file_stays_without_force_and_is_replaced_whole_with_it() {
+    let folder = workplace();
+    for (command, words) in commands() {
+        let target = folder.path().join(name_for(command));
+        let precious = precious(folder.path(), command);
+        fs::write(&target, &precious).unwrap();
+        let words = words.replace("{}", name_for(command));
+        let refused = run(folder.path(), &words);
+        assert_eq!(refused.status.code(), Some(1), "{command}");
+        assert!(
+            error(&refused).contains("exists; give --force"),
+            "{command}"
+        );
+        assert!(fs::read(&target).unwrap() == precious, "{command}");
+        done(run(folder.path(), &format!("{words} --force")));
+        let replaced = fs::read(&target).unwrap();
+        assert!(command == "import" || replaced != precious, "{command}");
+        fs::remove_file(target).unwrap();
+    }
+}
+
+#[test]
+fn an_input_is_never_an_output_by_any_name() {
+    let folder = workplace();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("sub")).unwrap();
+    fs::copy(at("ht.h5"), at("runs.svg")).unwrap();
+    symlink(at("runs.svg"), at("soft.svg")).unwrap();
+    fs::hard_link(at("runs.svg"), at("hard.svg")).unwrap();
+    let before = fs::read(at("runs.svg")).unwrap();
+    for name in ["runs.svg", "sub/../runs.svg", "soft.svg", "hard.svg"] {
+        let refused = run(
+            folder.path(),
+            &format!("plot runs.svg --out {name} --force"),
+        );
+        assert_eq!(refused.status.code(), Some(1), "{name}");
+        assert!(error(&refused).contains("this command reads"), "{name}");
+    }
+    assert_eq!(fs::read(at("runs.svg")).unwrap(), before);
+    for input in ["means.csv", "rig.toml"] {
+        let refused = run(
+            folder.path(),
+            &format!("import rig.toml --out {input} --force"),
+        );
+        assert!(error(&refused).contains("this command reads"), "{input}");
+    }
+}
+
+#[test]
+fn a_write_protected_file_stays_even_by_force() {
+    let folder = workplace();
+    for (command, words) in commands() {
+        let target = folder.path().join(name_for(command));
+        let precious = precious(folder.path(), command);
+        fs::write(&target, &precious).unwrap();
+        fs::set_permissions(&target, fs::Permissions::from_mode(0o444)).unwrap();
+        let words = words.replace("{}", name_for(command));
+        let refused = run(folder.path(), &format!("{words} --force"));
+        assert!(error(&refused).contains("write-protected"), "{command}");
+        assert!(fs::read(&target).unwrap() == precious, "{command}");
+        fs::remove_file(target).unwrap();
+    }
+}
+
+#[test]
+fn missing_folders_are_made_by_every_command() {
+    let folder = workplace();
+    for (command, words) in commands() {
+        let name = format!("{command}/a/b/{}", name_for(command));
+        done(run(folder.path(), &words.replace("{}", &name)));
+        assert!(folder.path().join(name).is_file(), "{command}");
+    }
+}
+
+#[test]
+fn a_folder_of_figures_that_holds_files_needs_force() {
+    let folder = workplace();
+    fs::create_dir(folder.path().join("figures")).unwrap();
+    fs::write(folder.path().join("figures/mine.svg"), "mine").unwrap();
+    let refused = run(folder.path(), "recognize ht.h5 --out figures");
+    assert!(error(&refused).contains("is not empty; give --force"));
+    run(folder.path(), "recognize ht.h5 --out figures --force");
+    let mine = fs::read_to_string(folder.path().join("figures/mine.svg"));
+    assert_eq!(mine.unwrap(), "mine");
+}
+
+#[test]
+fn a_full_disk_leaves_no_part_and_names_the_reason() {
+    let folder = workplace();
+    for (command, words) in commands() {
+        let name = name_for(command);
+        let words = words.replace("{}", name);
+        // Files of at most 2 KiB, as a quota would have it; the signal that comes with it ignored.
+        let program = program(folder.path());
+        let limited = std::process::Command::new("sh")
+            .current_dir(folder.path())
+            .arg("-c")
+            .arg(format!(
+                "trap '' XFSZ; ulimit -f 2; exec {:?} {words}",
+                program.get_program()
+            ))
+            .output()
+            .unwrap();
+        assert_ne!(limited.status.code(), Some(0), "{command}");
+        assert!(
+            error(&limited).contains("cannot write"),
+            "{command}: {}",
+            error(&limited)
+        );
+        assert!(!folder.path().join(name).exists(), "{command}");
+        let left = fs::read_dir(folder.path()).unwrap();
+        let parts = left.filter(|entry| {
+            let name = entry.as_ref().unwrap().file_name();
+            name.to_string_lossy().starts_with(".lugwheel-")
+        });
+        assert_eq!(parts.count(), 0, "{command}");
+    }
+}
+
+/// `dataset` of eight runs in `folder`, killed after its first run is whole.
+fn killed(folder: &Path, words: &str) {
+    let mut program = program(folder);
+    program.args(words.split_whitespace());
+    let mut child = program.spawn().unwrap();
+    let first = folder.join("set.h5.parts/run_000001.json");
+    while !first.exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended too early");
+        thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn a_killed_data_set_goes_on_and_ends_with_the_same_bytes() {
+    for features in ["", " --features"] {
+        let words = format!("dataset {SHORT} --runs 8 --jobs 1 --quiet --out set.h5{features}");
+        let (whole, broken) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+        done(run(whole.path(), &words));
+        killed(broken.path(), &words);
+        assert!(!broken.path().join("set.h5").exists());
+        let refused = run(broken.path(), &words);
+        assert!(error(&refused).contains("--resume"), "{}", error(&refused));
+        let other = run(broken.path(), &format!("{words} --resume --seed 2"));
+        assert!(
+            error(&other).contains("another scenario"),
+            "{}",
+            error(&other)
+        );
+        done(run(broken.path(), &format!("{words} --resume")));
+        for name in [
+            "set.h5",
+            "set.windows.csv",
+            "set.splits.csv",
+            "set.croissant.json",
+        ] {
+            let [a, b] =
+                [&whole, &broken].map(|folder| fs::read(folder.path().join(name)).unwrap());
+            assert!(a == b, "{name}{features}");
+        }
+        assert!(!broken.path().join("set.h5.parts").exists());
+    }
+}
+
+#[test]
+fn under_json_every_error_is_a_document_with_kind_message_file_and_line() {
+    let folder = workplace();
+    fs::write(
+        folder.path().join("bad.toml"),
+        "version = 1\nduration = -1\n",
+    )
+    .unwrap();
+    let cases = [
+        ("simulate bad.toml --json", "invalid_input", 3),
+        ("plot ht.h5 --out ht.h5 --json", "failed", 1),
+        ("inspect nothing.h5 --json", "invalid_input", 3),
+        ("simulate --json", "usage", 2),
+    ];
+    for (words, kind, code) in cases {
+        let output = run(folder.path(), words);
+        assert_eq!(output.status.code(), Some(code), "{words}");
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let error = &document["error"];
+        assert_eq!(error["kind"], kind, "{words}: {error}");
+        assert!(
+            error["message"]
+                .as_str()
+                .is_some_and(|text| !text.is_empty())
+        );
+        assert!(error.get("file").is_some() && error.get("line").is_some());
+    }
+    let bad = run(folder.path(), "simulate bad.toml --json");
+    let document: serde_json::Value = serde_json::from_slice(&bad.stdout).unwrap();
+    assert!(
+        document["error"]["file"]
+            .as_str()
+            .unwrap()
+            .ends_with("bad.toml")
+    );
+    assert!(document["error"]["line"].as_u64().is_some());
+}
+
+#[test]
+fn plot_refuses_a_suffix_that_it_does_not_write() {
+    let folder = workplace();
+    let refused = run(folder.path(), "plot ht.h5 --out a.png");
+    let said = error(&refused);
+    assert!(said.contains("plot writes SVG; name a.svg"), "{said}");
+}
