@@ -12,6 +12,7 @@
 //! is whole ([`whole_file`](lugwheel::whole_file)).
 
 use super::output;
+use anyhow::Context;
 use std::fs::{self, Metadata};
 use std::io::{self, ErrorKind::NotADirectory, ErrorKind::NotFound};
 use std::path::{Path, PathBuf};
@@ -67,7 +68,8 @@ impl Claim<'_> {
             self.replaceable(target, &found)?;
         }
         if let Some(parent) = target.parent().filter(|parent| *parent != Path::new("")) {
-            output::make_folder(parent)?;
+            output::make_folder(parent)
+                .with_context(|| format!("cannot write {}", target.display()))?;
         }
         Ok(())
     }
