@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 /// Folder in which a scenario is looked for by its name.
 const FOLDER: &str = "scenarios";
 
+/// Folder in which a study is looked for by its name.
+const STUDIES: &str = "scenarios/studies";
+
 /// How alike [0 to 1] two names are that one may have meant for the other.
 const ALIKE: f64 = 0.8;
 
@@ -35,6 +38,9 @@ pub enum NoScenario {
     /// Nothing has the name.
     #[error("there is no scenario {}, as a file or in {FOLDER}/{hint}", asked.display())]
     Missing { asked: PathBuf, hint: String },
+    /// No study has the name.
+    #[error("there is no study {}, as a file or in {STUDIES}/{hint}", asked.display())]
+    MissingStudy { asked: PathBuf, hint: String },
     /// The file asks for many runs.
     #[error("{} is a study, no scenario; `lugwheel study {}` runs it", .0.display(), .0.display())]
     Study(PathBuf),
@@ -105,23 +111,35 @@ pub fn read(asked: &Path) -> anyhow::Result<Scenario> {
 /// # Errors
 /// `NoScenario` with the names like it.
 pub fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
-    if asked.exists() {
-        return Ok(asked.to_owned());
-    }
-    let named = Path::new(FOLDER).join(asked);
-    let by_name = named.with_extension("toml");
-    if by_name.is_file() {
-        return Ok(by_name);
-    }
-    Err(NoScenario::Missing {
+    found_in(FOLDER, asked).ok_or_else(|| NoScenario::Missing {
         asked: asked.to_owned(),
-        hint: hint(asked, &names()),
+        hint: hint(asked, &names(FOLDER)),
     })
 }
 
-/// Names of the scenarios there are, in the order of their letters.
-fn names() -> Vec<String> {
-    let files = fs::read_dir(FOLDER).into_iter().flatten().flatten();
+/// The study file, or the one of that name in the folder of studies.
+///
+/// # Errors
+/// `NoScenario` with the names like it.
+pub fn found_study(asked: &Path) -> Result<PathBuf, NoScenario> {
+    found_in(STUDIES, asked).ok_or_else(|| NoScenario::MissingStudy {
+        asked: asked.to_owned(),
+        hint: hint(asked, &names(STUDIES)),
+    })
+}
+
+/// The file asked for, or the one of that name in `folder`.
+fn found_in(folder: &str, asked: &Path) -> Option<PathBuf> {
+    if asked.exists() {
+        return Some(asked.to_owned());
+    }
+    let by_name = Path::new(folder).join(asked).with_extension("toml");
+    by_name.is_file().then_some(by_name)
+}
+
+/// Names of the documents in `folder`, in the order of their letters.
+fn names(folder: &str) -> Vec<String> {
+    let files = fs::read_dir(folder).into_iter().flatten().flatten();
     let tomls = files
         .map(|file| file.path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "toml"));

@@ -5,6 +5,7 @@ use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
+use super::scenario_args::found_study;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use lugwheel::learning::DataSet;
@@ -27,7 +28,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct StudyCommand {
-    /// Study file
+    /// Study file, or the name of one in scenarios/studies/
     #[arg(value_name = "STUDY.toml")]
     study: PathBuf,
     /// Folder of the results [default: output/<study>]
@@ -63,7 +64,7 @@ enum Collect {
 
 const EXAMPLES: &str = "\
 Examples:
-  lugwheel study scenarios/studies/quick.toml
+  lugwheel study quick
   lugwheel study scenarios/studies/table3.toml --out output/table3 --resume
   lugwheel study scenarios/studies/table5.toml --shard 2/4
   lugwheel study scenarios/studies/table5.toml --slurm --slurm-option=--time=30
@@ -127,7 +128,7 @@ struct Summary {
 impl StudyCommand {
     /// Runs the study and says what it came to.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let study = Study::load(&self.study)?;
+        let study = Study::load(&found_study(&self.study)?)?;
         let stem = self
             .study
             .file_stem()
@@ -202,7 +203,7 @@ impl StudyCommand {
         let named = || format!("study {}", self.study.display());
         if self.cluster.is_wanted() {
             let work = Work {
-                study: &self.study,
+                study: &found_study(&self.study)?,
                 out,
                 threads: self.jobs,
                 resume: self.resume,
