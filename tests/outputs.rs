@@ -267,3 +267,99 @@ fn plot_refuses_a_suffix_that_it_does_not_write() {
     let said = error(&refused);
     assert!(said.contains("plot writes SVG; name a.svg"), "{said}");
 }
+
+#[test]
+fn ready_studies_are_found_by_name_and_a_typo_suggests_the_near_one() {
+    let folder = TempDir::new().unwrap();
+    let typo = run(folder.path(), "study quik");
+    assert_eq!(typo.status.code(), Some(3));
+    assert!(
+        error(&typo).contains("did you mean quick"),
+        "{}",
+        error(&typo)
+    );
+    let said = done(run(folder.path(), "study quick --out by_name"));
+    assert_eq!(said.lines().last(), Some("report: by_name/report.html"));
+}
+
+/// `sh` that runs the program with `words` after `limit`; its exit code and first line of error.
+fn ended(folder: &Path, limit: &str, words: &str) -> String {
+    let program = program(folder);
+    let line = format!("{limit}; exec {:?} {words}", program.get_program());
+    let mut shell = std::process::Command::new("sh");
+    let output = shell.current_dir(folder).args(["-c", &line]).output();
+    let output = output.unwrap();
+    let said = error(&output).lines().next().unwrap_or("-").to_owned();
+    format!("{} | {said}", output.status.code().unwrap())
+}
+
+/// What a command does with each kind of output in its way, a row each.
+fn rows(command: &str, words: &str) -> String {
+    let folder = workplace();
+    let at = |name: &str| folder.path().join(name);
+    let name = |stem: &str| name_for(command).replace("out", stem);
+    fs::copy(at("ht.h5"), at("in.svg")).unwrap();
+    fs::copy(
+        concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/scenarios/single_wheel_ht.toml"
+        ),
+        at("in.toml"),
+    )
+    .unwrap();
+    let input = match command {
+        "plot" => "in.svg",
+        "import" => "rig.toml",
+        _ => "in.toml",
+    };
+    let words = words.replace("plot ht.h5", "plot in.svg");
+    let words = words.replace("single_wheel_ht", "in.toml");
+    for stem in ["old", "protected"] {
+        fs::write(at(&name(stem)), precious(folder.path(), command)).unwrap();
+    }
+    fs::set_permissions(at(&name("protected")), fs::Permissions::from_mode(0o444)).unwrap();
+    symlink(input, at(&name("soft"))).unwrap();
+    fs::hard_link(at(input), at(&name("hard"))).unwrap();
+    fs::create_dir(at("sub")).unwrap();
+    let full = "trap '' XFSZ; ulimit -f 2";
+    let cases = [
+        ("existing file", name("old"), "", ":"),
+        (
+            "input, relative name, --force",
+            format!("sub/../{input}"),
+            " --force",
+            ":",
+        ),
+        (
+            "input, symbolic link, --force",
+            name("soft"),
+            " --force",
+            ":",
+        ),
+        ("input, hard link, --force", name("hard"), " --force", ":"),
+        ("read-only file", name("protected"), "", ":"),
+        (
+            "read-only file, --force",
+            name("protected"),
+            " --force",
+            ":",
+        ),
+        ("full disk", name("new"), "", full),
+        ("missing folder", name("no/such/new"), "", ":"),
+    ];
+    let rows = cases.map(|(case, out, force, limit)| {
+        let words = words.replace("{}", &out);
+        let ended = ended(folder.path(), limit, &format!("{words}{force}"));
+        format!("{command} | {case} | {ended}\n")
+    });
+    rows.concat()
+}
+
+#[test]
+#[ignore = "writes output/reference/outputs.txt: cargo test --test all outputs:: -- --ignored"]
+fn the_table_of_outputs_is_written() {
+    let rows = commands().map(|(command, words)| rows(command, &words));
+    let table = format!("command | output | exit code | message\n{}", rows.concat());
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/output/reference/outputs.txt");
+    fs::write(path, table).unwrap();
+}
