@@ -16,8 +16,8 @@ use tempfile::TempDir;
 /// Effects that are tried; all others are held to be impossible.
 const TRIED: [&str; 4] = ["gain_error", "bias_drift", "quantization", "added_noise"];
 
-/// A second on slate, with the noise of a real sensor. It meets a joint or does not: runs are loud or
-/// quiet in all statistics alike.
+/// A second on slate, with the noise of a real sensor. Its summits are those of the
+/// run: runs are loud or quiet in all statistics alike.
 fn rig() -> Scenario {
     let folder = env!("CARGO_MANIFEST_DIR");
     let scenario = Scenario::load(format!("{folder}/scenarios/single_wheel_ht.toml")).unwrap();
@@ -109,7 +109,7 @@ fn a_wrong_gain_is_named_and_found_closes_some_of_the_gap_and_the_cache_gives_th
     assert!(verdict.named[0].contains(&"gain_error.normal_force".to_owned()));
     let first = &verdict.effects[0];
     assert!((first.magnitude - 0.08).abs() < 0.02, "{first:?}");
-    // How far is not known from a second over joints.
+    // How far is not known from a second on rough slate.
     let closed = diagnosis.closed.unwrap();
     assert!(closed.ci95[0] > 0.0, "{closed:?}");
     let gap = diagnosis.gap.unwrap();

@@ -23,10 +23,9 @@ fn study(folder: &TempDir, scenario: &str, rest: &str) -> Study {
     Study::load(&file).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Few lugs and many, on flat bricks and on cobbles.
+/// Few lugs and many, on a flat slab and on cobbles.
 fn small(folder: &TempDir) -> Study {
-    let rest = "terrain.hard.joints.depth = 0.0\nterrain.hard.joints.step = 0.0\n\
-                [[sweep]]\nkey = \"wheel.lugs.count\"\nvalues = [6, 24]\n\
+    let rest = "[[sweep]]\nkey = \"wheel.lugs.count\"\nvalues = [6, 24]\n\
                 [[sweep]]\nkeys = [\"terrain.hard.roughness.rms\", \"terrain.hard.roughness.shortest\"]\n\
                 rows = [[0.0, 0.002], [0.02, 0.02]]\n";
     study(folder, "single_wheel_ht", rest)

@@ -454,7 +454,7 @@ mod tests {
             "moving_mass",
         ];
         assert_eq!(names("single_wheel_ref"), flat);
-        assert!(names("single_wheel_ht").contains(&"joint_step"));
+        assert!(names("rover_ht").contains(&"joint_step"));
     }
 
     #[test]

@@ -263,6 +263,8 @@ impl HardGround {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Seed;
+    use crate::terrain::Joints;
 
     #[test]
     fn dust_takes_friction_from_that_of_stone_to_that_of_grains() {
@@ -272,5 +274,71 @@ mod tests {
         assert!((part - (1.0 - (-1.0f64).exp())).abs() < 1e-12);
         assert!((friction_on_dust(0.6, 0.001) - FRICTION_ON_GRAINS).abs() < 1e-4);
         assert_eq!(friction_on_dust(0.2, 0.001), 0.2);
+    }
+
+    /// Pull [N] at every step while a lug's edge under `load` [N] is drawn at 5 mm/s out of a joint
+    /// over the bevel ahead, with how far up that bevel it is (0 to 1).
+    fn drawn_out_of_a_joint(joints: &Joints, load: f64) -> Vec<[f64; 2]> {
+        let (mass, speed, dt) = (12.0, 0.005, 1.0 / 128_000.0);
+        let contact = HardContact {
+            reference_load: 94.0,
+            reference_indentation: 1.0e-5,
+            exponent: 1.11,
+            dissipation: 100.0,
+            dust: 0.0,
+        };
+        let mut profile = Profile::new(None, Some(joints), 2.5e-4, Seed(5), 0);
+        profile.extend(0.0, 1.0);
+        let bottom = (0..4000).map(|i| 0.1 + f64::from(i) * 1.0e-4);
+        let mut bottom = bottom.filter(|x| profile.at(*x).height <= -joints.depth);
+        let mut motion = WheelMotion {
+            x: bottom.next().unwrap() + 0.25 * joints.width,
+            y: -joints.depth,
+            vx: speed,
+            ..WheelMotion::default()
+        };
+        let ground = HardGround::new(profile, contact, &Wheel::single_wheel(), [-9.0, 9.0]);
+        let (mut stretch, mut pulls) = (0.0, Vec::new());
+        while motion.y < -1.0e-5 {
+            let edge = Edge {
+                lug: 0,
+                x: motion.x,
+                y: motion.y,
+                arm: [0.0, 0.0],
+                radius: 0.0,
+            };
+            let wrench = ground.press(&edge, &motion, dt, &mut stretch);
+            motion.vy += (wrench.fy - load) / mass * dt;
+            motion.y += motion.vy * dt;
+            motion.x += speed * dt;
+            pulls.push([1.0 + motion.y / joints.depth, -wrench.fx]);
+            assert!(pulls.len() < 1_000_000, "the edge never leaves the joint");
+        }
+        pulls
+    }
+
+    #[test]
+    fn a_lug_drawn_out_of_a_bevelled_joint_lets_go_at_the_pull_of_a_wedge() {
+        let joints = Joints {
+            spacing: 0.2,
+            width: 0.005,
+            depth: 0.002,
+            step: 0.0,
+        };
+        let (load, friction) = (100.0, Wheel::single_wheel().friction);
+        let pulls = drawn_out_of_a_joint(&joints, load);
+        let on_flank = pulls.iter().filter(|[up, _]| (0.3..0.7).contains(up));
+        let (sum, count) = on_flank.fold((0.0, 0.0), |(s, n), [_, pull]| (s + pull, n + 1.0));
+        // At 45°: W (1 + μ)/(1 - μ).
+        let expected = load * (1.0 + friction) / (1.0 - friction);
+        assert!(
+            (sum / count / expected - 1.0).abs() < 0.1,
+            "{}",
+            sum / count
+        );
+        let peak = pulls
+            .iter()
+            .fold(0.0, |most: f64, [_, pull]| most.max(*pull));
+        assert!(peak < 10.0 * load, "{peak}");
     }
 }
