@@ -4,7 +4,7 @@ use super::challenge::FailedCases;
 use super::identify::NothingIdentified;
 use super::interrupt::Interrupted;
 use super::recognize::Unfit;
-use super::scenario_args::NoScenario;
+use super::scenario_args::NoDocument;
 use super::study::{FailedRuns, UnansweredCampaigns};
 use lugwheel::challenge::ChallengeError;
 use lugwheel::dataset::csv::CampaignError;
@@ -142,7 +142,7 @@ fn is_finished(cause: &(dyn Error + 'static)) -> bool {
 
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
-        || cause.is::<NoScenario>()
+        || cause.is::<NoDocument>()
         || cause.is::<EffectError>()
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()

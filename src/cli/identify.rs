@@ -6,7 +6,7 @@ mod summary;
 mod text;
 
 use super::interrupt;
-use super::output::{self, Output};
+use super::output::Output;
 use super::progress::Progress;
 use super::recognize::{chosen, write_figure};
 use clap::{Args, ValueEnum};
@@ -221,9 +221,8 @@ impl Identify {
     }
 }
 
-/// Draws every fit into a folder, which is made if need be; the names of the figures.
+/// Draws every fit into a folder that the command has claimed; the names of the figures.
 fn draw(folder: &Path, fits: &[Fit]) -> anyhow::Result<Vec<String>> {
-    output::make_folder(folder)?;
     let figures = fits.iter().enumerate().map(|(number, fit)| {
         let class = fit.estimate.class;
         let before = fits[..number].iter();

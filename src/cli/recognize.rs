@@ -116,7 +116,7 @@ impl Recognize {
         if let Some(folder) = &self.out {
             output.claim(&[]).folder(folder)?;
         }
-        let mut figures = self.out.as_deref().map(Figures::new).transpose()?;
+        let mut figures = self.out.as_deref().map(Figures::new);
         let reference = match &self.reference {
             Some(path) => reference::measured(path, settings)?,
             None => reference::computed(&file, &runs, settings),

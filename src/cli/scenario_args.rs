@@ -7,11 +7,23 @@ use lugwheel::study::Study;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folder in which a scenario is looked for by its name.
-const FOLDER: &str = "scenarios";
+/// Documents that are found by their name.
+#[derive(Debug, Clone, Copy)]
+pub struct Ready {
+    kind: &'static str,
+    /// Folder in which one is looked for.
+    folder: &'static str,
+}
 
-/// Folder in which a study is looked for by its name.
-const STUDIES: &str = "scenarios/studies";
+const SCENARIOS: Ready = Ready {
+    kind: "scenario",
+    folder: "scenarios",
+};
+
+const STUDIES: Ready = Ready {
+    kind: "study",
+    folder: "scenarios/studies",
+};
 
 /// How alike [0 to 1] two names are that one may have meant for the other.
 const ALIKE: f64 = 0.8;
@@ -32,15 +44,16 @@ pub struct ScenarioArgs {
     seed: u64,
 }
 
-/// There is no such scenario.
+/// There is no such scenario or study.
 #[derive(Debug, thiserror::Error)]
-pub enum NoScenario {
+pub enum NoDocument {
     /// Nothing has the name.
-    #[error("there is no scenario {}, as a file or in {FOLDER}/{hint}", asked.display())]
-    Missing { asked: PathBuf, hint: String },
-    /// No study has the name.
-    #[error("there is no study {}, as a file or in {STUDIES}/{hint}", asked.display())]
-    MissingStudy { asked: PathBuf, hint: String },
+    #[error("there is no {} {}, as a file or in {}/{hint}", ready.kind, asked.display(), ready.folder)]
+    Missing {
+        ready: Ready,
+        asked: PathBuf,
+        hint: String,
+    },
     /// The file asks for many runs.
     #[error("{} is a study, no scenario; `lugwheel study {}` runs it", .0.display(), .0.display())]
     Study(PathBuf),
@@ -50,7 +63,7 @@ impl ScenarioArgs {
     /// Reads the scenario, with its keys set and its effects added.
     ///
     /// # Errors
-    /// `NoScenario` with the names like it; `ScenarioError` for one that is none, or an edit that
+    /// `NoDocument` with the names like it; `ScenarioError` for one that is none, or an edit that
     /// makes it none.
     pub fn load(&self) -> anyhow::Result<Scenario> {
         let scenario = read(&self.scenario)?;
@@ -62,8 +75,8 @@ impl ScenarioArgs {
     /// The file that the scenario is read from.
     ///
     /// # Errors
-    /// `NoScenario` with the names like it.
-    pub fn file(&self) -> Result<PathBuf, NoScenario> {
+    /// `NoDocument` with the names like it.
+    pub fn file(&self) -> Result<PathBuf, NoDocument> {
         found(&self.scenario)
     }
 
@@ -97,11 +110,11 @@ impl ScenarioArgs {
 /// The scenario of a file, or the one of that name in the folder of scenarios.
 ///
 /// # Errors
-/// `NoScenario` with the names like it, or for a study; `ScenarioError` for a text that is none.
+/// `NoDocument` with the names like it, or for a study; `ScenarioError` for a text that is none.
 pub fn read(asked: &Path) -> anyhow::Result<Scenario> {
     let path = found(asked)?;
     Scenario::load(&path).map_err(|error| match Study::load(&path) {
-        Ok(_) => NoScenario::Study(path).into(),
+        Ok(_) => NoDocument::Study(path).into(),
         Err(_) => error.into(),
     })
 }
@@ -109,32 +122,35 @@ pub fn read(asked: &Path) -> anyhow::Result<Scenario> {
 /// The scenario file, or the one of that name in the folder of scenarios.
 ///
 /// # Errors
-/// `NoScenario` with the names like it.
-pub fn found(asked: &Path) -> Result<PathBuf, NoScenario> {
-    found_in(FOLDER, asked).ok_or_else(|| NoScenario::Missing {
-        asked: asked.to_owned(),
-        hint: hint(asked, &names(FOLDER)),
-    })
+/// `NoDocument` with the names like it.
+pub fn found(asked: &Path) -> Result<PathBuf, NoDocument> {
+    SCENARIOS.found(asked)
 }
 
 /// The study file, or the one of that name in the folder of studies.
 ///
 /// # Errors
-/// `NoScenario` with the names like it.
-pub fn found_study(asked: &Path) -> Result<PathBuf, NoScenario> {
-    found_in(STUDIES, asked).ok_or_else(|| NoScenario::MissingStudy {
-        asked: asked.to_owned(),
-        hint: hint(asked, &names(STUDIES)),
-    })
+/// `NoDocument` with the names like it.
+pub fn found_study(asked: &Path) -> Result<PathBuf, NoDocument> {
+    STUDIES.found(asked)
 }
 
-/// The file asked for, or the one of that name in `folder`.
-fn found_in(folder: &str, asked: &Path) -> Option<PathBuf> {
-    if asked.exists() {
-        return Some(asked.to_owned());
+impl Ready {
+    /// The file asked for, or the one of that name in the folder.
+    fn found(self, asked: &Path) -> Result<PathBuf, NoDocument> {
+        if asked.exists() {
+            return Ok(asked.to_owned());
+        }
+        let by_name = Path::new(self.folder).join(asked).with_extension("toml");
+        if by_name.is_file() {
+            return Ok(by_name);
+        }
+        Err(NoDocument::Missing {
+            ready: self,
+            asked: asked.to_owned(),
+            hint: hint(asked, &names(self.folder)),
+        })
     }
-    let by_name = Path::new(folder).join(asked).with_extension("toml");
-    by_name.is_file().then_some(by_name)
 }
 
 /// Names of the documents in `folder`, in the order of their letters.

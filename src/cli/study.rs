@@ -128,7 +128,8 @@ struct Summary {
 impl StudyCommand {
     /// Runs the study and says what it came to.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let study = Study::load(&found_study(&self.study)?)?;
+        let file = found_study(&self.study)?;
+        let study = Study::load(&file)?;
         let stem = self
             .study
             .file_stem()
@@ -141,7 +142,7 @@ impl StudyCommand {
             .unwrap_or_else(|| PathBuf::from("output").join(&stem));
         output::make_folder(&out)?;
         let progress = Progress::new(output, &stem, study.simulated());
-        let outcome = self.outcome(&study, &out, &progress)?;
+        let outcome = self.outcome(&file, &study, &out, &progress)?;
         let computing_s = progress.elapsed();
         drop(progress);
         let Some(outcome) = outcome else {
@@ -196,6 +197,7 @@ impl StudyCommand {
     /// What the study comes to, where its shards are put together.
     fn outcome(
         &self,
+        file: &Path,
         study: &Study,
         out: &Path,
         progress: &Progress,
@@ -203,7 +205,7 @@ impl StudyCommand {
         let named = || format!("study {}", self.study.display());
         if self.cluster.is_wanted() {
             let work = Work {
-                study: &found_study(&self.study)?,
+                study: file,
                 out,
                 threads: self.jobs,
                 resume: self.resume,

@@ -1,7 +1,6 @@
 //! The figures of recognition, in a folder.
 
 use super::write_figure;
-use crate::cli::output;
 use lugwheel::recognition::Recognized;
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::recognition::known::known_terrain;
@@ -30,15 +29,14 @@ struct Point {
 }
 
 impl Figures {
-    /// Figures in a folder, which is made if need be.
-    pub fn new(folder: &Path) -> anyhow::Result<Self> {
-        output::make_folder(folder)?;
-        Ok(Self {
+    /// Figures in a folder that the command has claimed.
+    pub fn new(folder: &Path) -> Self {
+        Self {
             folder: folder.to_owned(),
             points: Vec::new(),
             lugs: BTreeSet::new(),
             written: Vec::new(),
-        })
+        }
     }
 
     /// Draws a run and notes its windows.
