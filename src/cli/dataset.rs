@@ -100,7 +100,9 @@ impl Dataset {
         let mut seen = Seen::new(&scenario, self.scenario.stem())?;
         self.simulate(&series, &progress, &mut seen, &parts)
             .map_err(|error| self.what_is_left(error, &parts))?;
-        let outcomes = self.put_together(&out, &scenario, &parts, &mut seen)?;
+        let outcomes = self
+            .put_together(&out, &scenario, &parts, &mut seen)
+            .map_err(|error| self.what_is_left(error, &parts))?;
         let beside = self.describe(seen, &out)?;
         parts.remove()?;
         let computing_s = progress.elapsed();
@@ -188,12 +190,14 @@ impl Dataset {
         };
         let mut outcomes = Vec::new();
         for run in 0..self.runs {
-            interrupt::check().map_err(|error| self.what_is_left(error.into(), parts))?;
+            interrupt::check()?;
             let Part { facts, trace } = parts.read(run, file.is_some())?;
             outcomes.push(facts.outcome);
             seen.windows.rows.extend(facts.windows);
             if let (Some(file), Some(trace)) = (&mut file, trace) {
-                seen.channels = ChannelFact::of(&trace);
+                if seen.channels.is_empty() {
+                    seen.channels = ChannelFact::of(&trace);
+                }
                 file.add(&run_id(run), &trace)?;
             }
         }
