@@ -3,7 +3,7 @@
 use crate::cli::{done, program, run};
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::thread;
 use std::time::Duration;
@@ -14,6 +14,18 @@ const SHORT: &str = "single_wheel_ht --set duration=0.5 --set rig.single_wheel.f
 
 fn error(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Files of at most 2 KiB, as a quota would have it; the signal that comes with it ignored.
+const FULL_DISK: &str = "trap '' XFSZ; ulimit -f 2";
+
+/// The program with `words`, run by a shell that has done `first`.
+fn in_shell(folder: &Path, first: &str, words: &str) -> Output {
+    let program = program(folder);
+    let line = format!("{first}; exec {:?} {words}", program.get_program());
+    let mut shell = std::process::Command::new("sh");
+    let output = shell.current_dir(folder).args(["-c", &line]).output();
+    output.unwrap()
 }
 
 /// A folder with a campaign of one CSV file, its run file and a scenario.
@@ -57,13 +69,19 @@ fn name_for(command: &str) -> &'static str {
     }
 }
 
+/// Puts something precious where the command would write; its place and content.
+fn in_the_way(folder: &Path, command: &str) -> (PathBuf, Vec<u8>) {
+    let target = folder.join(name_for(command));
+    let precious = precious(folder, command);
+    fs::write(&target, &precious).unwrap();
+    (target, precious)
+}
+
 #[test]
 fn an_existing_file_stays_without_force_and_is_replaced_whole_with_it() {
     let folder = workplace();
     for (command, words) in commands() {
-        let target = folder.path().join(name_for(command));
-        let precious = precious(folder.path(), command);
-        fs::write(&target, &precious).unwrap();
+        let (target, precious) = in_the_way(folder.path(), command);
         let words = words.replace("{}", name_for(command));
         let refused = run(folder.path(), &words);
         assert_eq!(refused.status.code(), Some(1), "{command}");
@@ -110,9 +128,7 @@ fn an_input_is_never_an_output_by_any_name() {
 fn a_write_protected_file_stays_even_by_force() {
     let folder = workplace();
     for (command, words) in commands() {
-        let target = folder.path().join(name_for(command));
-        let precious = precious(folder.path(), command);
-        fs::write(&target, &precious).unwrap();
+        let (target, precious) = in_the_way(folder.path(), command);
         fs::set_permissions(&target, fs::Permissions::from_mode(0o444)).unwrap();
         let words = words.replace("{}", name_for(command));
         let refused = run(folder.path(), &format!("{words} --force"));
@@ -150,17 +166,7 @@ fn a_full_disk_leaves_no_part_and_names_the_reason() {
     for (command, words) in commands() {
         let name = name_for(command);
         let words = words.replace("{}", name);
-        // Files of at most 2 KiB, as a quota would have it; the signal that comes with it ignored.
-        let program = program(folder.path());
-        let limited = std::process::Command::new("sh")
-            .current_dir(folder.path())
-            .arg("-c")
-            .arg(format!(
-                "trap '' XFSZ; ulimit -f 2; exec {:?} {words}",
-                program.get_program()
-            ))
-            .output()
-            .unwrap();
+        let limited = in_shell(folder.path(), FULL_DISK, &words);
         assert_ne!(limited.status.code(), Some(0), "{command}");
         assert!(
             error(&limited).contains("cannot write"),
@@ -261,6 +267,18 @@ fn under_json_every_error_is_a_document_with_kind_message_file_and_line() {
 }
 
 #[test]
+fn a_study_with_failed_runs_prints_its_result_alone_under_json() {
+    let folder = TempDir::new().unwrap();
+    let study = "version = 1\ntitle = \"t\"\nquestion = \"Do all sink?\"\nseed = 1\nrepeats = 1\nrandom_numbers = \"common\"\n\
+                 scenarios = [\"scenarios/quick.toml\"]\n[set]\nrig.single_wheel.load = 50000.0\n";
+    fs::write(folder.path().join("sinks.toml"), study).unwrap();
+    let output = run(folder.path(), "study sinks.toml --out sinks --json");
+    assert_eq!(output.status.code(), Some(4), "{}", error(&output));
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["failed"].as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn plot_refuses_a_suffix_that_it_does_not_write() {
     let folder = workplace();
     let refused = run(folder.path(), "plot ht.h5 --out a.png");
@@ -282,14 +300,10 @@ fn ready_studies_are_found_by_name_and_a_typo_suggests_the_near_one() {
     assert_eq!(said.lines().last(), Some("report: by_name/report.html"));
 }
 
-/// `sh` that runs the program with `words` after `limit`; its exit code and first line of error.
-fn ended(folder: &Path, limit: &str, words: &str) -> String {
-    let program = program(folder);
-    let line = format!("{limit}; exec {:?} {words}", program.get_program());
-    let mut shell = std::process::Command::new("sh");
-    let output = shell.current_dir(folder).args(["-c", &line]).output();
-    let output = output.unwrap();
-    let said = error(&output).lines().next().unwrap_or("-").to_owned();
+/// The exit code and the first line of error.
+fn ended(output: &Output) -> String {
+    let said = error(output);
+    let said = said.lines().next().unwrap_or("-");
     format!("{} | {said}", output.status.code().unwrap())
 }
 
@@ -321,7 +335,6 @@ fn rows(command: &str, words: &str) -> String {
     symlink(input, at(&name("soft"))).unwrap();
     fs::hard_link(at(input), at(&name("hard"))).unwrap();
     fs::create_dir(at("sub")).unwrap();
-    let full = "trap '' XFSZ; ulimit -f 2";
     let cases = [
         ("existing file", name("old"), "", ":"),
         (
@@ -344,13 +357,13 @@ fn rows(command: &str, words: &str) -> String {
             " --force",
             ":",
         ),
-        ("full disk", name("new"), "", full),
+        ("full disk", name("new"), "", FULL_DISK),
         ("missing folder", name("no/such/new"), "", ":"),
     ];
     let rows = cases.map(|(case, out, force, limit)| {
         let words = words.replace("{}", &out);
-        let ended = ended(folder.path(), limit, &format!("{words}{force}"));
-        format!("{command} | {case} | {ended}\n")
+        let output = in_shell(folder.path(), limit, &format!("{words}{force}"));
+        format!("{command} | {case} | {}\n", ended(&output))
     });
     rows.concat()
 }

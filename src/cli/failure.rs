@@ -29,14 +29,15 @@ const FAILED_RUNS: u8 = 4;
 const INTERRUPTED: u8 = 130;
 
 /// Prints `error` with its causes to stderr, with `--json` as a document to stdout too, and returns
-/// the exit code for it.
+/// the exit code for it. What was finished has printed its result, which stays the only document.
 pub fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     // Nobody reads on if this fails.
     let _ = write!(std::io::stderr(), "{}", message(error));
-    if json {
+    let code = exit_code(error);
+    if json && code != FAILED_RUNS {
         print(&ErrorFact::of(error));
     }
-    ExitCode::from(exit_code(error))
+    ExitCode::from(code)
 }
 
 /// Prints wrong usage as a JSON document to stdout.
@@ -78,7 +79,6 @@ impl ErrorFact {
         Self {
             kind: match exit_code(error) {
                 INTERRUPTED => "interrupted",
-                FAILED_RUNS => "failed_runs",
                 INVALID_INPUT => "invalid_input",
                 _ => "failed",
             },
