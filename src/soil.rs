@@ -136,7 +136,9 @@ impl Soil {
             [0.0, 5.0],
         )?;
         RangeError::check("cohesion", "Pa", self.cohesion, [0.0, 1.0e6])?;
+        not_in_kilopascal("cohesion", self.cohesion)?;
         RangeError::check("friction angle", "°", self.friction_angle_deg, [0.0, 60.0])?;
+        not_in_radians("friction angle", self.friction_angle_deg)?;
         RangeError::check(
             "shear deformation modulus",
             "m",
@@ -159,8 +161,47 @@ impl Soil {
         RangeError::positive("unloading stiffness", "Pa/m", self.unloading_stiffness)?;
         RangeError::check("soil damping", "Pa·s/m", self.damping, [0.0, 1.0e9])?;
         RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
+        not_in_radians("angle of repose", self.repose_angle_deg)?;
         RangeError::check("angle of repose", "°", self.repose_angle_deg, [5.0, 60.0])?;
         self.departures.check()?;
         Ok(self)
     }
+}
+
+/// Least cohesion [Pa] of a soil that has any: 10 Pa bear a layer of sand 0.6 mm thick. Published ones are
+/// from some 100 Pa to 100 kPa, mostly in kPa.
+const LEAST_COHESION: f64 = 10.0;
+
+/// Least angle of friction or repose [°] of a soil that has any: the flattest published ones, of saturated
+/// clays, are some 5°, and 2 rad are steeper than a wall.
+const LEAST_ANGLE: f64 = 2.0;
+
+/// # Errors
+/// `RangeError` for a `value` [Pa] too small for a soil unless it is in kPa.
+fn not_in_kilopascal(quantity: &'static str, value: f64) -> Result<(), RangeError> {
+    if value == 0.0 || value >= LEAST_COHESION {
+        return Ok(());
+    }
+    let pascal = (1.0e6 * value).round() / 1.0e3;
+    Err(RangeError {
+        quantity,
+        unit: "Pa",
+        range: format!("0, or {LEAST_COHESION} or more ({value} kPa are {pascal} Pa)"),
+        value,
+    })
+}
+
+/// # Errors
+/// `RangeError` for a `value` [°] too small for a soil unless it is in rad.
+fn not_in_radians(quantity: &'static str, value: f64) -> Result<(), RangeError> {
+    if value <= 0.0 || value >= LEAST_ANGLE {
+        return Ok(());
+    }
+    let degrees = (10.0 * value.to_degrees()).round() / 10.0;
+    Err(RangeError {
+        quantity,
+        unit: "°",
+        range: format!("0, or {LEAST_ANGLE} or more ({value} rad are {degrees}°)"),
+        value,
+    })
 }
