@@ -47,16 +47,24 @@ const fn quantity(
 }
 
 impl Quantity {
-    /// Its value in the middle half of the run, in SI units; `None` where the run lacks it.
+    /// Its value in the middle half of the run, in SI units; `None` where the run lacks it, and NaN for the slip
+    /// of a wheel that stands all that time.
     pub fn of(&self, trace: &Trace) -> Option<f64> {
         match self.key {
             "acceleration_y_rms" => rms(trace.channel("acceleration_y")?.steady()),
+            "slip_ratio" => {
+                let channel = trace.channel("slip_ratio")?;
+                Some(channel.steady_mean().unwrap_or(f64::NAN))
+            }
             channel => trace.steady_mean(channel),
         }
     }
 
     /// A value in SI units as people read it, without its unit.
     pub fn shown(&self, value: f64) -> String {
+        if value.is_nan() {
+            return "undefined".to_owned();
+        }
         let factor = if self.shown_unit == "mm" { 1.0e3 } else { 1.0 };
         four_digits(value * factor)
     }
@@ -84,9 +92,9 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The spread of the `values` [SI] that are there; `None` where there is none.
+    /// The spread of the `values` [SI] that are there and defined; `None` where there is none.
     pub fn of(quantity: &Quantity, values: impl Iterator<Item = Option<f64>>) -> Option<Self> {
-        let values: Vec<f64> = values.flatten().collect();
+        let values: Vec<f64> = values.flatten().filter(|value| !value.is_nan()).collect();
         let min = values.iter().copied().reduce(f64::min)?;
         let max = values.iter().copied().reduce(f64::max)?;
         let mean = values.iter().sum::<f64>() / values.len() as f64;

@@ -114,6 +114,12 @@ impl Vision {
     }
 }
 
+/// Speed [m/s] of rim and axle below which the wheel stands, and its slip is no number: 4 mm in an hour.
+///
+/// A wheel that is held against its load creeps by some 1e-8 m/s, to which the solver balances its forces;
+/// the slowest that a rig drives is a hundred times faster than this.
+const STANDS: f64 = 1.0e-6;
+
 /// What one frame shows.
 #[derive(Clone, Copy)]
 struct Frame {
@@ -215,11 +221,17 @@ impl Camera {
         reading
     }
 
+    /// Slip ratio between two frames; NaN where the wheel stands, whose slip is not defined.
     fn match_frames(&mut self, earlier: &Frame, later: &Frame) -> f64 {
         let turned = later.wheel_angle - earlier.wheel_angle;
         let chord = 2.0 * self.vision.mark_radius * libm::sin(turned.abs() / 2.0).abs();
         let mark = chord + drawn(&mut self.mark_noise);
-        let displacement = later.position - earlier.position + drawn(&mut self.displacement_noise);
+        let moved = later.position - earlier.position;
+        let displacement = moved + drawn(&mut self.displacement_noise);
+        let way = moved.abs().max(self.wheel_radius * turned.abs());
+        if way < STANDS * self.vision.baseline() {
+            return f64::NAN;
+        }
         self.vision
             .slip(self.wheel_radius, displacement, mark, turned >= 0.0)
             .get()
@@ -269,6 +281,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_wheel_that_stands_has_no_slip_and_one_that_is_dragged_or_spins_or_crawls_has_one() {
+        let mut camera = watched(Vision::default(), 1.0e-8, 0.0);
+        assert!(camera.slip_ratio.iter().all(|slip| slip.is_nan()));
+        camera = watched(Vision::realistic(), 0.0, 0.0);
+        assert!(camera.slip_ratio.iter().all(|slip| slip.is_nan()));
+        camera = watched(Vision::default(), 1.0e-5, 0.3);
+        assert!(
+            camera
+                .slip_ratio
+                .iter()
+                .all(|slip| (slip - 0.3).abs() < 1e-6)
+        );
+        camera = watched(Vision::default(), 0.01, -1.0);
+        assert!(camera.slip_ratio.iter().all(|slip| *slip == -1.0));
     }
 
     #[test]
