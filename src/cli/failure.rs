@@ -180,6 +180,7 @@ fn is_unreadable(error: &RunFileError) -> bool {
         RunFileError::Read { .. }
         | RunFileError::NotHdf5 { .. }
         | RunFileError::Damaged { .. }
+        | RunFileError::Encoding { .. }
         | RunFileError::Content { .. }
         | RunFileError::NoSuchRun { .. } => true,
     }

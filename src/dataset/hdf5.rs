@@ -24,6 +24,7 @@
 //! The same runs give the same bytes with the same HDF5 and zlib: nothing in a file tells when or
 //! where it was written.
 
+mod encoding;
 mod reading;
 mod table;
 mod writing;
@@ -89,6 +90,18 @@ pub enum RunFileError {
         /// What HDF5 says.
         reason: String,
     },
+    /// Samples in a form that this program's HDF5 cannot read; the file is whole.
+    #[error("{} at {group}: {found}; {way_out}", path.display())]
+    Encoding {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        group: String,
+        /// How the samples are stored.
+        found: String,
+        /// What to do.
+        way_out: &'static str,
+    },
     /// Something in the file is missing or not as it should be.
     #[error("{} at {group}: expected {expected}, found {found}", path.display())]
     Content {
@@ -124,6 +137,7 @@ impl RunFileError {
             | Self::Read { path, .. }
             | Self::NotHdf5 { path }
             | Self::Damaged { path, .. }
+            | Self::Encoding { path, .. }
             | Self::Content { path, .. }
             | Self::NoSuchRun { path, .. } => path,
         }

@@ -1,5 +1,6 @@
 //! Runs from a file, whoever wrote it.
 
+use super::encoding::{self, missing_filter, odd_float};
 use super::{
     ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, TalliedWindowRow,
 };
@@ -273,6 +274,9 @@ fn channel(name: String, dataset: &Dataset, place: &Place<'_>) -> Outcome<Channe
     if shape.is_empty() || shape.iter().filter(|&&n| n != 1).count() > 1 {
         return Err(place.content("samples in one dimension", format!("shape {shape:?}")));
     }
+    if let Some(unreadable) = missing_filter(dataset) {
+        return Err(place.encoded(unreadable));
+    }
     let sample_rate = place.number("sample_rate_hz")?;
     if !(sample_rate > 0.0 && sample_rate.is_finite()) {
         let expected = "sample_rate_hz above 0 and finite";
@@ -410,6 +414,9 @@ fn dataset(place: &Place<'_>, parent: &Group, name: &str) -> Outcome<Dataset> {
 
 /// All numbers of a dataset or attribute, or what stands there in their place.
 fn numbers(container: &Container) -> Result<Vec<f64>, Wrong> {
+    if let Some(unreadable) = odd_float(container) {
+        return Err(Wrong::Encoding(unreadable));
+    }
     match container.dtype()?.to_descriptor() {
         Ok(TypeDescriptor::Float(_) | TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_)) => {
             Ok(container.read_raw::<f64>()?)
@@ -422,6 +429,7 @@ fn numbers(container: &Container) -> Result<Vec<f64>, Wrong> {
 /// What stands where something else should.
 enum Wrong {
     Kind(String),
+    Encoding(encoding::Unreadable),
     Unreadable(::hdf5::Error),
 }
 
@@ -512,9 +520,19 @@ impl Place<'_> {
         }
     }
 
+    fn encoded(&self, unreadable: encoding::Unreadable) -> RunFileError {
+        RunFileError::Encoding {
+            path: self.path.to_owned(),
+            group: self.location.name(),
+            found: unreadable.found,
+            way_out: unreadable.way_out,
+        }
+    }
+
     fn wrong(&self, expected: &str, found: Wrong) -> RunFileError {
         match found {
             Wrong::Kind(kind) => self.content(expected, kind),
+            Wrong::Encoding(unreadable) => self.encoded(unreadable),
             Wrong::Unreadable(error) => self.damaged(&error),
         }
     }
