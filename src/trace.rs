@@ -1,10 +1,14 @@
 //! What one run leaves behind: channels with units and rates, ground truth, provenance.
 
+pub mod clipping;
+pub mod motion;
 pub mod truth;
+pub mod turning;
+
+pub use turning::unwrapped;
 
 use crate::terrain::class::{TerrainLabel, Wtic};
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
 
 /// The channels every tool knows, and their units. Others may be there; they are carried along.
 ///
@@ -230,6 +234,11 @@ impl Trace {
             .unwrap_or(self.attributes.slip_ratio)
     }
 
+    /// Whether a simulation made it and says so.
+    pub fn is_simulated(&self) -> bool {
+        self.truth.is_some() || self.attributes.physics_rate.is_some()
+    }
+
     /// Length of the longest channel [s]; 0 where there is none.
     pub fn duration(&self) -> f64 {
         let durations = self.channels.iter().map(Channel::duration);
@@ -281,24 +290,6 @@ impl LugTally {
     pub fn shares(self) -> [f64; 2] {
         [self.touched, self.entered].map(|some| f64::from(some) / f64::from(self.passed))
     }
-}
-
-/// Wheel angles [rad] without the jumps of an encoder that starts again after a turn. What is no
-/// number stays so.
-pub fn unwrapped(angles: &[f64]) -> Vec<f64> {
-    let mut offset = 0.0;
-    let mut before: Option<f64> = None;
-    let mut unwrap = |angle: f64| {
-        if !angle.is_finite() {
-            return angle;
-        }
-        let jump = angle - before.replace(angle).unwrap_or(angle);
-        if jump.abs() > PI {
-            offset -= TAU * (jump / TAU).round();
-        }
-        angle + offset
-    };
-    angles.iter().map(|&angle| unwrap(angle)).collect()
 }
 
 /// The angle [rad] that a wheel turns through along a channel of forward `speed` [m/s], with
@@ -354,25 +345,6 @@ mod tests {
             .map(|start| channel.between(start, start + 0.1).len())
             .sum();
         assert_eq!(windows, 1000);
-    }
-
-    #[test]
-    fn an_encoder_that_starts_again_after_a_turn_is_made_continuous_over_gaps() {
-        let turning = |i: u32| 0.3 * f64::from(i) - 2.0;
-        for direction in [1.0, -1.0] {
-            let wrapped: Vec<f64> = (0..100)
-                .map(|i| match i {
-                    40..43 => f64::NAN,
-                    i => (direction * turning(i)).rem_euclid(TAU),
-                })
-                .collect();
-            let angles = unwrapped(&wrapped);
-            for (i, angle) in angles.iter().enumerate().filter(|(_, a)| a.is_finite()) {
-                let turned = direction * (turning(i as u32) - turning(0));
-                assert!((angle - angles[0] - turned).abs() < 1e-9, "{i}");
-            }
-            assert!(angles[41].is_nan());
-        }
     }
 
     #[test]

@@ -22,6 +22,8 @@ mod ground_effects;
 mod identification;
 mod identify;
 mod import;
+mod inspection;
+mod inspection_faults;
 mod investigation;
 mod learning;
 mod measured_soils;

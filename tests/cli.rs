@@ -359,8 +359,10 @@ fn what_an_import_doubts_it_says_and_inspect_explains() {
         said.contains("1 doubt; see lugwheel inspect runs.h5\n"),
         "{said}"
     );
-    let said = done(run(at, "inspect runs.h5"));
+    let inspected = run(at, "inspect runs.h5");
+    let said = String::from_utf8(inspected.stdout).unwrap();
     assert!(said.contains("a 9.8th: kilogram against newton?"), "{said}");
+    assert_eq!(inspected.status.code(), Some(3));
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn at(path: &str) -> PathBuf {
 }
 
 /// Imports a campaign of `tests` and opens what was written, in a folder that lives as long.
-fn imported(campaign: &str) -> (TempDir, RunFile) {
+pub fn imported(campaign: &str) -> (TempDir, RunFile) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("runs.h5");
     let campaign = Campaign::load(at(campaign)).unwrap();
@@ -49,7 +49,7 @@ fn close(a: f64, b: f64) -> bool {
 }
 
 /// Findings that are more than a remark.
-fn doubts(inspection: &Inspection) -> Vec<String> {
+pub fn doubts(inspection: &Inspection) -> Vec<String> {
     let found = inspection.findings.iter();
     let doubts = found.filter(|finding| finding.severity > Severity::Info);
     doubts.map(ToString::to_string).collect()

@@ -2,6 +2,7 @@
 
 use super::challenge::FailedCases;
 use super::identify::NothingIdentified;
+use super::inspect::Doubtful;
 use super::interrupt::Interrupted;
 use super::recognize::Unfit;
 use super::scenario_args::NoDocument;
@@ -29,12 +30,13 @@ const FAILED_RUNS: u8 = 4;
 const INTERRUPTED: u8 = 130;
 
 /// Prints `error` with its causes to stderr, with `--json` as a document to stdout too, and returns
-/// the exit code for it. What was finished has printed its result, which stays the only document.
+/// the exit code for it. What was finished, as an inspection that found errors, has printed its result,
+/// which stays the only document.
 pub fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     // Nobody reads on if this fails.
     let _ = write!(std::io::stderr(), "{}", message(error));
     let code = exit_code(error);
-    if json && code != FAILED_RUNS {
+    if json && code != FAILED_RUNS && !error.is::<Doubtful>() {
         print(&ErrorFact::of(error));
     }
     ExitCode::from(code)
@@ -147,6 +149,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()
         || cause.is::<NothingIdentified>()
+        || cause.is::<Doubtful>()
         || matches!(
             cause.downcast_ref::<InvestigationError>(),
             Some(

@@ -6,7 +6,7 @@ use clap::Args;
 use lugwheel::dataset::Provenance;
 use lugwheel::dataset::csv::{Campaign, Gap};
 use lugwheel::dataset::hdf5::RunFileWriter;
-use lugwheel::dataset::inspection::{Severity, findings};
+use lugwheel::dataset::inspection::{Finding, Severity, Sinkages, findings};
 use lugwheel::trace::Trace;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -71,16 +71,24 @@ impl Import {
             gaps: Vec::new(),
             doubts: 0,
         };
+        let mut sinkages = Sinkages::default();
         for run in campaign.runs() {
             interrupt::check()?;
             let (id, trace) = run?;
             writer.add(&id, &trace)?;
             summary.add(&id, &trace);
+            sinkages.add(&id, &trace);
         }
         writer.finish()?;
+        summary.doubts += doubts(&sinkages.findings());
         summary.gaps = campaign.gaps().iter().map(Gap::to_string).collect();
         output.print(&summary)
     }
+}
+
+fn doubts(findings: &[Finding]) -> usize {
+    let doubts = findings.iter().filter(|f| f.severity > Severity::Info);
+    doubts.count()
 }
 
 impl Summary {
@@ -90,9 +98,7 @@ impl Summary {
         self.channels.extend(channels);
         let means = trace.means.iter().map(|mean| mean.name.clone());
         self.means.extend(means);
-        let doubts = findings(id, trace);
-        let doubts = doubts.iter().filter(|f| f.severity > Severity::Info);
-        self.doubts += doubts.count();
+        self.doubts += doubts(&findings(id, trace));
     }
 }
 

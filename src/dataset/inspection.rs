@@ -1,16 +1,26 @@
 //! What is in a run file, checked: channels, units, rates, gaps, offsets, clipped or constant
-//! channels, and labels that the channels contradict.
+//! channels, labels that the channels contradict, and loads that no wheel can have.
 //!
 //! A check can only doubt. Each finding says what it saw and what would explain it; the data stay
-//! as they are.
+//! as they are. Of simulated runs it says what it saw alone.
 
+mod acceleration;
+mod campaign;
+mod doubts;
 mod labels;
+mod mechanics;
 mod offsets;
-pub(crate) mod samples;
+mod samples;
+mod subject;
+mod turning;
+
+pub use campaign::Sinkages;
 
 pub use labels::SLIP_TOLERANCE;
 
-use super::hdf5::RunFile;
+use self::doubts::Doubts;
+use self::subject::Subject;
+use super::hdf5::{RunFile, RunFileError};
 use crate::quantity::Seed;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use crate::trace::{Channel, Mean, RunAttributes, Trace};
@@ -132,63 +142,52 @@ pub fn inspect(file: &RunFile) -> Inspection {
         runs: Vec::new(),
         findings: Vec::new(),
     };
+    let mut sinkages = Sinkages::default();
     for id in file.runs() {
-        let mut doubts = Doubts::of(id);
         match file.read(id) {
             Ok(trace) => {
                 inspection.runs.push(summary(id, &trace));
-                check(&trace, &mut doubts);
+                inspection.findings.extend(findings(id, &trace));
+                sinkages.add(id, &trace);
             }
-            Err(error) => doubts.run(Severity::Error, error.to_string()),
+            Err(error) => inspection.findings.push(unreadable(id, &error)),
         }
-        inspection.findings.append(&mut doubts.findings);
     }
+    inspection.findings.extend(sinkages.findings());
     inspection
 }
 
-/// What is odd about one run.
+fn unreadable(run: &str, error: &RunFileError) -> Finding {
+    Finding {
+        run: run.to_owned(),
+        channel: None,
+        severity: Severity::Error,
+        message: error.to_string(),
+    }
+}
+
+impl Inspection {
+    /// How many findings are at least so severe.
+    pub fn count(&self, severity: Severity) -> usize {
+        let findings = self.findings.iter();
+        findings
+            .filter(|finding| finding.severity >= severity)
+            .count()
+    }
+}
+
+/// What is odd about one run by itself; [`Sinkages`] are odd only together.
 pub fn findings(id: &str, trace: &Trace) -> Vec<Finding> {
-    let mut doubts = Doubts::of(id);
-    check(trace, &mut doubts);
-    doubts.findings
-}
-
-fn check(trace: &Trace, doubts: &mut Doubts) {
-    samples::check(trace, doubts);
-    labels::check(trace, doubts);
-    offsets::check(trace, doubts);
-}
-
-/// Findings of one run, as they are made.
-struct Doubts {
-    run: String,
-    findings: Vec<Finding>,
-}
-
-impl Doubts {
-    fn of(run: &str) -> Self {
-        Self {
-            run: run.to_owned(),
-            findings: Vec::new(),
-        }
-    }
-
-    fn run(&mut self, severity: Severity, message: String) {
-        self.add(None, severity, message);
-    }
-
-    fn channel(&mut self, channel: &str, severity: Severity, message: String) {
-        self.add(Some(channel.to_owned()), severity, message);
-    }
-
-    fn add(&mut self, channel: Option<String>, severity: Severity, message: String) {
-        self.findings.push(Finding {
-            run: self.run.clone(),
-            channel,
-            severity,
-            message,
-        });
-    }
+    let mut doubts = Doubts::of_trace(id, trace);
+    let subject = Subject::of(trace);
+    samples::check(&subject, &mut doubts);
+    turning::check(&subject, &mut doubts);
+    labels::check(&subject, &mut doubts);
+    acceleration::check(&subject, &mut doubts);
+    offsets::check(&subject, &mut doubts);
+    mechanics::check(&subject, &mut doubts);
+    labels::check_grip(&subject, &mut doubts);
+    doubts.into_findings()
 }
 
 fn summary(id: &str, trace: &Trace) -> RunSummary {
@@ -426,6 +425,7 @@ fn number(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::trace::{ClassWindow, Truth, unit_of};
+    use std::f64::consts::TAU;
 
     const RATE: f64 = 500.0;
 
@@ -600,7 +600,8 @@ mod tests {
         );
         let millimetres = with("sinkage", scaled(-1000.0));
         expect(&millimetres, Some("sinkage"), error, "millimetres?");
-        let raised = with("sinkage", scaled(12.0));
+        let mut raised = with("sinkage", scaled(12.0));
+        raised.attributes.terrain = Some(TerrainLabel::Sand);
         expect(&raised, Some("sinkage"), warning, "change its sign");
         let torque = with("driving_torque", scaled(-1.0));
         expect(&torque, Some("driving_torque"), warning, "change its sign");
@@ -636,14 +637,23 @@ mod tests {
     }
 
     #[test]
-    fn a_gravity_in_the_wrong_unit_is_told_from_a_small_offset() {
+    fn a_gravity_left_in_or_taken_off_twice_is_told_from_an_offset_in_every_unit() {
         let error = Severity::Error;
         for (mean, part) in [
-            (-9.81, "gravity is still in it"),
-            (1.0, "in units of g"),
-            (96.2, "converted from g twice"),
-            (981.0, "in cm/s^2"),
-            (9810.0, "in mm/s^2"),
+            (9.81, "gravity is still in it"),
+            (
+                -9.81,
+                "gravity taken off twice, or left in by a sensor that points downward",
+            ),
+            (-19.6, "gravity taken off with the wrong sign"),
+            (1.0, "in units of g, with gravity in it?"),
+            (-1.0, "in units of g, with gravity taken off twice"),
+            (96.2, "converted from g twice, with gravity in it?"),
+            (981.0, "in cm/s^2, with gravity in it?"),
+            (
+                -9810.0,
+                "in mm/s^2 or milli-g, with gravity taken off twice",
+            ),
         ] {
             let trace = with("acceleration_y", shifted(mean));
             expect(&trace, Some("acceleration_y"), error, part);
@@ -653,6 +663,27 @@ mod tests {
         let offset = with("acceleration_y", shifted(0.06));
         let part = "which makes 0.3 m/s of vertical speed in 5 s: an offset";
         expect(&offset, Some("acceleration_y"), Severity::Warning, part);
+        let large = with("acceleration_y", shifted(5.0));
+        expect(
+            &large,
+            Some("acceleration_y"),
+            Severity::Warning,
+            "an offset",
+        );
+    }
+
+    #[test]
+    fn an_acceleration_too_large_for_a_wheel_that_falls_has_another_unit() {
+        // 10 m/s² at 3 Hz swing the wheel's speed by 1 m/s, less than a fall by its radius makes.
+        let pulsating = |size: f64| {
+            with_samples("acceleration_y", move |i| {
+                size * (i * TAU * 3.0 / RATE).sin()
+            })
+        };
+        assert_eq!(findings("run", &pulsating(10.0)), []);
+        let part = "integrates to 106.1 m/s of vertical speed within 1 s";
+        let millimetres = pulsating(1000.0);
+        expect(&millimetres, Some("acceleration_y"), Severity::Error, part);
     }
 
     #[test]
@@ -667,8 +698,16 @@ mod tests {
         );
         let pull = with("drawbar_pull", scaled(1000.0));
         expect(&pull, Some("drawbar_pull"), error, "a wrong prefix");
-        let degrees = with("wheel_angle", scaled(180.0 / std::f64::consts::PI));
-        expect(&degrees, Some("wheel_angle"), error, "in degrees?");
+        for (factor, part) in [
+            (360.0 / TAU, "in degrees?"),
+            (1.0 / TAU, "in turns?"),
+            (60.0 / TAU, "revolutions per minute?"),
+            (1.0e-3, "time in milliseconds?"),
+        ] {
+            let trace = with("wheel_angle", scaled(factor));
+            expect(&trace, Some("wheel_angle"), error, part);
+        }
+        let degrees = with("wheel_angle", scaled(360.0 / TAU));
         let mut degrees_alone = degrees;
         degrees_alone.channels.retain(|c| c.name != "slip_ratio");
         expect(&degrees_alone, Some("wheel_angle"), error, "in degrees?");
@@ -676,11 +715,20 @@ mod tests {
 
     #[test]
     fn a_pull_beyond_the_load_is_doubted_and_one_below_it_is_not() {
-        let pull = |by: f64| with("drawbar_pull", scaled(by));
+        let pull = |by: f64| {
+            let mut trace = with("drawbar_pull", scaled(by));
+            let torque = trace
+                .channels
+                .iter_mut()
+                .find(|c| c.name == "driving_torque");
+            scaled(3.0)(torque.unwrap());
+            trace
+        };
+        let name = Some("drawbar_pull");
         let caught = "more than the load of 100 N";
-        for by in [6.0, -6.0] {
-            expect(&pull(by), Some("drawbar_pull"), Severity::Warning, caught);
-        }
+        expect(&pull(6.0), name, Severity::Warning, caught);
+        let caught = "leaves a resistance of 216.8 N";
+        expect(&pull(-6.0), name, Severity::Warning, caught);
         assert_eq!(findings("run", &pull(4.0)), []);
     }
 
@@ -716,6 +764,133 @@ mod tests {
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found.iter().all(|f| f.severity == Severity::Info));
         assert!(found[0].message.starts_with("wheel_radius_m is not known"));
+    }
+
+    #[test]
+    fn a_unit_is_doubted_by_other_channels_where_no_command_is_known() {
+        let mut unknown = with("forward_speed", scaled(1000.0));
+        unknown.attributes.speed = f64::NAN;
+        unknown.attributes.slip_ratio = f64::NAN;
+        let part = "by wheel angle and slip 14 mm/s: 1000 times: a wrong prefix";
+        expect(&unknown, Some("forward_speed"), Severity::Error, part);
+        let mut degrees = with("wheel_angle", scaled(360.0 / TAU));
+        degrees.attributes = unknown.attributes.clone();
+        let found = findings("run", &degrees);
+        assert!(found[0].message.ends_with("in degrees?"), "{found:?}");
+    }
+
+    #[test]
+    fn a_command_in_per_cent_or_millimetres_is_doubted() {
+        let mut trace = sound();
+        trace.channels.retain(|c| c.name == "normal_force");
+        trace.attributes.slip_ratio = 10.0;
+        expect(
+            &trace,
+            None,
+            Severity::Error,
+            "slip_ratio is 10, outside [-1, 1]: per cent?",
+        );
+        trace.attributes.slip_ratio = 0.1;
+        trace.attributes.speed = 14.0;
+        expect(&trace, None, Severity::Error, "speed_m_s is 14: in mm/s?");
+    }
+
+    #[test]
+    fn an_encoder_or_counter_that_starts_again_is_one_angle_that_goes_on() {
+        let fast = |i: f64| 2.0 * i / RATE;
+        let starts_again = |range: f64, direction: f64| {
+            let mut trace =
+                with_samples("wheel_angle", |i| (direction * fast(i)).rem_euclid(range));
+            trace.attributes.speed = direction * 2.0 * 0.9 * 0.14;
+            let speed = trace.attributes.speed;
+            trace
+                .channels
+                .retain(|c| !["slip_ratio", "forward_speed"].contains(&c.name.as_str()));
+            trace.channels.push(channel("forward_speed", speed));
+            if direction < 0.0 {
+                trace
+                    .channels
+                    .retain(|c| !["drawbar_pull", "driving_torque"].contains(&c.name.as_str()));
+            }
+            trace
+        };
+        for direction in [1.0, -1.0] {
+            assert_eq!(findings("run", &starts_again(TAU, direction)), []);
+            let part = "after 5 rad (0.7958 turns); taken for one angle that goes on";
+            let counter = starts_again(5.0, direction);
+            expect(&counter, Some("wheel_angle"), Severity::Info, part);
+            expect(
+                &starts_again(3.0 * TAU, direction),
+                Some("wheel_angle"),
+                Severity::Info,
+                "(3 turns)",
+            );
+        }
+    }
+
+    #[test]
+    fn a_slow_log_is_at_most_doubted_and_a_long_one_may_have_its_time_in_milliseconds() {
+        let mut slow = sound();
+        slow.channels.retain(|c| c.name != "wheel_angle");
+        for channel in &mut slow.channels {
+            channel.sample_rate = 10.0;
+        }
+        let name = Some("acceleration_y");
+        expect(
+            &slow,
+            name,
+            Severity::Warning,
+            "sampled at 10 Hz: too slow to show a vibration",
+        );
+        slow.channels.remove(0);
+        assert_eq!(findings("run", &slow), []);
+        for channel in &mut slow.channels {
+            channel.sample_rate = 0.5;
+        }
+        let part = "lasts 10000 s and 140 m, sampled at 0.5 Hz: time in milliseconds?";
+        expect(&slow, None, Severity::Warning, part);
+    }
+
+    #[test]
+    fn rest_has_no_slip_and_counts_for_nothing() {
+        let still = |i: f64| i > 2000.0;
+        let mut trace = with_samples("wheel_angle", |i| 0.1 / 0.9 * i.min(2000.0) / RATE);
+        for (name, moving) in [("forward_speed", 0.014), ("slip_ratio", 0.1)] {
+            let channel = trace.channels.iter_mut().find(|c| c.name == name);
+            let samples = channel.unwrap().samples.iter_mut().enumerate();
+            samples.for_each(|(i, x)| {
+                *x = match (still(i as f64), name) {
+                    (false, _) => moving + 1e-5 * (i as f64 * 0.7).sin(),
+                    (true, "slip_ratio") => (i as f64 * 1.9).sin(),
+                    (true, _) => 1e-6 * (i as f64 * 0.7).sin(),
+                };
+            });
+        }
+        assert_eq!(findings("run", &trace), []);
+        let slip = trace.channels.iter_mut().find(|c| c.name == "slip_ratio");
+        slip.unwrap().samples[2000..].fill(f64::NAN);
+        assert_eq!(findings("run", &trace), []);
+        let slip = trace.channels.iter_mut().find(|c| c.name == "slip_ratio");
+        slip.unwrap().samples[1000..1010].fill(f64::NAN);
+        let part = "10 of 5000 samples are no numbers";
+        expect(&trace, Some("slip_ratio"), Severity::Warning, part);
+    }
+
+    #[test]
+    fn a_simulated_run_gets_no_advice_and_has_no_errors() {
+        let mut trace = with("drawbar_pull", scaled(-6.0));
+        trace.attributes.physics_rate = Some(16_000.0);
+        let [finding] = &findings("run", &trace)[..] else {
+            panic!("one finding")
+        };
+        assert!(
+            finding.message.ends_with("(load x tan(entry angle))"),
+            "{finding}"
+        );
+        let mut gravity = with("acceleration_y", shifted(9.81));
+        gravity.attributes.physics_rate = Some(16_000.0);
+        let part = "mean is 9.81 m/s^2";
+        expect(&gravity, Some("acceleration_y"), Severity::Warning, part);
     }
 
     fn mean(name: &str, value: f64, sd: f64) -> Mean {

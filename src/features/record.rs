@@ -1,9 +1,10 @@
 //! What features are extracted from: acceleration, wheel angle and wheel of one run, checked.
 
 use super::Window;
-use crate::dataset::inspection::samples::clipped_levels;
 use crate::quantity::SlipRatio;
-use crate::trace::{Channel, Trace, turned_along, unit_of, unwrapped};
+use crate::trace::clipping::clipped_levels;
+use crate::trace::motion::turned;
+use crate::trace::{Channel, Trace, turned_along, unit_of};
 use crate::wheel::Wheel;
 use std::ops::Range;
 
@@ -326,11 +327,7 @@ fn known<'t>(trace: &'t Trace, name: &str) -> Result<Option<&'t Channel>, Record
 /// The wheel angle as a channel, and whether it was measured.
 fn rotation(trace: &Trace, wheel: &Wheel) -> Result<(Channel, bool), RecordError> {
     if let Some(angle) = known(trace, "wheel_angle")? {
-        let continuous = Channel {
-            samples: unwrapped(&angle.samples),
-            ..angle.clone()
-        };
-        return Ok((continuous, true));
+        return Ok((turned(angle), true));
     }
     let speed = known(trace, "forward_speed")?.ok_or(RecordError::NoMotion)?;
     let slip = trace.slip();

@@ -1,6 +1,8 @@
 //! Sensors that do not read zero where nothing acts on them.
 
-use super::{Doubts, Severity, number};
+use super::doubts::Doubts;
+use super::subject::Subject;
+use super::{Severity, number};
 use crate::trace::{Channel, RunAttributes, Trace};
 
 /// How many times its noise [-] a sensor must read to have an offset: chance does so once in 400.
@@ -15,16 +17,9 @@ const STILL: f64 = 3.5e-3;
 /// Share of the load [-], at the rim for a torque, below which an offset does not matter.
 const NEGLIGIBLE: f64 = 0.02;
 
-/// Change of vertical speed [m/s] that no wheel of a rover makes: a mean acceleration that
-/// integrates to more is an offset.
-const FASTEST: f64 = 0.2;
-
-pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
-    check_unloaded(trace, doubts);
-    check_standing(trace, doubts);
-    if let Some(acceleration) = trace.channel("acceleration_y") {
-        check_drift(acceleration, doubts);
-    }
+pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
+    check_unloaded(subject.trace, doubts);
+    check_standing(subject, doubts);
 }
 
 /// Doubts forces on a wheel that carries none: all of them at rest; those from the ground anyway.
@@ -41,11 +36,9 @@ fn check_unloaded(trace: &Trace, doubts: &mut Doubts) {
     let idle = |name: &str, unit: &str| is_force(unit) && (rests || from_ground(name));
     let mut doubt = |name: &str, unit: &str, reading: Reading| {
         if idle(name, unit) && reading.is_offset() {
-            let message = format!(
-                "reads {} without load: subtract it on import",
-                reading.told(unit)
-            );
-            doubts.channel(name, Severity::Warning, message);
+            let seen = format!("reads {} without load", reading.described(unit));
+            let guess = "subtract it on import";
+            doubts.channel(name, Severity::Warning, &seen, guess);
         }
     };
     for mean in &trace.means {
@@ -63,8 +56,9 @@ fn check_unloaded(trace: &Trace, doubts: &mut Doubts) {
 }
 
 /// Doubts a pull or torque on a wheel that stands before it begins to turn.
-fn check_standing(trace: &Trace, doubts: &mut Doubts) {
-    let Some(rest) = trace.channel("wheel_angle").and_then(rest) else {
+fn check_standing(subject: &Subject<'_>, doubts: &mut Doubts) {
+    let trace = subject.trace;
+    let Some(rest) = subject.turning.as_ref().and_then(|(angle, _)| rest(angle)) else {
         return;
     };
     let RunAttributes {
@@ -81,13 +75,13 @@ fn check_standing(trace: &Trace, doubts: &mut Doubts) {
             continue;
         };
         if reading.is_offset() && reading.mean.abs() > NEGLIGIBLE * size {
-            let message = format!(
-                "reads {} for {} s before the wheel turns: an offset, or a force left from \
-                 before; tare it",
-                reading.told(&channel.unit),
+            let seen = format!(
+                "reads {} for {} s before the wheel turns",
+                reading.described(&channel.unit),
                 number(rest.end - rest.start)
             );
-            doubts.channel(name, Severity::Warning, message);
+            let guess = "an offset, or a force left from before; tare it";
+            doubts.channel(name, Severity::Warning, &seen, guess);
         }
     }
 }
@@ -101,27 +95,6 @@ fn rest(wheel_angle: &Channel) -> Option<std::ops::Range<f64>> {
     let start = wheel_angle.start;
     let half = 0.5 * (wheel_angle.time(moving) - start);
     (half >= REST).then_some(start..start + half)
-}
-
-/// Doubts an acceleration whose mean carries the wheel away.
-///
-/// A mean of half of gravity or more is a matter of gravity and units instead.
-fn check_drift(acceleration: &Channel, doubts: &mut Doubts) {
-    let Some(mean) = acceleration.steady_mean() else {
-        return;
-    };
-    let seconds = acceleration.steady().len() as f64 / acceleration.sample_rate;
-    let gained = mean * seconds;
-    if gained.abs() > FASTEST && mean.abs() < 0.9 {
-        let message = format!(
-            "mean is {} m/s^2, which makes {} m/s of vertical speed in {} s: an offset; subtract \
-             it on import",
-            number(mean),
-            number(gained),
-            number(seconds)
-        );
-        doubts.channel(&acceleration.name, Severity::Warning, message);
-    }
 }
 
 /// What a sensor reads where nothing acts on it.
@@ -147,7 +120,7 @@ impl Reading {
         self.mean.abs() > NOISES * self.noise
     }
 
-    fn told(self, unit: &str) -> String {
+    fn described(self, unit: &str) -> String {
         let Self { mean, noise } = self;
         format!("{} {unit} (noise {})", number(mean), number(noise))
     }

@@ -1,29 +1,25 @@
 //! What is odd about the samples by themselves: units, gaps, clipped and constant channels.
 
-use super::{Doubts, Severity, number};
-use crate::trace::{Channel, Trace, unit_of};
+use super::doubts::Doubts;
+use super::subject::Subject;
+use super::{Severity, number};
+use crate::trace::clipping::clipped_levels;
+use crate::trace::{Channel, unit_of};
 
-/// Samples in a row at an extreme value that look like a stay [-].
-const STAY: usize = 3;
-
-/// Times as many samples at the extreme value as at the next one, from which it is clipped [-].
-///
-/// A sine that is only quantised has at most 1 / (√2 - 1) = 2.4 times as many at its crest.
-const CROWD: usize = 5;
-
-pub(super) fn check(trace: &Trace, doubts: &mut Doubts) {
+pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
+    let trace = subject.trace;
     if trace.channels.is_empty() && trace.means.is_empty() {
-        doubts.run(Severity::Warning, "no channels and no means".to_owned());
+        doubts.run(Severity::Warning, "no channels and no means", "");
     }
     for channel in &trace.channels {
         check_unit(&channel.name, &channel.unit, doubts);
-        check_channel(channel, doubts);
+        check_channel(subject, channel, doubts);
     }
     for mean in &trace.means {
         check_unit(&mean.name, &mean.unit, doubts);
         if !mean.value.is_finite() {
-            let message = format!("the mean is {}", mean.value);
-            doubts.channel(&mean.name, Severity::Warning, message);
+            let seen = format!("the mean is {}", mean.value);
+            doubts.channel(&mean.name, Severity::Warning, &seen, "");
         }
     }
     check_spans(&trace.channels, doubts);
@@ -33,39 +29,54 @@ fn check_unit(name: &str, unit: &str, doubts: &mut Doubts) {
     match unit_of(name) {
         Some(known) if known == unit => {}
         Some(known) => {
-            let message = format!("unit is {unit:?}, expected {known:?}: convert on import");
-            doubts.channel(name, Severity::Error, message);
+            let seen = format!("unit is {unit:?}, expected {known:?}");
+            doubts.channel(name, Severity::Error, &seen, "convert on import");
         }
         None => {
-            let message = "not a channel this program uses; carried along".to_owned();
-            doubts.channel(name, Severity::Info, message);
+            let seen = "not a channel this program uses; carried along";
+            doubts.channel(name, Severity::Info, seen, "");
         }
     }
 }
 
-fn check_channel(channel: &Channel, doubts: &mut Doubts) {
+fn check_channel(subject: &Subject<'_>, channel: &Channel, doubts: &mut Doubts) {
     let Channel { name, samples, .. } = channel;
     if samples.is_empty() {
-        doubts.channel(name, Severity::Warning, "no samples".to_owned());
+        doubts.channel(name, Severity::Warning, "no samples", "");
         return;
     }
-    let longest = samples.split(|x| x.is_finite()).map(<[f64]>::len).max();
-    if let Some(longest @ 1..) = longest {
-        let missing = samples.iter().filter(|x| !x.is_finite()).count();
-        let seconds = number(longest as f64 / channel.sample_rate);
-        let message = format!(
-            "{missing} of {} samples are no numbers, longest gap {seconds} s",
-            samples.len()
-        );
-        doubts.channel(name, Severity::Warning, message);
-    }
-    match levels(samples) {
-        Some([low, _, _, high]) if low == high && samples.len() > 1 => constant(name, low, doubts),
-        Some([low, above_low, below_high, high]) if is_force_like(name) => {
-            clipped(channel, [low, above_low], doubts);
-            clipped(channel, [high, below_high], doubts);
+    check_gaps(subject, channel, doubts);
+    let mut numbers = samples.iter().filter(|x| x.is_finite());
+    let first = numbers.next();
+    let is_constant = samples.len() > 1 && numbers.all(|x| Some(x) == first);
+    if let Some(value) = first.filter(|_| is_constant) {
+        let stands = subject.motion.is_rest() && !is_force_like(name);
+        if !stands {
+            constant(name, *value, doubts);
         }
-        _ => {}
+    } else if is_force_like(name) {
+        check_range(channel, doubts);
+    }
+}
+
+/// Doubts samples that are no numbers; the slip of a wheel at rest is none by right.
+fn check_gaps(subject: &Subject<'_>, channel: &Channel, doubts: &mut Doubts) {
+    let is_slip = channel.name == "slip_ratio";
+    let samples = channel.samples.iter().enumerate();
+    let missing: Vec<usize> = samples
+        .filter(|(_, sample)| !sample.is_finite())
+        .map(|(index, _)| index)
+        .filter(|&index| !is_slip || subject.motion.moves_at(channel.time(index)))
+        .collect();
+    let gaps = missing.chunk_by(|a, b| b - a == 1).map(<[usize]>::len);
+    if let Some(longest) = gaps.max() {
+        let seen = format!(
+            "{} of {} samples are no numbers, longest gap {} s",
+            missing.len(),
+            channel.samples.len(),
+            number(longest as f64 / channel.sample_rate)
+        );
+        doubts.channel(&channel.name, Severity::Warning, &seen, "");
     }
 }
 
@@ -80,60 +91,28 @@ fn is_force_like(name: &str) -> bool {
     FORCES.contains(&name) || unit_of(name).is_none()
 }
 
-/// The lowest, next to lowest, next to highest and highest of the numbers among `samples`.
-fn levels(samples: &[f64]) -> Option<[f64; 4]> {
-    let finite = || samples.iter().copied().filter(|x| x.is_finite());
-    let low = finite().reduce(f64::min)?;
-    let high = finite().reduce(f64::max)?;
-    let above_low = finite().filter(|&x| x > low).fold(high, f64::min);
-    let below_high = finite().filter(|&x| x < high).fold(low, f64::max);
-    Some([low, above_low, below_high, high])
-}
-
 fn constant(name: &str, value: f64, doubts: &mut Doubts) {
-    let value = number(value);
+    let seen = format!("constant at {}", number(value));
     let (severity, guess) = match name {
         "forward_speed" | "slip_ratio" => (Severity::Info, "a command in place of a measurement?"),
         _ => (Severity::Warning, "is the sensor connected?"),
     };
-    let message = format!("constant at {value}: {guess}");
-    doubts.channel(name, severity, message);
+    doubts.channel(name, severity, &seen, guess);
 }
 
-/// Doubts a channel that stays at its extreme value.
-fn clipped(channel: &Channel, levels: [f64; 2], doubts: &mut Doubts) {
-    let [extreme, _] = levels;
-    if let Some(stuck) = stuck_at(&channel.samples, levels) {
-        let message = format!(
-            "{stuck} of {} samples stuck at {}: clipped by the sensor's range?",
-            channel.samples.len(),
+/// Doubts a channel that stays at the end of its sensor's range.
+fn check_range(channel: &Channel, doubts: &mut Doubts) {
+    let samples = &channel.samples;
+    for extreme in clipped_levels(samples) {
+        let stuck = samples.iter().filter(|&&x| x == extreme).count();
+        let seen = format!(
+            "{stuck} of {} samples stuck at {}",
+            samples.len(),
             number(extreme)
         );
-        doubts.channel(&channel.name, Severity::Warning, message);
+        let guess = "clipped by the sensor's range?";
+        doubts.channel(&channel.name, Severity::Warning, &seen, guess);
     }
-}
-
-/// How many samples lie at the `extreme` value, where they stay there and the `next` one is far
-/// rarer. Zero is where a force ends by nature.
-fn stuck_at(samples: &[f64], [extreme, next]: [f64; 2]) -> Option<usize> {
-    if extreme == 0.0 {
-        return None;
-    }
-    let count = |level: f64| samples.iter().filter(|&&x| x == level).count();
-    let mut stays = samples.chunk_by(|a, b| a == b);
-    let stuck = stays.any(|stay| stay.len() >= STAY && stay[0] == extreme);
-    (stuck && count(extreme) >= CROWD * count(next)).then(|| count(extreme))
-}
-
-/// The levels at which `samples` are clipped: none, one or both ends of a sensor's range.
-pub(crate) fn clipped_levels(samples: &[f64]) -> Vec<f64> {
-    let Some([low, above_low, below_high, high]) = levels(samples) else {
-        return Vec::new();
-    };
-    let ends = [[low, above_low], [high, below_high]].into_iter();
-    ends.filter(|&levels| stuck_at(samples, levels).is_some())
-        .map(|[extreme, _]| extreme)
-        .collect()
 }
 
 /// Doubts channels that do not start and end together, to two samples of the slower.
@@ -149,7 +128,7 @@ fn check_spans(channels: &[Channel], doubts: &mut Doubts) {
         let apart = (channel.start - longest.start).abs() > slack
             || (end(channel) - end(longest)).abs() > slack;
         if apart && !channel.samples.is_empty() {
-            let message = format!(
+            let seen = format!(
                 "runs from {} s to {} s, {} from {} s to {} s",
                 number(channel.start),
                 number(end(channel)),
@@ -157,7 +136,7 @@ fn check_spans(channels: &[Channel], doubts: &mut Doubts) {
                 number(longest.start),
                 number(end(longest))
             );
-            doubts.channel(&channel.name, Severity::Warning, message);
+            doubts.channel(&channel.name, Severity::Warning, &seen, "");
         }
     }
 }

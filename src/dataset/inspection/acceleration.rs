@@ -1,0 +1,126 @@
+//! What the vertical acceleration contradicts: gravity, its unit, its zero.
+//!
+//! A wheel that neither takes off nor falls has a mean vertical acceleration of nil. Gravity left in makes
+//! it `+g`; taken off a sensor that points downward or that had none left, `−g`; taken off with the
+//! wrong sign, `±2 g`; each in the unit in which the log has it.
+
+use super::doubts::Doubts;
+use super::subject::Subject;
+use super::{Severity, number};
+use crate::quantity::GRAVITY;
+use crate::trace::Channel;
+
+/// How far a mean may lie off gravity [-]: gain and tilt of a cheap sensor.
+const NEAR: f64 = 0.05;
+
+/// Units in which gravity may stand: what `g` reads in the channel, taken for m/s², and its name.
+const UNITS: [(f64, &str); 5] = [
+    (GRAVITY, ""),
+    (1.0, "in units of g, with "),
+    (GRAVITY * GRAVITY, "converted from g twice, with "),
+    (1.0e2 * GRAVITY, "in cm/s^2, with "),
+    (1.0e3 * GRAVITY, "in mm/s^2 or milli-g, with "),
+];
+
+/// Change of vertical speed [m/s] that no wheel of a rover makes: a mean acceleration that integrates to more
+/// is an offset.
+const FASTEST: f64 = 0.2;
+
+/// Length [s] of the blocks in which the acceleration is integrated: several lug passes.
+const BLOCK: f64 = 1.0;
+
+/// Doubts the mean and the size of the acceleration.
+pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
+    let Some(acceleration) = subject.trace.channel("acceleration_y") else {
+        return;
+    };
+    let Some(mean) = subject.mean("acceleration_y") else {
+        return;
+    };
+    let seen = format!("mean is {} m/s^2", number(mean));
+    if let Some(guess) = gravity(mean) {
+        doubts.channel("acceleration_y", Severity::Error, &seen, &guess);
+    } else if let Some(drift) = drift(acceleration) {
+        let seen = format!("{seen}, which makes {drift}");
+        let guess = "an offset; subtract it on import";
+        doubts.channel("acceleration_y", Severity::Warning, &seen, guess);
+    }
+    check_size(subject, acceleration, doubts);
+}
+
+/// How gravity came into a `mean` [m/s²], if it did.
+fn gravity(mean: f64) -> Option<String> {
+    let near = |value: f64| (mean / value - 1.0).abs() < NEAR;
+    UNITS.iter().find_map(|(unit_of_g, unit)| {
+        let told = |gravity: &str| {
+            let question = if unit.is_empty() { "" } else { "?" };
+            format!("{unit}{gravity}{question}")
+        };
+        if near(*unit_of_g) && unit.is_empty() {
+            Some("gravity is still in it; subtract it on import".to_owned())
+        } else if near(*unit_of_g) {
+            Some(told("gravity in it"))
+        } else if near(-unit_of_g) {
+            Some(told(
+                "gravity taken off twice, or left in by a sensor that points downward",
+            ))
+        } else if near(2.0 * unit_of_g) || near(-2.0 * unit_of_g) {
+            Some(told("gravity taken off with the wrong sign"))
+        } else {
+            None
+        }
+    })
+}
+
+/// The vertical speed that the mean acceleration comes to, where that carries the wheel away.
+fn drift(acceleration: &Channel) -> Option<String> {
+    let mean = acceleration.steady_mean()?;
+    let seconds = acceleration.steady().len() as f64 / acceleration.sample_rate;
+    let gained = mean * seconds;
+    (gained.abs() > FASTEST).then(|| {
+        format!(
+            "{} m/s of vertical speed in {} s",
+            number(gained),
+            number(seconds)
+        )
+    })
+}
+
+/// Doubts an acceleration that integrates to speeds which a wheel cannot have.
+///
+/// A wheel that falls by its own radius reaches `√(2 g r)`; in half of the blocks of its record none does.
+fn check_size(subject: &Subject<'_>, acceleration: &Channel, doubts: &mut Doubts) {
+    let radius = subject.trace.attributes.wheel_radius;
+    let most = (2.0 * GRAVITY * radius).sqrt();
+    let length = (BLOCK * acceleration.sample_rate) as usize;
+    if !most.is_finite() || length < 20 || doubts.has_any(&["acceleration_y"]) {
+        return;
+    }
+    let blocks = acceleration.samples.chunks_exact(length);
+    let period = 1.0 / acceleration.sample_rate;
+    let mut swings: Vec<f64> = blocks.filter_map(|block| swing(block, period)).collect();
+    swings.sort_by(f64::total_cmp);
+    if let Some(&swing) = swings.get(swings.len() / 2)
+        && swing > most
+    {
+        let seen = format!(
+            "integrates to {} m/s of vertical speed within {BLOCK} s, and a fall by the wheel's radius makes {}",
+            number(swing),
+            number(most)
+        );
+        let guess = "in mm/s^2 or milli-g?";
+        doubts.channel("acceleration_y", Severity::Error, &seen, guess);
+    }
+}
+
+/// Largest less least speed [m/s] that `samples` [m/s²] less their mean integrate to.
+fn swing(samples: &[f64], period: f64) -> Option<f64> {
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    let (mut speed, mut low, mut high) = (0.0, 0.0_f64, 0.0_f64);
+    for sample in samples {
+        speed += (sample - mean) * period;
+        low = low.min(speed);
+        high = high.max(speed);
+    }
+    (high - low).is_finite().then_some(high - low)
+}

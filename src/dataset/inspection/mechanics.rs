@@ -1,0 +1,338 @@
+//! Loads that no wheel can have, whatever the ground.
+//!
+//! **Power.** The motor gives `T ω`; the wheel gives `F v` to what it pulls. The rest goes into the ground:
+//!
+//! ```text
+//! T ω − F v ≥ 0
+//! ```
+//!
+//! Divided by the faster of rim and forward speed this is in newtons, and slip alone gives the speeds.
+//!
+//! **Resistance.** Of the normal stress `σ` and shear stress `τ` on the arc from the entry angle `θ_1` back,
+//!
+//! ```text
+//! T/ρ − F = b ρ ∫ [σ sin θ + τ (1 − cos θ)] dθ,    W = b ρ ∫ [σ cos θ + τ sin θ] dθ
+//! ```
+//!
+//! and as both `sin θ / cos θ` and `(1 − cos θ) / sin θ` are at most `tan θ_1`, a driven wheel meets
+//!
+//! ```text
+//! T/ρ − F ≤ W tan θ_1,    cos θ_1 = (r − z) / ρ
+//! ```
+//!
+//! whatever the stresses, with `ρ = r + h` for lugs of height `h`, whose tips are the outermost to meet
+//! ground. Without torque, `−F` alone is at most as much. Heaps before the wheel and stones let it meet
+//! ground higher than it sinks: these are in the [`HEAP`] and in the roughness of ground that is not known to be sand.
+//!
+//! Both hold on the level.
+
+use super::doubts::Doubts;
+use super::subject::{SIGMAS, Steady, Subject, ZERO};
+use super::{Severity, number};
+use crate::quantity::GRAVITY;
+use crate::soil::contact::entry_angle;
+use crate::terrain::class::TerrainLabel;
+use crate::trace::RunAttributes;
+
+/// Error of a force's or torque's gain [-] that nobody notices.
+const GAIN: f64 = 0.05;
+
+/// Zero error of the sinkage [m] that nobody notices.
+const SINKAGE_ZERO: f64 = 0.3e-3;
+
+/// Height of the soil that a wheel pushes up before it, over the sinkage [-].
+const HEAP: f64 = 0.1;
+
+/// Height [m] above the mean surface at which a wheel meets stones or steps, where the ground may have some.
+const STEP: f64 = 0.005;
+
+/// Entry angle [°] beyond which no rover wheel drives; the axle would be level with the ground at 90°.
+const STEEPEST: f64 = 60.0;
+
+/// Slip [-] above which a wheel is driven though nobody measured its torque.
+const DRIVING_SLIP: f64 = 0.05;
+
+/// Checks pull and torque against each other, load and sinkage.
+pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
+    let is_doubted = doubts.has_any(&["drawbar_pull", "driving_torque"]);
+    if is_doubted || subject.trace.attributes.is_lifted() || subject.motion.is_rest() {
+        return;
+    }
+    let steepest = STEEPEST.to_radians().tan();
+    let entry = match doubts.has_any(&["sinkage"]) {
+        true => steepest,
+        false => entry(subject),
+    };
+    let Some(loads) = Loads::of(subject, entry) else {
+        return;
+    };
+    for fault in [loads.power(), loads.resistance()].into_iter().flatten() {
+        doubts.channel("drawbar_pull", Severity::Warning, &fault, &loads.remedies());
+    }
+}
+
+/// The loads of a wheel in the direction of its motion.
+#[derive(Debug, Clone, Copy)]
+struct Loads {
+    /// Drawbar pull `F` [N].
+    pull: Steady,
+    /// Driving torque over the lugs' tip radius, `T/ρ` [N].
+    thrust: Option<Steady>,
+    /// Tip radius over rim radius, `ρ/r` [-].
+    tips: f64,
+    /// Load `W` [N].
+    load: f64,
+    slip: f64,
+    /// `tan θ_1` [-], the largest that the sinkage allows.
+    entry: f64,
+}
+
+impl Loads {
+    fn of(subject: &Subject<'_>, entry: f64) -> Option<Self> {
+        let RunAttributes {
+            wheel_radius,
+            lug_height,
+            load,
+            ..
+        } = subject.trace.attributes;
+        let direction = subject.direction();
+        let forward = |steady: Steady| Steady {
+            mean: direction * steady.mean,
+            ..steady
+        };
+        let tip_radius = wheel_radius + lug_height.max(0.0);
+        let over_tips = |torque: Steady| Steady {
+            mean: torque.mean / tip_radius,
+            sd: torque.sd / tip_radius,
+        };
+        let measured = subject.mean("normal_force").unwrap_or(f64::NAN);
+        let loads = Self {
+            pull: forward(subject.steady("drawbar_pull")?),
+            thrust: subject.steady("driving_torque").map(forward).map(over_tips),
+            tips: tip_radius / wheel_radius,
+            load: if load > 0.0 {
+                load.max(measured)
+            } else {
+                measured
+            },
+            slip: subject.slip(),
+            entry,
+        };
+        let known = loads.load > 0.0 && loads.tips.is_finite() && loads.entry.is_finite();
+        (known && (-1.0..=1.0).contains(&loads.slip)).then_some(loads)
+    }
+
+    /// Rim and forward speed over the faster of them [-].
+    fn speeds(&self) -> [f64; 2] {
+        [1.0_f64.min(1.0 + self.slip), 1.0_f64.min(1.0 - self.slip)]
+    }
+
+    /// What is wrong with the power, if the wheel gives more than it gets.
+    fn power(&self) -> Option<String> {
+        let thrust = self.thrust?;
+        let [rim, forward] = self.speeds();
+        let (into, out) = (self.tips * thrust.mean * rim, self.pull.mean * forward);
+        let noise = (self.tips * thrust.sd * rim).hypot(self.pull.sd * forward);
+        let slack = SIGMAS * noise + GAIN * into.abs().max(out.abs()) + ZERO * self.load;
+        if out - into <= slack {
+            return None;
+        }
+        let pull = format!(
+            "a pull of {} N at slip {}",
+            number(self.pull.mean),
+            number(self.slip)
+        );
+        Some(if into > 0.0 {
+            let ratio = number(out / into);
+            format!("{pull} gives {ratio} times the power that the torque puts in")
+        } else {
+            format!("{pull} gives more power than the torque puts in, which brakes")
+        })
+    }
+
+    /// What is wrong with the resistance, if it is more than ground before the wheel can give.
+    fn resistance(&self) -> Option<String> {
+        let most = self.load * self.entry;
+        let (resistance, noise, gain, of) = match self.thrust {
+            Some(thrust) if thrust.mean > 0.0 => (
+                thrust.mean - self.pull.mean,
+                thrust.sd.hypot(self.pull.sd),
+                thrust.mean.max(self.pull.mean.abs()),
+                "torque over radius less pull",
+            ),
+            None if self.slip > DRIVING_SLIP => {
+                let pull = self.pull;
+                (
+                    -pull.mean,
+                    pull.sd,
+                    pull.mean.abs(),
+                    "the pull of a driven wheel",
+                )
+            }
+            _ => return None,
+        };
+        let slack = SIGMAS * noise + GAIN * gain + ZERO * self.load;
+        (resistance - most > slack).then(|| {
+            format!(
+                "{of} leaves a resistance of {} N, more than the {} N that ground can give as deep as the \
+                 wheel is in it (load x tan(entry angle))",
+                number(resistance),
+                number(most)
+            )
+        })
+    }
+
+    fn is_possible(&self) -> bool {
+        self.power().is_none() && self.resistance().is_none()
+    }
+
+    fn scaled(&self, [pull, torque]: [f64; 2]) -> Self {
+        let times = |steady: Steady, by: f64| Steady {
+            mean: by * steady.mean,
+            sd: by.abs() * steady.sd,
+        };
+        Self {
+            pull: times(self.pull, pull),
+            thrust: self.thrust.map(|thrust| times(thrust, torque)),
+            ..*self
+        }
+    }
+
+    /// What would make the loads possible: a sign, a unit, or else a zero.
+    fn remedies(&self) -> String {
+        const GUESSES: [([f64; 2], &str); 7] = [
+            ([-1.0, 1.0], "a pull of the other sign"),
+            ([1.0 / GRAVITY, 1.0], "a pull 9.81 times too large"),
+            ([GRAVITY, 1.0], "a pull in kgf"),
+            ([1.0, 1.0 / GRAVITY], "a torque 9.81 times too large"),
+            ([1.0, GRAVITY], "a torque in kgf m"),
+            ([1.0, 1.0e3], "a torque in kN m"),
+            ([1.0, 1.0e-3], "a torque in N mm"),
+        ];
+        let possible = GUESSES
+            .iter()
+            .filter(|(factors, _)| self.scaled(*factors).is_possible());
+        let mut guesses: Vec<&str> = possible.map(|(_, guess)| *guess).take(2).collect();
+        guesses.push("a zero of pull, torque or sinkage that was not taken off");
+        format!("{}?", guesses.join(", "))
+    }
+}
+
+/// Tangent of the largest entry angle [-] that the sinkage allows; that of the steepest where nobody measured it.
+fn entry(subject: &Subject<'_>) -> f64 {
+    let RunAttributes {
+        wheel_radius,
+        lug_height,
+        terrain,
+        ..
+    } = subject.trace.attributes;
+    let Some(Steady { mean, sd }) = subject.steady("sinkage") else {
+        return STEEPEST.to_radians().tan();
+    };
+    let tip_radius = wheel_radius + lug_height.max(0.0);
+    let step = if terrain == Some(TerrainLabel::Sand) {
+        0.0
+    } else {
+        STEP
+    };
+    let depth = mean + lug_height.max(0.0);
+    let deepest = (1.0 + HEAP) * depth.max(0.0) + SIGMAS * sd + SINKAGE_ZERO + step;
+    let most = STEEPEST.to_radians();
+    entry_angle(tip_radius, deepest).min(most).tan()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const RADIUS: f64 = 0.14;
+    const SINKAGE: f64 = 0.02;
+
+    fn exactly(mean: f64) -> Steady {
+        Steady { mean, sd: 0.0 }
+    }
+
+    /// Loads of a smooth wheel 20 mm deep, by what one element of its arc after the other carries.
+    fn loads(slip: f64, stresses: &[[f64; 2]]) -> Loads {
+        let entry = entry_angle(RADIUS, SINKAGE);
+        let [mut pull, mut thrust, mut load] = [0.0; 3];
+        for (i, [normal, shear]) in stresses.iter().enumerate() {
+            let angle = entry * (i as f64 + 0.5) / stresses.len() as f64;
+            let (sine, cosine) = angle.sin_cos();
+            pull += shear * cosine - normal * sine;
+            load += normal * cosine + shear * sine;
+            thrust += shear;
+        }
+        Loads {
+            pull: exactly(pull),
+            thrust: Some(exactly(thrust)),
+            tips: 1.0,
+            load,
+            slip,
+            entry: entry.tan(),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_stress_on_the_arc_of_a_driven_wheel_is_doubted(
+            slip in 0.0..1.0_f64,
+            stresses in prop::collection::vec([0.0..100.0_f64, 0.0..100.0_f64], 1..20),
+        ) {
+            let loads = loads(slip, &stresses);
+            prop_assert!(loads.is_possible(), "{loads:?}");
+        }
+    }
+
+    #[test]
+    fn more_power_out_than_in_is_doubted_by_means_and_their_scatter() {
+        let sound = loads(0.2, &[[5.0, 3.0], [5.0, 3.0]]);
+        assert_eq!((sound.power(), sound.resistance()), (None, None));
+        let untared = Loads {
+            pull: exactly(sound.pull.mean + 0.5 * sound.load),
+            ..sound
+        };
+        assert!(
+            untared
+                .power()
+                .unwrap()
+                .contains("times the power that the torque puts in")
+        );
+        let uncertain = Loads {
+            pull: Steady {
+                sd: sound.load,
+                ..untared.pull
+            },
+            ..untared
+        };
+        assert_eq!(uncertain.power(), None);
+    }
+
+    #[test]
+    fn a_resistance_beyond_load_and_entry_angle_names_what_would_explain_it() {
+        let sound = loads(0.2, &[[5.0, 3.0], [5.0, 3.0]]);
+        let kilograms = sound.scaled([1.0, GRAVITY]);
+        assert!(kilograms.resistance().is_some());
+        assert!(
+            kilograms
+                .remedies()
+                .contains("a torque 9.81 times too large")
+        );
+        let without_torque = Loads {
+            pull: exactly(-0.9 * sound.load),
+            thrust: None,
+            ..sound
+        };
+        let seen = without_torque.resistance().unwrap();
+        assert!(
+            seen.starts_with("the pull of a driven wheel leaves"),
+            "{seen}"
+        );
+        let braking = Loads {
+            slip: -0.3,
+            ..without_torque
+        };
+        assert_eq!(braking.resistance(), None);
+    }
+}

@@ -1,0 +1,164 @@
+//! A run as the checks see it: angles continuous, rests left out, each quantity with its uncertainty.
+
+use crate::quantity::SlipRatio;
+use crate::trace::motion::Motion;
+use crate::trace::turning::Turning;
+use crate::trace::{Channel, Trace};
+
+/// Blocks [-] over which the scatter of a steady mean is measured.
+const BLOCKS: usize = 8;
+
+/// Standard uncertainties [-] beyond which a mean is doubtless of its sign.
+pub(super) const SIGMAS: f64 = 3.0;
+
+/// Zero error of pull and torque at the rim, over the load [-], that nobody notices.
+pub(super) const ZERO: f64 = 0.03;
+
+/// A run, and what several checks ask of it.
+pub(super) struct Subject<'t> {
+    pub(super) trace: &'t Trace,
+    pub(super) motion: Motion,
+    /// The wheel angle, continuous.
+    pub(super) turning: Option<(Channel, Turning)>,
+}
+
+/// A steady value and its standard uncertainty.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steady {
+    pub(super) mean: f64,
+    /// By the scatter of what it is the mean of; 0 where that is not known.
+    pub(super) sd: f64,
+}
+
+impl<'t> Subject<'t> {
+    pub(super) fn of(trace: &'t Trace) -> Self {
+        let turning = trace.channel("wheel_angle").map(|angle| {
+            let turning = Turning::of(&angle.samples);
+            let continuous = Channel {
+                samples: turning.angles.clone(),
+                ..angle.clone()
+            };
+            (continuous, turning)
+        });
+        Self {
+            trace,
+            motion: Motion::of(trace),
+            turning,
+        }
+    }
+
+    /// Steady value of a quantity while the wheel moves; at rest too where it never moves.
+    pub(super) fn mean(&self, name: &str) -> Option<f64> {
+        self.steady(name).map(|steady| steady.mean)
+    }
+
+    /// As [`mean`](Self::mean), with its uncertainty.
+    pub(super) fn steady(&self, name: &str) -> Option<Steady> {
+        if let Some(mean) = self.trace.means.iter().find(|mean| mean.name == name) {
+            let sd = mean.sd / (mean.n.max(1) as f64).sqrt();
+            return Some(Steady {
+                mean: mean.value,
+                sd: if sd > 0.0 { sd } else { 0.0 },
+            });
+        }
+        let channel = self.trace.channel(name)?;
+        let numbers = if self.motion.is_rest() {
+            channel
+                .steady()
+                .iter()
+                .copied()
+                .filter(|x| x.is_finite())
+                .collect()
+        } else {
+            self.motion.steady(channel)
+        };
+        Steady::of(&numbers)
+    }
+
+    /// Wheel speed [rad/s] over the steady part while it moves: the slope between the ends of its longest
+    /// stretch of motion.
+    pub(super) fn wheel_speed(&self) -> Option<f64> {
+        let (angle, _) = self.turning.as_ref()?;
+        let quarter = angle.samples.len() / 4;
+        self.speed_within(angle, quarter..angle.samples.len() - quarter)
+            .or_else(|| self.speed_within(angle, 0..angle.samples.len()))
+    }
+
+    fn speed_within(&self, angle: &Channel, range: std::ops::Range<usize>) -> Option<f64> {
+        let moves =
+            |index: &usize| self.motion.is_rest() || self.motion.moves_at(angle.time(*index));
+        let indices: Vec<usize> = range.filter(moves).collect();
+        let stretches = indices.chunk_by(|a, b| b - a == 1);
+        let longest = stretches.max_by_key(|stretch| stretch.len())?;
+        let known = || {
+            longest
+                .iter()
+                .filter(|&&index| angle.samples[index].is_finite())
+        };
+        let (&first, &last) = (known().next()?, known().next_back()?);
+        let turned = angle.samples[last] - angle.samples[first];
+        (last > first).then(|| turned * angle.sample_rate / (last - first) as f64)
+    }
+
+    /// Forward speed [m/s]: measured, else commanded; NaN where neither is known.
+    pub(super) fn forward_speed(&self) -> f64 {
+        let measured = self.mean("forward_speed");
+        measured.unwrap_or(self.trace.attributes.speed)
+    }
+
+    /// The slip that the channels show, and the channel that shows it: slip itself, else the wheel's turning
+    /// against the forward speed, measured or commanded. None of a wheel at rest.
+    pub(super) fn shown_slip(&self) -> Option<(&'static str, f64)> {
+        if self.motion.is_rest() {
+            return None;
+        }
+        if let Some(slip) = self.mean("slip_ratio") {
+            return Some(("slip_ratio", slip));
+        }
+        let (wheel_speed, forward) = (self.wheel_speed()?, self.forward_speed());
+        let radius = self.trace.attributes.wheel_radius;
+        let known = [radius, wheel_speed, forward].iter().all(|x| x.is_finite());
+        known.then(|| {
+            let slip = SlipRatio::from_motion(radius, wheel_speed, forward);
+            ("wheel_angle", slip.get())
+        })
+    }
+
+    /// The slip of the run: that which the channels show, else that commanded.
+    pub(super) fn slip(&self) -> f64 {
+        let shown = self.shown_slip().map(|(_, slip)| slip);
+        shown.unwrap_or(self.trace.attributes.slip_ratio)
+    }
+
+    /// 1 forward, also where nobody knows the speed; -1 in reverse.
+    pub(super) fn direction(&self) -> f64 {
+        if self.trace.attributes.speed < 0.0 {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+}
+
+impl Steady {
+    /// Mean of all `numbers`, and its uncertainty by the scatter of the means of blocks.
+    fn of(numbers: &[f64]) -> Option<Self> {
+        let mean = |numbers: &[f64]| numbers.iter().sum::<f64>() / numbers.len() as f64;
+        if numbers.is_empty() {
+            return None;
+        }
+        let length = numbers.len().div_ceil(BLOCKS);
+        let blocks: Vec<f64> = numbers.chunks(length).map(mean).collect();
+        let (count, centre) = (blocks.len() as f64, mean(&blocks));
+        let square: f64 = blocks.iter().map(|x| (x - centre) * (x - centre)).sum();
+        let sd = if blocks.len() > 1 {
+            (square / (count - 1.0) / count).sqrt()
+        } else {
+            0.0
+        };
+        Some(Self {
+            mean: mean(numbers),
+            sd,
+        })
+    }
+}

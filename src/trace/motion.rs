@@ -1,0 +1,138 @@
+//! When the wheel of a run moves, and when it rests.
+//!
+//! A wheel at rest has no slip: rim speed and forward speed are both nil, and their ratio is made of noise
+//! or rounding. What is averaged over a drive leaves its rests out.
+
+use super::turning::unwrapped;
+use super::{Channel, Trace, finite_mean};
+
+/// Length [s] of the blocks in which a wheel moves or rests: starting and stopping take as long.
+const BLOCK: f64 = 0.5;
+
+/// Way over that of the fastest block [-] below which a wheel rests: motors hold their speed to 1 %.
+const REST: f64 = 0.01;
+
+/// Way [m] of a whole run below which its wheel does not move at all: half a millimetre is what a
+/// carriage's play and an encoder's step come to.
+const STILL: f64 = 0.5e-3;
+
+/// Slip [-] up to which a wheel may stand on the command alone while the other channel is not known: with more
+/// it spins in place or is dragged.
+const ROLLS: f64 = 0.9;
+
+/// The blocks of a run, and whether the wheel moves in them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Time [s] at which the first block begins.
+    start: f64,
+    moves: Vec<bool>,
+}
+
+impl Motion {
+    /// When the wheel moves, by its angle and forward speed; always where neither of them is measured.
+    pub fn of(trace: &Trace) -> Self {
+        let starts = trace.channels.iter().map(|channel| channel.start);
+        let start = starts.reduce(f64::min).unwrap_or(0.0);
+        let count = (trace.duration() / BLOCK).ceil().clamp(1.0, 1.0e7) as usize;
+        let always = Self {
+            start,
+            moves: vec![true; count],
+        };
+        let rim = trace.channel("wheel_angle").map(|angle| {
+            let radius = trace.attributes.wheel_radius;
+            // A rover wheel's, where nobody knows it.
+            let radius = if radius > 0.0 { radius } else { 0.1 };
+            always.ways(&turned(angle), |block| {
+                radius * (block[block.len() - 1] - block[0])
+            })
+        });
+        let forward = trace.channel("forward_speed").map(|speed| {
+            let way = |block: &[f64]| block.iter().sum::<f64>() / block.len() as f64 * BLOCK;
+            always.ways(speed, way)
+        });
+        let slips = trace.attributes.slip_ratio.abs() > ROLLS;
+        let ways: Vec<f64> = match (rim, forward) {
+            (Some(rim), Some(forward)) => {
+                rim.iter().zip(&forward).map(|(a, b)| a.max(*b)).collect()
+            }
+            (Some(one), None) | (None, Some(one)) if !slips => one,
+            _ => return always,
+        };
+        let fastest = ways.iter().copied().fold(0.0, f64::max);
+        let moves_at_all = ways.iter().sum::<f64>() > STILL;
+        let moves = ways.iter().map(|way| moves_at_all && *way > REST * fastest);
+        Self {
+            start,
+            moves: without_starts_and_stops(&moves.collect::<Vec<bool>>()),
+        }
+    }
+
+    /// Way [m] in each block by its samples that are numbers; unknown ones count as moving.
+    fn ways(&self, channel: &Channel, way: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+        let of_block = |index: usize| {
+            let start = self.start + BLOCK * index as f64;
+            let block = channel.between(start, start + BLOCK).iter().copied();
+            let numbers: Vec<f64> = block.filter(|x| x.is_finite()).collect();
+            match numbers[..] {
+                [] => 0.0,
+                _ => way(&numbers).abs(),
+            }
+        };
+        (0..self.moves.len()).map(of_block).collect()
+    }
+
+    /// Whether the wheel moves at no time.
+    pub fn is_rest(&self) -> bool {
+        !self.moves.contains(&true)
+    }
+
+    /// Whether the wheel moves at `time` [s].
+    pub fn moves_at(&self, time: f64) -> bool {
+        let block = ((time - self.start) / BLOCK + 1.0e-9).max(0.0) as usize;
+        self.moves[block.min(self.moves.len() - 1)]
+    }
+
+    /// The numbers of the steady part of `channel` in which the wheel moves, or of all of it where it moves
+    /// in none of that part.
+    pub fn steady(&self, channel: &Channel) -> Vec<f64> {
+        let quarter = channel.samples.len() / 4;
+        let moving = |range: std::ops::Range<usize>| -> Vec<f64> {
+            let indices = range.filter(|&index| self.moves_at(channel.time(index)));
+            indices
+                .map(|index| channel.samples[index])
+                .filter(|x| x.is_finite())
+                .collect()
+        };
+        let steady = moving(quarter..channel.samples.len() - quarter);
+        if steady.is_empty() {
+            moving(0..channel.samples.len())
+        } else {
+            steady
+        }
+    }
+
+    /// Mean of [`steady`](Self::steady); `None` where the wheel never moves or there are no numbers.
+    pub fn steady_mean(&self, channel: &Channel) -> Option<f64> {
+        finite_mean(&self.steady(channel))
+    }
+}
+
+/// The blocks in which a wheel moves all the time: those beside a rest hold its start or stop, and count where
+/// there are no others.
+fn without_starts_and_stops(moves: &[bool]) -> Vec<bool> {
+    let at = |index: usize| moves.get(index).copied().unwrap_or(true);
+    let within = |index: usize| at(index) && at(index.wrapping_sub(1)) && at(index + 1);
+    let steadily: Vec<bool> = (0..moves.len()).map(within).collect();
+    match steadily.contains(&true) {
+        true => steadily,
+        false => moves.to_vec(),
+    }
+}
+
+/// A wheel angle without the jumps of an encoder that starts again.
+pub fn turned(wheel_angle: &Channel) -> Channel {
+    Channel {
+        samples: unwrapped(&wheel_angle.samples),
+        ..wheel_angle.clone()
+    }
+}
