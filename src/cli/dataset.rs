@@ -73,6 +73,8 @@ struct Summary {
     runs: usize,
     terrain: Option<TerrainLabel>,
     classes: BTreeMap<&'static str, usize>,
+    /// Effects as `name.channel=magnitude`, with the channel that was taken where none was named.
+    effects: Vec<String>,
     duration_s: f64,
     physics_rate_hz: f64,
     jobs: usize,
@@ -116,6 +118,7 @@ impl Dataset {
             runs: outcomes.len(),
             terrain: outcomes[0].terrain,
             classes: classes(&outcomes),
+            effects: scenario.effects.iter().map(ToString::to_string).collect(),
             duration_s: scenario.duration,
             physics_rate_hz: scenario.physics_rate().hertz(),
             jobs: self.jobs.count(),
@@ -334,6 +337,9 @@ impl fmt::Display for Summary {
             self.jobs,
             self.real_time_factor
         )?;
+        if !self.effects.is_empty() {
+            writeln!(f, "with {}", self.effects.join(", "))?;
+        }
         let counts = self.classes.iter();
         let counts: Vec<String> = counts.map(|(class, n)| format!("{n} {class}")).collect();
         writeln!(f, "\n{:<34}{}", "true class of the runs", counts.join(", "))?;
@@ -347,7 +353,9 @@ impl fmt::Display for Summary {
                 let [mean, min, max] =
                     [spread.mean, spread.min, spread.max].map(|value| quantity.shown(value));
                 let (name, unit) = (quantity.name, quantity.shown_unit);
-                writeln!(f, "{name:<28}{unit:>6}{mean:>12}{min:>12}{max:>12}")?;
+                let line = format!("{name:<28}{unit:>6}{mean:>12}{min:>12}{max:>12}");
+                let remark = spread.remark(self.runs);
+                writeln!(f, "{}", format!("{line}  {remark}").trim_end())?;
             }
         }
         writeln!(f, "\nwritten to {}", self.file)?;

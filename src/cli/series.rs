@@ -2,7 +2,7 @@
 
 use super::interrupt::{self, Interrupted};
 use super::progress::Progress;
-use super::steady::{QUANTITIES, Quantity, Spread};
+use super::steady::{QUANTITIES, Quantity, Reading, Spread};
 use anyhow::Context;
 use clap::Args;
 use lugwheel::dataset::Provenance;
@@ -66,8 +66,8 @@ pub struct Outcome {
     pub terrain: Option<TerrainLabel>,
     /// The true class, if it was one.
     pub class: Option<Wtic>,
-    /// Steady values in the order of [`QUANTITIES`] [SI].
-    pub steady: [Option<f64>; QUANTITIES.len()],
+    /// Steady values in the order of [`QUANTITIES`].
+    pub steady: [Option<Reading>; QUANTITIES.len()],
 }
 
 impl Outcome {
@@ -83,8 +83,8 @@ impl Outcome {
 /// Every quantity that some of the runs have, over these runs.
 pub fn spreads(outcomes: &[Outcome]) -> impl Iterator<Item = (&'static Quantity, Spread)> {
     QUANTITIES.iter().enumerate().filter_map(|(i, quantity)| {
-        let values = outcomes.iter().map(|outcome| outcome.steady[i]);
-        Some((quantity, Spread::of(quantity, values)?))
+        let readings = outcomes.iter().map(|outcome| outcome.steady[i]);
+        Some((quantity, Spread::of(quantity, readings)?))
     })
 }
 

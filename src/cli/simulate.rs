@@ -4,7 +4,7 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use super::scenario_args::ScenarioArgs;
 use super::series::{Jobs, Series};
-use super::steady::QUANTITIES;
+use super::steady::{QUANTITIES, Reading};
 use clap::Args;
 use lugwheel::learning::run_id;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -47,6 +47,8 @@ struct Summary {
     run: String,
     terrain: Option<TerrainLabel>,
     class: Option<Wtic>,
+    /// Effects as `name.channel=magnitude`, with the channel that was taken where none was named.
+    effects: Vec<String>,
     duration_s: f64,
     physics_rate_hz: f64,
     computing_s: f64,
@@ -56,7 +58,8 @@ struct Summary {
 
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Value {
-    value: f64,
+    #[serde(flatten)]
+    reading: Reading,
     unit: &'static str,
 }
 
@@ -88,20 +91,18 @@ impl Simulate {
             run: run_id(self.run),
             terrain: outcome.terrain,
             class: outcome.class,
+            effects: scenario.effects.iter().map(ToString::to_string).collect(),
             duration_s: scenario.duration,
             physics_rate_hz: scenario.physics_rate().hertz(),
             computing_s,
             real_time_factor: series.simulated() / computing_s,
             steady: steady
-                .filter_map(|(quantity, value)| {
-                    let unit = quantity.unit;
-                    Some((
-                        quantity.key,
-                        Value {
-                            value: value?,
-                            unit,
-                        },
-                    ))
+                .filter_map(|(quantity, reading)| {
+                    let value = Value {
+                        reading: reading?,
+                        unit: quantity.unit,
+                    };
+                    Some((quantity.key, value))
                 })
                 .collect(),
         })
@@ -123,12 +124,18 @@ impl fmt::Display for Summary {
             self.physics_rate_hz / 1.0e3,
             self.real_time_factor
         )?;
+        if !self.effects.is_empty() {
+            writeln!(f, "with {}", self.effects.join(", "))?;
+        }
         let class = self.class.map_or("mixed", Wtic::as_str);
         writeln!(f, "\n{:<28}{class:>12}", "true class")?;
         for quantity in &QUANTITIES {
-            if let Some(Value { value, .. }) = self.steady.get(quantity.key) {
+            if let Some(Value { reading, .. }) = self.steady.get(quantity.key) {
                 let (name, unit) = (quantity.name, quantity.shown_unit);
-                writeln!(f, "{name:<28}{:>12} {unit}", quantity.shown(*value))?;
+                let value = quantity.shown(reading.value);
+                let line = format!("{name:<28}{value:>12} {unit:<6}");
+                let remark = quantity.remark(reading.steadiness);
+                writeln!(f, "{}", format!("{line}{remark}").trim_end())?;
             }
         }
         writeln!(f, "\nwritten to {}", self.file)

@@ -2,7 +2,8 @@
 
 use lugwheel::report::page::four_digits;
 use lugwheel::trace::Trace;
-use serde::Serialize;
+use lugwheel::trace::steadiness::Steadiness;
+use serde::{Deserialize, Serialize};
 
 /// A number that a run comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,17 +47,45 @@ const fn quantity(
     }
 }
 
+/// A quantity in the middle half of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Its value in SI units; NaN for the slip of a wheel at rest.
+    pub value: f64,
+    /// Whether it is a steady value; none of a mean without a time series.
+    pub steadiness: Option<Steadiness>,
+}
+
 impl Quantity {
-    /// Its value in the middle half of the run, in SI units; `None` where the run lacks it, and NaN for the slip
-    /// of a wheel that stands all that time.
-    pub fn of(&self, trace: &Trace) -> Option<f64> {
+    /// Its value in the middle half of the run; `None` where the run lacks it.
+    pub fn of(&self, trace: &Trace) -> Option<Reading> {
         match self.key {
-            "acceleration_y_rms" => rms(trace.channel("acceleration_y")?.steady()),
+            "acceleration_y_rms" => vibration(trace),
             "slip_ratio" => {
                 let channel = trace.channel("slip_ratio")?;
-                Some(channel.steady_mean().unwrap_or(f64::NAN))
+                Some(Reading {
+                    value: channel.steady_mean().unwrap_or(f64::NAN),
+                    steadiness: trace.steadiness("slip_ratio"),
+                })
             }
-            channel => trace.steady_mean(channel),
+            channel => Some(Reading {
+                value: trace.steady_mean(channel)?,
+                steadiness: trace.steadiness(channel),
+            }),
+        }
+    }
+
+    /// Whether a value is a steady one, as people read it; nothing where it is.
+    pub fn remark(&self, steadiness: Option<Steadiness>) -> String {
+        match steadiness {
+            Some(Steadiness::Drifting { rate }) => {
+                let way = if rate < 0.0 { "falls" } else { "rises" };
+                let (rate, unit) = (self.shown(rate.abs()), self.shown_unit);
+                let unit = if unit == "-" { "" } else { unit };
+                format!("not steady yet: {way} by {rate} {}", per_second(unit))
+            }
+            Some(Steadiness::TooShort) => "too short to show that it is steady".to_owned(),
+            Some(Steadiness::Steady) | None => String::new(),
         }
     }
 
@@ -68,6 +97,32 @@ impl Quantity {
         let factor = if self.shown_unit == "mm" { 1.0e3 } else { 1.0 };
         four_digits(value * factor)
     }
+}
+
+fn per_second(unit: &str) -> String {
+    match unit {
+        "" => "per second".to_owned(),
+        "m/s²" => "m/s³".to_owned(),
+        unit => format!("{unit}/s"),
+    }
+}
+
+/// Root mean square of the vertical acceleration, whose mean square is to be steady.
+fn vibration(trace: &Trace) -> Option<Reading> {
+    let channel = trace.channel("acceleration_y")?;
+    let value = rms(channel.steady())?;
+    let squares: Vec<f64> = channel.steady().iter().map(|a| a * a).collect();
+    let steadiness = trace.steadiness_of("acceleration_y_rms", &squares, channel.sample_rate);
+    Some(Reading {
+        value,
+        steadiness: Some(match steadiness {
+            // Of a square by that of its root.
+            Steadiness::Drifting { rate } => Steadiness::Drifting {
+                rate: rate / (2.0 * value),
+            },
+            other => other,
+        }),
+    })
 }
 
 /// Root mean square of the numbers among `samples`.
@@ -89,12 +144,34 @@ pub struct Spread {
     pub max: f64,
     /// Unit.
     pub unit: &'static str,
+    /// Runs in which it still drifts.
+    pub drifting: usize,
+    /// Runs too short to show that it is steady.
+    pub too_short: usize,
 }
 
 impl Spread {
-    /// The spread of the `values` [SI] that are there and defined; `None` where there is none.
-    pub fn of(quantity: &Quantity, values: impl Iterator<Item = Option<f64>>) -> Option<Self> {
-        let values: Vec<f64> = values.flatten().filter(|value| !value.is_nan()).collect();
+    /// In how many of `runs` it is no steady value, as people read it; nothing where it is in all.
+    pub fn remark(&self, runs: usize) -> String {
+        let mut remarks = Vec::new();
+        if self.drifting > 0 {
+            remarks.push(format!("not steady in {} of {runs}", self.drifting));
+        }
+        if self.too_short > 0 {
+            remarks.push(format!("too short to show it in {}", self.too_short));
+        }
+        remarks.join(", ")
+    }
+
+    /// The spread of the `readings` that are there and defined; `None` where there is none.
+    pub fn of(
+        quantity: &Quantity,
+        readings: impl Iterator<Item = Option<Reading>>,
+    ) -> Option<Self> {
+        let readings = readings.flatten().filter(|reading| !reading.value.is_nan());
+        let readings: Vec<Reading> = readings.collect();
+        let values: Vec<f64> = readings.iter().map(|reading| reading.value).collect();
+        let states = || readings.iter().filter_map(|reading| reading.steadiness);
         let min = values.iter().copied().reduce(f64::min)?;
         let max = values.iter().copied().reduce(f64::max)?;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -103,6 +180,10 @@ impl Spread {
             min,
             max,
             unit: quantity.unit,
+            drifting: states().filter(|state| state.rate().is_some()).count(),
+            too_short: states()
+                .filter(|state| *state == Steadiness::TooShort)
+                .count(),
         })
     }
 }
@@ -112,6 +193,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_drift_is_written_with_its_way_and_unit() {
+        let remark =
+            |index: usize, rate| QUANTITIES[index].remark(Some(Steadiness::Drifting { rate }));
+        assert_eq!(remark(1, 3.0), "not steady yet: rises by 3 N/s");
+        assert_eq!(remark(3, -0.002), "not steady yet: falls by 2 mm/s");
+        assert_eq!(remark(4, 0.02), "not steady yet: rises by 0.02 per second");
+        assert_eq!(QUANTITIES[1].remark(Some(Steadiness::Steady)), "");
+    }
+
+    #[test]
     fn rms_leaves_gaps_out_and_an_empty_channel_has_none() {
         assert_eq!(rms(&[3.0, f64::NAN, -3.0]), Some(3.0));
         assert_eq!(rms(&[f64::NAN]), None);
@@ -119,9 +210,17 @@ mod tests {
 
     #[test]
     fn a_spread_has_mean_least_and_greatest_of_what_is_there() {
-        let values = [Some(1.0), None, Some(2.0), Some(6.0)];
-        let spread = Spread::of(&QUANTITIES[0], values.into_iter()).unwrap();
+        let values = [Some(1.0), None, Some(2.0), Some(6.0), Some(f64::NAN)];
+        let drifts = |value| (value == 6.0).then_some(Steadiness::Drifting { rate: 1.0 });
+        let readings = values.map(|value| {
+            value.map(|value| Reading {
+                value,
+                steadiness: drifts(value),
+            })
+        });
+        let spread = Spread::of(&QUANTITIES[0], readings.into_iter()).unwrap();
         assert_eq!((spread.mean, spread.min, spread.max), (3.0, 1.0, 6.0));
+        assert_eq!(spread.remark(4), "not steady in 1 of 4");
         assert_eq!(Spread::of(&QUANTITIES[0], [None].into_iter()), None);
     }
 }
