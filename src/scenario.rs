@@ -467,12 +467,42 @@ fn assigned(text: &str, assignment: &str) -> Result<String, ScenarioError> {
         return Err(refuse(example.to_owned()));
     };
     let document = Document::parse(text).map_err(|old| refuse(old.message))?;
+    if let Some(reason) = has_unit(&document, text, [key, value]) {
+        return Err(refuse(reason));
+    }
     let value = as_toml(value);
     match effect_name(key) {
         Some(name) => with_magnitude(&document, text, name, &value),
         None => document.with_value(key, &value),
     }
     .map_err(refuse)
+}
+
+/// Why the value of an assignment is a number with a unit, where the scenario has a number alone.
+fn has_unit(document: &Document, text: &str, [key, value]: [&str; 2]) -> Option<String> {
+    let known = document.value(key)?;
+    let is_number = matches!(known.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
+    let end = value.rfind(|c: char| c.is_ascii_digit() || c == '.')? + 1;
+    let (number, unit) = (&value[..end], value[end..].trim());
+    let number: f64 = number.replace('_', "").parse().ok()?;
+    if !is_number || unit.is_empty() {
+        return None;
+    }
+    // A scenario's lines end in a comment of unit and source.
+    let line = text[known.span().end..].lines().next()?;
+    let comment = line.split_once('#').map(|(_, comment)| comment.trim());
+    let here = match comment.and_then(|comment| comment.split(',').next()) {
+        Some("-") => " here a ratio".to_owned(),
+        Some(unit) if !unit.is_empty() => format!(" here in {unit}"),
+        _ => " here in SI units".to_owned(),
+    };
+    let example = match unit {
+        "%" => number / 100.0,
+        _ => number,
+    };
+    Some(format!(
+        "it is a number without its unit,{here}: {key}={example}"
+    ))
 }
 
 /// The effect that a key of an assignment names; none where the key counts effects or is another.

@@ -153,6 +153,25 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
+fn a_number_with_a_unit_is_refused_with_the_unit_of_its_key() {
+    let scenario = shipped("quick");
+    for (assignment, reason) in [
+        (
+            "rig.single_wheel.load=100N",
+            "it is a number without its unit, here in N: rig.single_wheel.load=100",
+        ),
+        (
+            "rig.single_wheel.slip=30 %",
+            "it is a number without its unit, here a ratio: rig.single_wheel.slip=0.3",
+        ),
+    ] {
+        let refused = scenario.with(assignment).unwrap_err().to_string();
+        assert!(refused.ends_with(reason), "{refused}");
+    }
+    assert!(scenario.with("rig.single_wheel.load=1.2e2").is_ok());
+}
+
+#[test]
 fn a_key_set_on_the_command_line_is_in_the_experiment_and_in_the_recorded_text() {
     let edited = shipped("single_wheel_st")
         .with("rig.single_wheel.slip=0.3")
