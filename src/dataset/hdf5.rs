@@ -6,7 +6,8 @@
 //! /runs/<id>/                  wheel_radius_m, wheel_width_m, lug_count, lug_height_m, load_n,
 //!                              speed_m_s, slip_ratio, terrain, class, repeat, day, notes,
 //!                              physics_rate_hz where simulated
-//! /runs/<id>/channels/<name>   samples; unit, sample_rate_hz, start_s
+//! /runs/<id>/channels/<name>   samples; unit, sample_rate_hz, start_s; steadiness of the mean over the
+//!                              middle half (steady, drifting, too_short), drift_per_s where it drifts
 //! /runs/<id>/means/<name>      one number; unit, sd, n
 //! /runs/<id>/truth/            where simulated: contacts (lug, start_s, end_s, entered),
 //!                              class_windows (start_s, end_s, class, terrain),

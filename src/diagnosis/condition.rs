@@ -21,7 +21,7 @@ use crate::gap::{self, Condition, Run, Statistician};
 use crate::quantity::RangeError;
 use crate::scenario::Scenario;
 use crate::trace::{RunAttributes, Trace};
-use caveat::{differences, not_simulated, unlike_a_rig};
+use caveat::{differences, not_simulated, not_steady, unlike_a_rig};
 use group::{Group, grouped, without_broken};
 use rand::Rng;
 use record::{Record, Slips};
@@ -121,6 +121,7 @@ impl Cases {
         }
         caveats.extend(differences(scenario, &records));
         caveats.extend(not_simulated(measured));
+        caveats.extend(not_steady(measured));
         let (groups, broken): (Vec<Group>, Vec<Vec<Caveat>>) =
             grouped(records).into_iter().map(without_broken).unzip();
         caveats.extend(broken.into_iter().flatten());

@@ -14,6 +14,8 @@ pub struct Quantity {
     /// Its unit as shown.
     pub unit: &'static str,
     column: &'static str,
+    /// Where the table says whether it is steady.
+    steadiness: Option<&'static str>,
     /// From the column's unit to the one shown.
     factor: f64,
 }
@@ -23,20 +25,31 @@ const fn quantity(name: &'static str, unit: &'static str, column: &'static str) 
         name,
         unit,
         column,
+        steadiness: None,
         factor: 1.0,
     }
 }
 
-/// What is told of every condition.
+impl Quantity {
+    const fn tested_in(self, steadiness: &'static str) -> Self {
+        Self {
+            steadiness: Some(steadiness),
+            ..self
+        }
+    }
+}
+
+/// What is reported of every condition.
 pub const QUANTITIES: [Quantity; 8] = [
-    quantity("drawbar pull", "N", "drawbar_pull_mean_n"),
-    quantity("load", "N", "normal_force_mean_n"),
-    quantity("driving torque", "N m", "driving_torque_mean_n_m"),
+    quantity("drawbar pull", "N", "drawbar_pull_mean_n").tested_in("drawbar_pull_steadiness"),
+    quantity("load", "N", "normal_force_mean_n").tested_in("normal_force_steadiness"),
+    quantity("driving torque", "N m", "driving_torque_mean_n_m")
+        .tested_in("driving_torque_steadiness"),
     Quantity {
         factor: 1.0e3,
-        ..quantity("sinkage", "mm", "sinkage_mean_m")
+        ..quantity("sinkage", "mm", "sinkage_mean_m").tested_in("sinkage_steadiness")
     },
-    quantity("slip", "-", "slip_ratio_mean"),
+    quantity("slip", "-", "slip_ratio_mean").tested_in("slip_ratio_steadiness"),
     quantity(
         "acceleration 2 to 20 Hz, rms",
         "m/s²",
@@ -59,6 +72,19 @@ pub struct Condition {
     pub failed: usize,
     /// Every quantity, in the order of [`QUANTITIES`]; none where no run has it.
     pub means: [Option<Mean>; QUANTITIES.len()],
+    /// How many runs are not known to be steady in a quantity, where there are any.
+    pub unsteady: Vec<Unsteady>,
+}
+
+/// A quantity whose means are not all those of a steady state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unsteady {
+    /// Its name.
+    pub quantity: &'static str,
+    /// Runs in which it drifts.
+    pub drifting: usize,
+    /// Runs too short to show that it is steady.
+    pub too_short: usize,
 }
 
 /// The mean of some runs, in the unit of its [`Quantity`].
@@ -88,6 +114,25 @@ impl Mean {
     }
 }
 
+impl Unsteady {
+    /// `None` where all `states` are steady.
+    fn of<'a>(quantity: &'static str, states: impl Iterator<Item = &'a str>) -> Option<Self> {
+        let mut unsteady = Self {
+            quantity,
+            drifting: 0,
+            too_short: 0,
+        };
+        for state in states {
+            match state {
+                "drifting" => unsteady.drifting += 1,
+                "too_short" => unsteady.too_short += 1,
+                _ => {}
+            }
+        }
+        (unsteady.drifting + unsteady.too_short > 0).then_some(unsteady)
+    }
+}
+
 impl Study {
     /// The conditions in their order, from the table of the runs.
     pub(super) fn conditions(&self, runs: &str) -> Vec<Condition> {
@@ -95,6 +140,11 @@ impl Study {
         let header = reader.headers().cloned().unwrap_or_default();
         let places: HashMap<&str, usize> = header.iter().zip(0..).collect();
         let columns = QUANTITIES.map(|quantity| (places[quantity.column], quantity.factor));
+        let tested = QUANTITIES.iter().filter_map(|quantity| {
+            let place = *places.get(quantity.steadiness?)?;
+            Some((quantity.name, place))
+        });
+        let tested: Vec<(&str, usize)> = tested.collect();
         let (number, failure) = (places["condition"], places["failure"]);
         let records: Vec<csv::StringRecord> = reader.records().flatten().collect();
         let of_one = records.chunk_by(|a, b| a[number] == b[number]);
@@ -113,6 +163,12 @@ impl Study {
                     let values: Vec<f64> = values.map(|value: f64| factor * value).collect();
                     Mean::of(&values)
                 }),
+                unsteady: tested
+                    .iter()
+                    .filter_map(|(quantity, place)| {
+                        Unsteady::of(quantity, rows.iter().map(|row| &row[*place]))
+                    })
+                    .collect(),
             }
         };
         (0..).zip(of_one).map(condition).collect()

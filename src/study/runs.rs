@@ -11,6 +11,8 @@
 //! | `acceleration_rms_2_20_hz_m_s2`, ... | vertical acceleration of the steady part in a [`BANDS`] |
 //! | `acceleration_crest_2_20_hz`, ... | its largest magnitude over its rms |
 //! | `acceleration_lug_pass_m_s2` | amplitude of the vertical acceleration at the order of the lug pass |
+//! | `normal_force_steadiness`, ... | `steady`, `drifting` or `too_short`: whether the mean is that of a steady state |
+//! | `normal_force_drift_n_s`, ... | rate of change where it drifts |
 //! | `failure` | why there are no values; empty where there are |
 //!
 //! A cell is empty where a value does not exist. Numbers have as many digits as bring the same
@@ -22,6 +24,7 @@ use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
 use super::{Run, Study};
 use crate::dataset::records::Field;
 use crate::recognition::confusion::CLASSES;
+use crate::trace::steadiness::Steadiness;
 use crate::trace::{Channel, Trace, unit_of};
 
 /// Bands in which the vertical acceleration is measured. Below them lies the wheel's path over its
@@ -160,7 +163,23 @@ fn value_fields() -> Vec<Field> {
     }
     let order = "amplitude of the vertical acceleration at the order of the lug pass";
     fields.push(Field::number("acceleration_lug_pass_m_s2", "m/s^2", order));
+    fields.extend(STEADY.into_iter().flat_map(steadiness_fields));
     fields
+}
+
+fn steadiness_fields((channel, ending): (&str, &str)) -> [Field; 2] {
+    let unit = match unit_of(channel) {
+        Some("N") => "N/s",
+        Some("N m") => "N m/s",
+        Some("m") => "m/s",
+        _ => "1/s",
+    };
+    let name = format!("{channel}_steadiness");
+    let drift = format!("{channel}_drift{ending}_s");
+    [
+        Field::text(name, "steady, drifting or too_short, of the mean"),
+        Field::number(drift, unit, "rate of change where it drifts"),
+    ]
 }
 
 fn values(trace: &Trace) -> Vec<String> {
@@ -185,6 +204,11 @@ fn values(trace: &Trace) -> Vec<String> {
         cells.push(cell(rms_and_crest.map(|[_, crest]| crest)));
     }
     cells.push(cell(lug_pass_amplitude(trace)));
+    for (name, _) in STEADY {
+        let steadiness = trace.steadiness(name);
+        cells.push(steadiness.map_or("", Steadiness::name).to_owned());
+        cells.push(cell(steadiness.and_then(Steadiness::rate)));
+    }
     cells
 }
 

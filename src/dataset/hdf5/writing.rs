@@ -228,7 +228,13 @@ fn write_run(file: &File, id: &str, trace: &Trace) -> Result<()> {
     write_attributes(&run, &trace.attributes)?;
     let channels = group(&run, "channels")?;
     for channel in &trace.channels {
-        write_channel(&channels, channel)?;
+        let dataset = write_channel(&channels, channel)?;
+        if let Some(steadiness) = trace.steadiness(&channel.name) {
+            set_text(&dataset, "steadiness", steadiness.name())?;
+            if let Some(rate) = steadiness.rate() {
+                set(&dataset, "drift_per_s", rate)?;
+            }
+        }
     }
     if !trace.means.is_empty() {
         let means = group(&run, "means")?;
@@ -276,7 +282,7 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
     Ok(())
 }
 
-fn write_channel(channels: &Group, channel: &Channel) -> Result<()> {
+fn write_channel(channels: &Group, channel: &Channel) -> Result<Dataset> {
     let Channel {
         name,
         unit,
@@ -297,7 +303,8 @@ fn write_channel(channels: &Group, channel: &Channel) -> Result<()> {
     };
     set_text(&dataset, "unit", unit)?;
     set(&dataset, "sample_rate_hz", *sample_rate)?;
-    set(&dataset, "start_s", *start)
+    set(&dataset, "start_s", *start)?;
+    Ok(dataset)
 }
 
 fn write_mean(means: &Group, mean: &Mean) -> Result<()> {

@@ -8,6 +8,7 @@ use crate::scenario::Scenario;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::{Trace, unit_of};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// What a comparison with a scenario rests on less than it should.
@@ -39,6 +40,15 @@ pub enum Caveat {
     WrongSlip {
         /// Its place in the campaign.
         run: usize,
+    },
+    /// Runs in which a channel drifts.
+    NotSteady {
+        /// The channel.
+        channel: String,
+        /// How many runs.
+        drifting: usize,
+        /// Of how many that have it.
+        runs: usize,
     },
     /// Most runs have another slip than told.
     OtherSlips,
@@ -80,6 +90,15 @@ impl fmt::Display for Caveat {
                 f,
                 "run {} of those given ran at another slip than told: the measured one is taken",
                 run + 1
+            ),
+            Self::NotSteady {
+                channel,
+                drifting,
+                runs,
+            } => write!(
+                f,
+                "{channel} is not steady in {drifting} of {runs} runs: its means there depend on how long and \
+                 from what start the wheel had been rolling"
             ),
             Self::OtherSlips => f.write_str(
                 "most runs ran at another slip than told, as by a fault of the rig: the slips told are kept",
@@ -146,4 +165,29 @@ pub(super) fn not_simulated(measured: &[Trace]) -> Option<Caveat> {
     foreign.sort();
     foreign.dedup();
     (!foreign.is_empty()).then_some(Caveat::NotSimulated(foreign))
+}
+
+/// Channels that drift along runs on the ground.
+pub(super) fn not_steady(measured: &[Trace]) -> Vec<Caveat> {
+    let mut counts = BTreeMap::<&str, [usize; 2]>::new();
+    let on_ground = measured.iter().filter(|run| !run.attributes.is_lifted());
+    for trace in on_ground {
+        for channel in &trace.channels {
+            if let Some(steadiness) = trace.steadiness(&channel.name) {
+                let [drifting, runs] = counts.entry(&channel.name).or_default();
+                *drifting += usize::from(steadiness.rate().is_some());
+                *runs += 1;
+            }
+        }
+    }
+    let drifting = counts
+        .into_iter()
+        .filter(|(_, [drifting, _])| *drifting > 0);
+    drifting
+        .map(|(channel, [drifting, runs])| Caveat::NotSteady {
+            channel: channel.to_owned(),
+            drifting,
+            runs,
+        })
+        .collect()
 }

@@ -3,7 +3,7 @@
 use super::value_cell;
 use crate::report::page::{Cell, Column, Section, Table, four_digits};
 use crate::study::Study;
-use crate::study::conditions::{Condition, Mean, QUANTITIES};
+use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady};
 
 /// Conditions shown; a page is no place for more.
 const SHOWN: usize = 400;
@@ -69,15 +69,19 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     let quantities = told.iter().map(|&i| &QUANTITIES[i]);
     let quantities = quantities.map(|quantity| Column::new(quantity.name, quantity.unit));
     let keys = study.keys().map(|key| Column::new(key, ""));
+    let is_any_unsteady = conditions.iter().any(|c| !c.unsteady.is_empty());
+    let unsteady = is_any_unsteady.then(|| Column::new("not steady", ""));
     let columns = std::iter::once(Column::new("scenario", ""))
         .chain(keys)
         .chain([Column::new("runs", "")])
-        .chain(quantities);
+        .chain(quantities)
+        .chain(unsteady);
     let row = |condition: &Condition| {
         let mut cells = vec![Cell::text(&condition.scenario)];
         cells.extend(condition.values.iter().map(|value| value_cell(value)));
         cells.push(Cell::Count(condition.runs as u64));
         cells.extend(told.iter().map(|&i| mean_cell(condition.means[i])));
+        cells.extend(is_any_unsteady.then(|| unsteady_cell(&condition.unsteady)));
         cells
     };
     let intervals = if study.repeats() > 1 {
@@ -85,8 +89,16 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     } else {
         "; one run has no interval"
     };
+    let tested = if is_any_unsteady {
+        " \"Drifting\" values still change along the run and are not those of a steady state; \"too short\" are \
+         runs of less than two and a half lug passes in that half, which cannot show it. runs.csv has the rates."
+    } else {
+        ""
+    };
     let section = Section::new("What did every condition give?")
-        .prose("Steady values, from the middle half of each run; a click on a header sorts.")
+        .prose(format!(
+            "Means over the middle half of each run; a click on a header sorts.{tested}"
+        ))
         .table(Table {
             caption: format!("Means of the runs of a condition{intervals}"),
             columns: columns.collect(),
@@ -99,6 +111,27 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     section.prose(format!(
         "These are the first {SHOWN} of {all} conditions; runs.csv has all."
     ))
+}
+
+/// Which quantities are not known to be steady, and in how many runs.
+fn unsteady_cell(unsteady: &[Unsteady]) -> Cell {
+    let counted = |name: &str, count: usize, quantity: &str| match count {
+        0 => None,
+        1 => Some(format!("{quantity} {name}")),
+        count => Some(format!("{quantity} {name} in {count} runs")),
+    };
+    let parts = unsteady.iter().flat_map(|unsteady| {
+        let Unsteady {
+            quantity,
+            drifting,
+            too_short,
+        } = *unsteady;
+        let drifting = counted("drifting", drifting, quantity);
+        drifting
+            .into_iter()
+            .chain(counted("too short", too_short, quantity))
+    });
+    Cell::text(parts.collect::<Vec<String>>().join(", "))
 }
 
 fn mean_cell(mean: Option<Mean>) -> Cell {
