@@ -36,6 +36,7 @@ mod recognize;
 mod report;
 mod scenarios;
 mod slurm;
+mod steadiness;
 mod study;
 mod study_diagnosis;
 mod thresholds;
