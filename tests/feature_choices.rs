@@ -144,15 +144,15 @@ fn variants() -> Vec<(&'static str, Settings)> {
     ]
 }
 
-/// Percentiles of the loudest pulse of lug passes, as multiples of the reference's, and of runs' rms
-/// over background, and the answers of the improved method, whose limits were set by them.
+/// Percentiles of the loudest pulse of lug passes, as multiples of the reference's, and of the
+/// kurtosis of runs, and the answers of the improved method, whose limits were set by them.
 fn lugs(ground: &Ground) -> String {
-    let (mut loudest, mut peakedness) = (Vec::new(), Vec::new());
+    let (mut loudest, mut kurtosis) = (Vec::new(), Vec::new());
     for run in &ground.runs {
         let record = Record::of(run).unwrap();
         let pulses = pulses(&record, 0..record.len()).unwrap().unwrap();
         loudest.extend(pulses.loudest());
-        peakedness.push(pulses.peakedness);
+        kurtosis.push(pulses.kurtosis);
     }
     let settings = Settings::default();
     let methods = [Method::Improved];
@@ -175,7 +175,7 @@ fn lugs(ground: &Ground) -> String {
         ground.name,
         loudest.len(),
         percentiles(loudest).concat(),
-        percentiles(peakedness).concat(),
+        percentiles(kurtosis).concat(),
         right.count(),
         classes.len()
     )
@@ -183,7 +183,7 @@ fn lugs(ground: &Ground) -> String {
 
 fn report(rig: &str, grounds: &[Ground], on_reference: &[Trace]) {
     println!(
-        "{rig}: lug passes, 5, 25, 50, 75, 95 % of their loudest pulse | of rms over background, and windows that improved answers rightly"
+        "{rig}: lug passes, 5, 25, 50, 75, 95 % of their loudest pulse | of the kurtosis of runs, and windows that improved answers rightly"
     );
     for ground in grounds {
         println!("    {}", lugs(ground));

@@ -222,6 +222,15 @@ fn hard_ground_of_another_simulator_is_alct_whatever_the_encoder_s_zero() {
             assert_eq!(found["windows"][0]["class"], "ALCT", "{share}: {found}");
         }
     }
+    for lugs in [14, 24, 27, 29, 56] {
+        for run in &runs {
+            let mut run = run.clone();
+            run.attributes.lug_count = lugs;
+            let window = &json(&folder(&[("r", &run)]), "")["windows"][0];
+            let doubtful = window["confidence"].as_f64().unwrap() <= 0.6;
+            assert!(window["class"] == "ALCT" || doubtful, "{lugs}: {window}");
+        }
+    }
 }
 
 #[test]

@@ -25,6 +25,9 @@ const CORNER: f64 = 30.0;
 /// Bins in a lug pass [-].
 pub(super) const BINS: usize = 40;
 
+/// Bins within which impacts are one: a quarter of a lug pass.
+const ONE_IMPACT: usize = BINS / 4;
+
 /// Time [s] at either end of a window that the low-pass, which goes on periodically, spoils.
 const EDGE: f64 = 0.02;
 
@@ -56,8 +59,6 @@ pub struct Pulses {
     pub background: f64,
     /// Standard deviation of the sensor's noise, were it white, over the same [-].
     pub noise: f64,
-    /// Root mean square over the background [-]: 1 for noise, large where impacts stand out.
-    pub peakedness: f64,
     /// Fourth moment over the squared second one [-]: 3 for noise.
     pub kurtosis: f64,
 }
@@ -157,7 +158,6 @@ impl Turn {
             wheel_speed: self.direction * mean_speed,
             background,
             noise: noise / (pulse_per_speed * mean_speed),
-            peakedness: libm::sqrt(square) / background,
             kurtosis: fourth / (square * square),
         }
     }
@@ -187,14 +187,42 @@ impl Pulses {
         self.upward.len() as f64 / BINS as f64
     }
 
+    /// Largest acceleration of each bin, either way, over the reference's pulse [-].
+    fn either_way(&self) -> Vec<f64> {
+        let pairs = self.upward.iter().zip(&self.downward);
+        pairs.map(|(up, down)| up.max(*down)).collect()
+    }
+
     /// Largest acceleration of each whole lug pass, either way, over the reference's pulse [-].
     pub fn loudest(&self) -> Vec<f64> {
-        let pairs = self.upward.iter().zip(&self.downward);
-        let bins: Vec<f64> = pairs.map(|(up, down)| up.max(*down)).collect();
+        let bins = self.either_way();
         let passes = bins.chunks_exact(BINS);
         passes
             .map(|pass| pass.iter().copied().fold(0.0, f64::max))
             .collect()
+    }
+
+    /// Heights of the impacts above `threshold`, either way, over the reference's pulse [-]. Of those
+    /// within a quarter of a lug pass the highest counts: a wheel rebounds, and rings.
+    pub fn impacts(&self, threshold: f64) -> Vec<f64> {
+        let mut impacts: Vec<f64> = Vec::new();
+        let mut highest_at = 0;
+        let bins = self.either_way().into_iter().enumerate();
+        for (bin, height) in bins.filter(|(_, height)| *height > threshold) {
+            match impacts.last_mut() {
+                Some(last) if bin - highest_at < ONE_IMPACT => {
+                    if height > *last {
+                        *last = height;
+                        highest_at = bin;
+                    }
+                }
+                _ => {
+                    impacts.push(height);
+                    highest_at = bin;
+                }
+            }
+        }
+        impacts
     }
 }
 

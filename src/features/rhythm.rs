@@ -11,6 +11,8 @@
 //! train of period `ρ α` is looked for with every offset: for each, the turn is cut into cells of one
 //! period, and a cell is *struck* if there is a pulse where it should be, quiet elsewhere, and
 //! about as high as in the other cells. No scale enters, so a sensor of wrong gain or sign has its train found.
+//!
+//! Of a train of any period the impacts are equally high, which needs no period to be tried: [`unequal`].
 
 use super::pulses::{BINS, Pulses, median};
 use statrs::function::beta::beta_reg;
@@ -26,6 +28,10 @@ const ALIKE: f64 = 2.5;
 /// pulses, some fit by chance.
 const STRICT_ELSEWHERE: f64 = 0.3;
 const STRICT_ALIKE: f64 = 2.0;
+/// Highest over lowest impact [-] of equal ones: 9 of 10 strikes of lugs on rough slate, 4 of 10 on stones.
+const EQUAL: f64 = 1.5;
+/// Impact over the upper quartile of all [-] below which the wheel wobbles between two strikes.
+const WOBBLE: f64 = 0.1;
 /// Cells up to which a train has few.
 const FEW: usize = 4;
 /// Share of cells that makes a train [-].
@@ -275,7 +281,88 @@ impl Line {
     }
 }
 
+/// Probability that impacts above `threshold` are of no train of lugs, whatever their count, the sign and the
+/// scale: that at most [`MOST`] of those behind the ones seen are equally high.
+///
+/// A lug's fall on hard ground is set by the wheel alone. Impacts on stones spread over a factor of
+/// thirty; those below a tenth of the strong ones do not count. A wheel of few lugs strikes in as many heights as it has strikes in a lug pass.
+pub fn unequal(pulses: &Pulses, threshold: f64) -> f64 {
+    let mut heights = pulses.impacts(threshold);
+    heights.sort_by(f64::total_cmp);
+    let strong = heights.get(heights.len() * 3 / 4).copied();
+    heights.retain(|height| strong.is_some_and(|strong| *height >= WOBBLE * strong));
+    let count = heights.len();
+    let kinds = pulses.strikes.len().max(1);
+    let equal: usize = (0..kinds).map(|_| take_equal(&mut heights)).sum();
+    1.0 - more_than(MOST, equal, count)
+}
+
+/// Takes as many heights as possible within a factor of [`EQUAL`] out of sorted ones, and counts them.
+fn take_equal(sorted: &mut Vec<f64>) -> usize {
+    let end = |start: usize| sorted.partition_point(|height| *height <= EQUAL * sorted[start]);
+    let ranges = (0..sorted.len()).map(|start| start..end(start));
+    let most = ranges.max_by_key(ExactSizeIterator::len).unwrap_or(0..0);
+    sorted.drain(most).count()
+}
+
 /// Probability that a share exceeds `limit` after `hits` of `trials`, under Jeffreys' prior.
 pub fn more_than(limit: f64, hits: usize, trials: usize) -> f64 {
     1.0 - beta_reg(hits as f64 + 0.5, (trials - hits) as f64 + 0.5, limit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pulses of these (lug pass, height), on a wheel that strikes once in a pass.
+    fn pulses(passes: usize, impacts: &[(f64, f64)]) -> Pulses {
+        let mut upward = vec![0.0; passes * BINS];
+        for (place, height) in impacts {
+            upward[(place * BINS as f64) as usize] = *height;
+        }
+        Pulses {
+            downward: vec![0.0; upward.len()],
+            upward,
+            begin: 0.0,
+            direction: 1.0,
+            lug_angle: 0.2,
+            strikes: vec![0.5],
+            wheel_speed: 0.1,
+            background: 0.01,
+            noise: 0.001,
+            kurtosis: 10.0,
+        }
+    }
+
+    fn train(passes: u32, period: f64, height: impl Fn(u32) -> f64) -> Pulses {
+        let count = (f64::from(passes) / period) as u32;
+        let impact = |i: u32| (period * (f64::from(i) + 0.5), height(i));
+        pulses(passes as usize, &(0..count).map(impact).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_train_of_any_lug_count_is_of_equal_height_and_its_period_is_found() {
+        for period in [0.5, 0.8, 1.2, 2.0] {
+            let train = train(16, period, |i| 1.0 + 0.1 * f64::from(i % 3));
+            assert!(unequal(&train, 0.12) < 0.1, "{period}");
+            let found = Rhythm::other(&train).unwrap();
+            assert!(found.probability > 0.8, "{period}: {found:?}");
+            assert!((found.kept_period() - period).abs() < 0.02, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn an_echo_of_each_impact_leaves_them_equal() {
+        let impacts = (0..10).flat_map(|i| [(f64::from(i) + 0.5, 1.0), (f64::from(i) + 0.6, 0.3)]);
+        let train = pulses(10, &impacts.collect::<Vec<_>>());
+        assert!(unequal(&train, 0.12) < 0.1);
+    }
+
+    #[test]
+    fn impacts_over_a_decade_are_unequal_and_three_of_them_too_few_to_say() {
+        let height = |i: u32| libm::pow(10.0, f64::from(i * 7 % 10) / 10.0);
+        assert!(unequal(&train(12, 1.0, height), 0.12) > 0.95);
+        let few = unequal(&train(3, 1.0, height), 0.12);
+        assert!(few < 0.9, "{few}");
+    }
 }

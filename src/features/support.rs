@@ -4,7 +4,7 @@
 //! A wheel that hangs in the air vibrates as little as one in sand, and so does a dead
 //! accelerometer. Normal force and sinkage part them.
 
-use crate::trace::{Channel, Trace};
+use crate::trace::{Channel, Trace, finite_mean};
 
 /// Normal force over the load [-] below which nothing carries the wheel, and above which ground
 /// does.
@@ -34,13 +34,13 @@ impl Support {
     }
 
     /// Whether ground carries the wheel from `start` to `end` [s]: by the normal force over the
-    /// commanded load, whatever the force's sign; not where that load is 0. `None` where one of them is not known, or the
-    /// force is a small part of the load.
+    /// commanded load, whatever the force's sign; not where that load is 0. `None` where one of them is
+    /// not known, or the force is a small part of the load.
     pub fn carries(&self, [start, end]: [f64; 2]) -> Option<bool> {
         if self.load == 0.0 {
             return Some(false);
         }
-        let force = mean(self.normal_force.as_ref()?, [start, end])?;
+        let force = finite_mean(self.normal_force.as_ref()?.between(start, end))?;
         let share = (self.load > 0.0).then(|| force.abs() / self.load)?;
         match share {
             share if share < CARRIED[0] => Some(false),
@@ -52,13 +52,7 @@ impl Support {
     /// Whether the rim is so low from `start` to `end` [s] that lugs are in the ground; `None`
     /// without sinkage.
     pub fn lugs_are_in_the_ground(&self, [start, end]: [f64; 2]) -> Option<bool> {
-        let sinkage = mean(self.sinkage.as_ref()?, [start, end])?;
+        let sinkage = finite_mean(self.sinkage.as_ref()?.between(start, end))?;
         Some(sinkage > ENTERED * self.lug_height)
     }
-}
-
-fn mean(channel: &Channel, [start, end]: [f64; 2]) -> Option<f64> {
-    let finite = channel.between(start, end).iter().filter(|x| x.is_finite());
-    let (sum, count) = finite.fold((0.0, 0_u32), |(sum, count), x| (sum + x, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
