@@ -25,10 +25,12 @@
 
 pub mod band_powers;
 pub mod frequency;
-pub mod lug_passes;
+pub mod pulses;
 pub mod record;
 pub mod reference;
+pub mod rhythm;
 mod spectrum;
+pub mod support;
 
 use crate::quantity::RangeError;
 use record::{Record, Unusable};

@@ -3,13 +3,15 @@
 //! Two methods, neither trained on labelled terrain:
 //!
 //! - [`Method::Paper`]: the paper's regions of the feature space (Eq. 59-61), verbatim.
-//! - [`Method::Improved`]: lug by lug, from what the paper leaves out: the wheel angle tells when
-//!   each lug should strike and how hard.
+//! - [`Method::Improved`]: lug by lug, from what the paper leaves out: whether impacts keep step with
+//!   the lugs, and how hard these should strike. Zero of the wheel angle, lag, sign, scale and lug
+//!   count are checked against the data; [`alignment`] states zero and lag.
 //!
 //! Both answer UWTIC, with the reason, where they cannot tell. [`baseline`] is what users know, a
 //! classifier trained on band powers; [`known`] is the class a window is known to have, and
 //! [`confusion`] counts answers against it.
 
+pub mod alignment;
 pub mod baseline;
 pub mod confusion;
 pub mod improved;
@@ -22,6 +24,7 @@ use crate::features::{Extractor, Settings};
 use crate::quantity::RangeError;
 use crate::terrain::class::Wtic;
 use crate::trace::Trace;
+use alignment::LugOffset;
 use confusion::CLASSES;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -55,15 +58,18 @@ pub struct Answer {
     pub confidence: f64,
     /// Why it is this class.
     pub reason: String,
+    /// Where lugs were found to strike, if they keep step and the wheel angle was measured.
+    pub offset: Option<LugOffset>,
 }
 
 impl Answer {
     /// The class cannot be told.
-    fn unknown(reason: impl ToString) -> Self {
+    pub(crate) fn unknown(reason: impl ToString) -> Self {
         Self {
             class: Wtic::Uwtic,
             confidence: 0.0,
             reason: reason.to_string(),
+            offset: None,
         }
     }
 }

@@ -309,7 +309,7 @@ pub fn turned_along(speed: &Channel, per_speed: f64) -> Channel {
 }
 
 /// Mean of the samples that are numbers.
-fn finite_mean(samples: &[f64]) -> Option<f64> {
+pub(crate) fn finite_mean(samples: &[f64]) -> Option<f64> {
     let finite = samples.iter().filter(|x| x.is_finite());
     let (sum, count) = finite.fold((0.0, 0_u64), |(sum, count), x| (sum + x, count + 1));
     (count > 0).then(|| sum / count as f64)

@@ -32,6 +32,7 @@ mod page_in_chromium;
 mod physics;
 mod read_with_h5py;
 mod ready_studies;
+mod recognition_faults;
 mod recognize;
 mod report;
 mod scenarios;

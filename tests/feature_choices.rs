@@ -3,7 +3,7 @@
 //!
 //! `cargo test --release --test all feature_choices:: -- --ignored --nocapture`
 
-use lugwheel::features::lug_passes::lug_passes;
+use lugwheel::features::pulses::pulses;
 use lugwheel::features::record::Record;
 use lugwheel::features::reference::Reference;
 use lugwheel::features::{Frequency, MeanValue, Settings, Window};
@@ -144,16 +144,15 @@ fn variants() -> Vec<(&'static str, Settings)> {
     ]
 }
 
-/// Percentiles of what single lugs did, as multiples of the reference's pulse, and the answers of
-/// the improved method, whose limits were set by them.
+/// Percentiles of the loudest pulse of lug passes, as multiples of the reference's, and of the
+/// kurtosis of runs, and the answers of the improved method, whose limits were set by them.
 fn lugs(ground: &Ground) -> String {
-    let (mut strikes, mut strays) = (Vec::new(), Vec::new());
+    let (mut loudest, mut kurtosis) = (Vec::new(), Vec::new());
     for run in &ground.runs {
         let record = Record::of(run).unwrap();
-        for pass in lug_passes(&record, 0..record.len()).unwrap() {
-            strikes.push(pass.strike);
-            strays.push(pass.stray);
-        }
+        let pulses = pulses(&record, 0..record.len()).unwrap().unwrap();
+        loudest.extend(pulses.loudest());
+        kurtosis.push(pulses.kurtosis);
     }
     let settings = Settings::default();
     let methods = [Method::Improved];
@@ -174,9 +173,9 @@ fn lugs(ground: &Ground) -> String {
     format!(
         "{:>6} {:>5} {} |{} {:>4} /{:>3}",
         ground.name,
-        strikes.len(),
-        percentiles(strikes).concat(),
-        percentiles(strays).concat(),
+        loudest.len(),
+        percentiles(loudest).concat(),
+        percentiles(kurtosis).concat(),
         right.count(),
         classes.len()
     )
@@ -184,7 +183,7 @@ fn lugs(ground: &Ground) -> String {
 
 fn report(rig: &str, grounds: &[Ground], on_reference: &[Trace]) {
     println!(
-        "{rig}: lug passes, 5, 25, 50, 75, 95 % of strike | of stray, and windows that improved answers rightly"
+        "{rig}: lug passes, 5, 25, 50, 75, 95 % of their loudest pulse | of the kurtosis of runs, and windows that improved answers rightly"
     );
     for ground in grounds {
         println!("    {}", lugs(ground));

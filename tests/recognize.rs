@@ -1,7 +1,7 @@
 //! `lugwheel recognize`: right on hard ground and sand, and never sure of what it cannot know.
 
 use lugwheel::dataset::Provenance;
-use lugwheel::dataset::hdf5::RunFileWriter;
+use lugwheel::dataset::hdf5::{RunFile, RunFileWriter};
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -172,15 +172,65 @@ fn a_measured_run_is_scored_by_its_class_or_else_by_its_terrain() {
 }
 
 #[test]
-fn without_a_wheel_angle_there_are_features_and_the_paper_s_regions_still_answer() {
+fn without_a_wheel_angle_turning_is_integrated_and_both_methods_answer() {
     let edit = |trace: &mut Trace| without(trace, "wheel_angle");
     let window = &windows_after(edit, "")[0];
-    assert_eq!(window["class"], "UWTIC");
-    assert!(window["reason"].as_str().unwrap().contains("wheel_angle"));
+    assert_eq!(window["class"], "ALCT");
+    assert!(window.get("lug_offset").is_none());
     assert!(window["p"].as_array().unwrap().iter().all(Value::is_f64));
     // The second window: the first has a joint between bricks.
     let by_regions = windows_after(edit, "--method paper --window 4.25");
     assert_eq!(by_regions[1]["class"], "ALCT", "{by_regions:?}");
+}
+
+#[test]
+fn the_zero_of_the_wheel_angle_is_found_and_stated() {
+    let pitch = std::f64::consts::TAU / 28.0;
+    for share in [0.0, 0.3, -0.45] {
+        let mut trace = HARD.clone();
+        let angles = &mut channel(&mut trace, "wheel_angle").samples;
+        angles.iter_mut().for_each(|a| *a += share * pitch);
+        let folder = folder(&[("r", &trace)]);
+        let found = json(&folder, "");
+        assert_eq!(found["windows"][0]["class"], "ALCT", "{share}");
+        let zero = found["wheel_angle"][0]["zero_rad"].as_f64().unwrap() - share * pitch;
+        let missed = zero - pitch * (zero / pitch).round();
+        // Rough slate shifts single strikes by a tenth of the pitch.
+        assert!(missed.abs() < 0.1 * pitch, "{share}: {found}");
+        let said = done(recognize(&folder, ""));
+        assert!(said.contains("a lug points straight down"), "{said}");
+    }
+}
+
+/// Made by `tests/python/mujoco_wheel.py`.
+#[test]
+fn hard_ground_of_another_simulator_is_alct_whatever_the_encoder_s_zero() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mujoco/lugged_wheel.h5");
+    let file = RunFile::open(&path).unwrap();
+    let runs: Vec<Trace> = file
+        .runs()
+        .iter()
+        .map(|id| file.read(id).unwrap())
+        .collect();
+    let pitch = std::f64::consts::TAU / 28.0;
+    for share in [0.0, 0.2, 0.4, 0.6, 0.8] {
+        for run in &runs {
+            let mut run = run.clone();
+            let angles = &mut channel(&mut run, "wheel_angle").samples;
+            angles.iter_mut().for_each(|a| *a += share * pitch);
+            let found = json(&folder(&[("r", &run)]), "");
+            assert_eq!(found["windows"][0]["class"], "ALCT", "{share}: {found}");
+        }
+    }
+    for lugs in [14, 24, 27, 29, 56] {
+        for run in &runs {
+            let mut run = run.clone();
+            run.attributes.lug_count = lugs;
+            let window = &json(&folder(&[("r", &run)]), "")["windows"][0];
+            let doubtful = window["confidence"].as_f64().unwrap() <= 0.6;
+            assert!(window["class"] == "ALCT" || doubtful, "{lugs}: {window}");
+        }
+    }
 }
 
 #[test]

@@ -357,6 +357,7 @@ fn recognized(start: f64, class: Wtic) -> Recognized {
             class,
             confidence: 0.875,
             reason: "<made up>".to_owned(),
+            offset: None,
         }],
     }
 }

@@ -65,7 +65,7 @@ else computed, through the sensors of the scenario where the file holds one.
 enum MethodName {
     /// By the paper's regions of the features; needs no wheel_angle, but answers UWTIC more often
     Paper,
-    /// Lug by lug; needs wheel_angle, which tells when each lug should strike
+    /// Lug by lug: whether impacts keep step with the lugs; finds the zero of the wheel angle itself
     Improved,
 }
 

@@ -1,6 +1,7 @@
 //! What features are extracted from: acceleration, wheel angle and wheel of one run, checked.
 
 use super::Window;
+use super::support::Support;
 use crate::quantity::SlipRatio;
 use crate::trace::clipping::clipped_levels;
 use crate::trace::motion::turned;
@@ -26,6 +27,8 @@ pub struct Record {
     /// Whether the angle is measured, so that it tells where the lugs are; else it was summed up
     /// from the speed and tells how far the wheel turned.
     pub tells_lugs: bool,
+    /// What carries the wheel.
+    pub support: Support,
     /// Levels [m/s²] at which the acceleration is clipped.
     clipped: Vec<f64>,
 }
@@ -87,6 +90,11 @@ pub enum Unusable {
     /// Samples at the end of the sensor's range.
     #[error("{0} samples of acceleration are clipped")]
     Clipped(usize),
+    /// The converter shows next to no steps.
+    #[error(
+        "acceleration takes {0} values only: is the sensor alive, and its range not far too wide?"
+    )]
+    Coarse(usize),
     /// The wheel does not turn.
     #[error("the wheel is at rest")]
     AtRest,
@@ -156,6 +164,7 @@ impl Record {
             acceleration: samples,
             angle: at_times(&rotation, times),
             tells_lugs,
+            support: Support::of(trace),
         })
     }
 
@@ -255,10 +264,12 @@ impl Record {
         let [low, high] = angle
             .iter()
             .fold(bounds, |[low, high], a| [low.min(*a), high.max(*a)]);
-        if high - low < AT_REST {
+        let turned = self.lug_passes(window) * self.lug_angle;
+        // A reading that trembles about one place comes back to it.
+        let trembles = turned < 0.5 * (high - low) && high - low < TURN_BACK * self.lug_angle;
+        if high - low < AT_REST || trembles {
             return Err(Unusable::AtRest);
         }
-        let turned = self.lug_passes(window) * self.lug_angle;
         if high - low > turned + TURN_BACK * self.lug_angle {
             return Err(Unusable::Reversed);
         }
@@ -277,12 +288,32 @@ impl Record {
         if acceleration.iter().all(|a| *a == acceleration[0]) {
             return Err(Unusable::Constant);
         }
+        if let Some(values) = few_values(acceleration) {
+            return Err(Unusable::Coarse(values));
+        }
         let clipped = acceleration.iter().filter(|a| self.clipped.contains(a));
         match clipped.count() {
             0 => Ok(()),
             clipped => Err(Unusable::Clipped(clipped)),
         }
     }
+}
+
+/// Values [-] that an acceleration takes at least, unless its converter is far too coarse.
+const VALUES: usize = 9;
+
+/// How many different values there are, where they are fewer than [`VALUES`].
+fn few_values(samples: &[f64]) -> Option<usize> {
+    let mut values: Vec<f64> = Vec::with_capacity(VALUES);
+    for sample in samples {
+        if !values.contains(sample) {
+            values.push(*sample);
+        }
+        if values.len() == VALUES {
+            return None;
+        }
+    }
+    Some(values.len())
 }
 
 fn wheel(trace: &Trace) -> Result<Wheel, RecordError> {
@@ -385,7 +416,7 @@ mod tests {
 
     /// 10 s at 1 kHz, turning at 0.2 rad/s.
     fn trace() -> Trace {
-        let acceleration = (0..10_000).map(|i| f64::from(i % 7)).collect();
+        let acceleration = (0..10_000).map(|i| f64::from(i % 13)).collect();
         let angle = (0..10_000).map(|i| 2.0e-4 * f64::from(i)).collect();
         Trace {
             attributes: RunAttributes {

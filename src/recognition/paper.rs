@@ -76,6 +76,7 @@ pub fn class(p: [f64; 4], lugs: u32) -> Answer {
             class,
             confidence: confidence(smallest(margins)),
             reason: format!("P lies in the region of {class}"),
+            offset: None,
         };
     }
     let nearest = margins
@@ -93,6 +94,7 @@ pub fn class(p: [f64; 4], lugs: u32) -> Answer {
             "nearest to {class}, but {} lies outside",
             outside.join(", ")
         ),
+        offset: None,
     }
 }
 

@@ -28,7 +28,6 @@ use crate::features::record::Record;
 use crate::features::{Extractor, Settings};
 use crate::quantity::RangeError;
 use crate::recognition::{Answer, Recognized, Recognizer};
-use crate::terrain::class::Wtic;
 use crate::trace::{LugTally, Trace};
 
 /// Name of the table.
@@ -82,11 +81,8 @@ impl<'s> Windows<'s> {
 
     /// The true class windows of a record that no method can use.
     fn unusable(&self, trace: &Trace, reason: &str) -> Vec<Window> {
-        let unknown = self.recognition.methods.iter().map(|_| Answer {
-            class: Wtic::Uwtic,
-            confidence: 0.0,
-            reason: reason.to_owned(),
-        });
+        let methods = self.recognition.methods.iter();
+        let unknown = methods.map(|_| Answer::unknown(reason));
         let windows = trace.truth.iter().flat_map(|truth| &truth.class_windows);
         windows
             .map(|window| Window {

@@ -3,6 +3,7 @@
 use super::Unfit;
 use super::figures::Figures;
 use lugwheel::dataset::hdf5::RunFile;
+use lugwheel::recognition::alignment::{Alignment, LugOffset};
 use lugwheel::recognition::confusion::{CLASSES, Confusion};
 use lugwheel::recognition::known::{Source, known_class};
 use lugwheel::recognition::{Method, Recognized, Recognizer};
@@ -20,6 +21,9 @@ pub struct Summary {
     method: Method,
     reference: String,
     windows: Vec<Window>,
+    /// Zero of the wheel angle of every run whose pulses keep step with the lugs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    wheel_angle: Vec<RunAlignment>,
     /// Runs without windows, and why.
     skipped: Vec<Skipped>,
     #[serde(flatten)]
@@ -39,6 +43,16 @@ struct Window {
     p: Option<[f64; 4]>,
     /// The class it is known to have.
     truth: Option<Wtic>,
+    /// Where lugs were found to strike.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lug_offset: Option<LugOffset>,
+}
+
+#[derive(Debug, Serialize)]
+struct RunAlignment {
+    run: String,
+    #[serde(flatten)]
+    alignment: Alignment,
 }
 
 #[derive(Debug, Serialize)]
@@ -62,6 +76,7 @@ impl Summary {
             method,
             reference,
             windows: Vec::new(),
+            wheel_angle: Vec::new(),
             skipped: Vec::new(),
             score: Score::default(),
             figures: Vec::new(),
@@ -96,7 +111,18 @@ impl Summary {
         for window in &windows {
             self.count(id, &trace, window);
         }
+        self.align(id, &windows);
         figures.map_or(Ok(()), |figures| figures.add(id, &trace, &windows))
+    }
+
+    /// Notes the zero of the wheel angle, where pulses keep step with the lugs.
+    fn align(&mut self, id: &str, windows: &[Recognized]) {
+        let answers = windows.iter().flat_map(|window| &window.answers);
+        let offsets: Vec<LugOffset> = answers.filter_map(|answer| answer.offset).collect();
+        let run = id.to_owned();
+        let alignment = Alignment::of(&offsets);
+        self.wheel_angle
+            .extend(alignment.map(|alignment| RunAlignment { run, alignment }));
     }
 
     /// Answers against known classes.
@@ -137,6 +163,7 @@ impl Summary {
                 reason: answer.reason.clone(),
                 p: window.p.as_ref().ok().copied(),
                 truth: known.map(|known| known.class),
+                lug_offset: answer.offset,
             });
         }
     }
@@ -192,6 +219,7 @@ impl fmt::Display for Summary {
             writeln!(f, "{run}: not recognised: {reason}")?;
         }
         self.write_runs(f)?;
+        self.write_alignments(f)?;
         self.score.fmt(f)?;
         for figure in &self.figures {
             writeln!(f, "drawn: {figure}")?;
@@ -255,6 +283,32 @@ impl Summary {
             write!(f, "{:<width$}", "all runs")?;
             all.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
             writeln!(f)?;
+        }
+        Ok(())
+    }
+
+    /// Where a lug points straight down, by run.
+    fn write_alignments(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.wheel_angle.is_empty() {
+            writeln!(
+                f,
+                "\nwheel angle at which a lug points straight down, found from the pulses (95 % interval)"
+            )?;
+        }
+        for RunAlignment { run, alignment } in &self.wheel_angle {
+            let [low, high] = alignment.zero_ci95;
+            write!(
+                f,
+                "{run}: {:.4} rad ({low:.4} to {high:.4})",
+                alignment.zero_rad
+            )?;
+            match (alignment.lag_s, alignment.lag_ci95) {
+                (Some(lag), Some([low, high])) => writeln!(
+                    f,
+                    "; acceleration logged {lag:.3} s late ({low:.3} to {high:.3})"
+                )?,
+                _ => writeln!(f, "; at one speed, a lag between the loggers is part of it")?,
+            }
         }
         Ok(())
     }
