@@ -322,7 +322,11 @@ fn a_file_that_lacks_what_recognition_needs_exits_with_3_and_says_what() {
     assert_eq!(mixed["windows"].as_array().unwrap().len(), 1);
     assert_eq!(mixed["skipped"][0]["run"], "smooth");
     refused(&folder(&[]), "", 3, "has no runs");
-    refused(&folder(&[("r", &HARD)]), "--run x", 3, "it has r");
+    let hard = folder(&[("r", &HARD)]);
+    refused(&hard, "--run x", 3, "it has r");
+    refused(&hard, "--window 1e9", 3, "longer than the longest run");
+    let half = "above half the sample rate of acceleration_y in runs.h5 (1000 Hz)";
+    refused(&hard, "--bandwidth 1001", 3, half);
 }
 
 #[test]

@@ -97,6 +97,29 @@ pub enum Unfit {
         /// What it lacks.
         reason: String,
     },
+    /// No run is as long as the windows asked for.
+    #[error("--window {asked} s is longer than the longest run of {} ({longest} s)", path.display())]
+    Window {
+        /// The file.
+        path: PathBuf,
+        /// Length of the windows [s].
+        asked: f64,
+        /// Length of the longest run [s].
+        longest: f64,
+    },
+    /// No acceleration is sampled fast enough.
+    #[error(
+        "--bandwidth {asked} Hz is above half the sample rate of acceleration_y in {} ({nyquist} Hz)",
+        path.display()
+    )]
+    Bandwidth {
+        /// The file.
+        path: PathBuf,
+        /// Corner asked for [Hz].
+        asked: f64,
+        /// Half of the highest sample rate [Hz].
+        nyquist: f64,
+    },
     /// Its runs make no reference.
     #[error("{} cannot be the reference: {reason}", path.display())]
     NoReference {
@@ -113,6 +136,7 @@ impl Recognize {
         let settings = self.settings();
         let file = RunFile::open(&self.file)?;
         let runs = chosen(&file, &self.run)?;
+        self.check(&file, &runs)?;
         if let Some(folder) = &self.out {
             output.claim(&[]).folder(folder)?;
         }
@@ -138,6 +162,45 @@ impl Recognize {
             summary.figures = figures.finish(summary.confusion())?;
         }
         output.print(&summary)
+    }
+
+    /// # Errors
+    /// `Unfit` for windows longer, or a bandwidth higher, than every run of the `file` allows.
+    fn check(&self, file: &RunFile, runs: &[String]) -> Result<(), Unfit> {
+        let window = self.window.unwrap_or(0.0);
+        let bandwidth = self.bandwidth.unwrap_or(0.0);
+        if window == 0.0 && bandwidth == 0.0 {
+            return Ok(());
+        }
+        let (mut longest, mut nyquist) = (0.0_f64, 0.0_f64);
+        // What cannot be read is reported where it is recognised.
+        for trace in runs.iter().flat_map(|id| file.read(id)) {
+            let Some(acceleration) = trace.channel("acceleration_y") else {
+                continue;
+            };
+            longest = longest.max(acceleration.duration());
+            nyquist = nyquist.max(0.5 * acceleration.sample_rate);
+            if longest >= window && nyquist >= bandwidth {
+                return Ok(());
+            }
+        }
+        let path = file.path().to_owned();
+        if longest == 0.0 {
+            return Ok(());
+        }
+        Err(if longest < window {
+            Unfit::Window {
+                path,
+                asked: window,
+                longest,
+            }
+        } else {
+            Unfit::Bandwidth {
+                path,
+                asked: bandwidth,
+                nyquist,
+            }
+        })
     }
 
     fn settings(&self) -> Settings {
