@@ -243,7 +243,7 @@ fn an_invalid_input_file_exits_with_3_and_the_message_shows_the_way() {
     let typo = "simulate quick --set rig.single_wheel.slop=0.3";
     refuses(typo, 3, &["unknown field `slop`", "did you mean `slip`?"]);
     let unit = "simulate quick --set rig.single_wheel.load=100N";
-    refuses(unit, 3, &["rig.single_wheel.load=100N:", "100N"]);
+    refuses(unit, 3, &["`rig.single_wheel.load=100N`", "here in N"]);
     let millimetres = "simulate quick --set wheel.radius=140";
     refuses(millimetres, 3, &["wheel.radius=140:", "[m]", "140"]);
     refuses("simulate quick --set slip", 3, &["write key=value"]);

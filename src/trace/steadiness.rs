@@ -23,7 +23,7 @@
 //! **What counts.** A value drifts where this is significant at [`LEVEL`], and where the drift over the
 //! stretch exceeds both [`LIMIT`] of the mean and the least change that matters to that quantity: a
 //! significant drift of 0.01 N harms nobody. A stretch of fewer than [`PASSES`] lug passes that shows no drift is
-//! too short to call steady.
+//! too short to call steady; in one of hardly more than a single pass, a drift may be the lugs' rhythm.
 //!
 //! A line through block means was tried instead: with less than ten lug passes, which is most runs at
 //! rover speeds, its blocks hold the lugs' rhythm as scatter and it finds nothing.
@@ -59,6 +59,9 @@ const RAISED: f64 = 6.0;
 /// With fewer, there are too few whole passes to compare: of 1.5 passes of a wheel that still sank into sand, the
 /// pull was 20 % below its steady value and looked steady.
 pub const PASSES: f64 = 2.5;
+
+/// Lug passes [-] from which samples can be compared with those of the same phase of the lugs.
+const ALIGNED: f64 = 1.25;
 
 /// What the test of a steady value came to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -204,7 +207,7 @@ impl Stretch<'_> {
     fn lag(&self) -> usize {
         let count = self.samples.len() as f64;
         let pass = self.pass.map(|pass| pass * self.sample_rate);
-        let Some(pass) = pass.filter(|pass| *pass >= 1.0 && PASSES * pass <= count) else {
+        let Some(pass) = pass.filter(|pass| *pass >= 1.0 && ALIGNED * pass <= count) else {
             return (2.0 / 3.0 * count).round() as usize;
         };
         let power = |lag: f64| lag * lag * lag.min(count - lag);
