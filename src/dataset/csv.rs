@@ -33,21 +33,32 @@
 //! `{ column = "..." }`. `rows = { trial = 3 }` picks the rows whose cells are equal; `delimiter`
 //! is a comma unless given.
 
+mod clock;
 mod condition;
 mod description;
+mod file_kind;
 mod gap;
+mod lead;
+mod moment;
+mod notes;
+mod number;
+mod record;
+mod resampling;
+mod selection;
 mod series;
 mod sheet;
 mod source;
 mod steady;
+mod text;
 mod unit;
 
 use super::hdf5::check_name;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::trace::Trace;
-use description::{CampaignTable, SourceTable};
+use description::{CampaignTable, Given, SourceTable};
 pub use gap::Gap;
 use gap::Gaps;
+use notes::Notes;
 use source::Source;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -133,7 +144,7 @@ impl Campaign {
             check_name("run id", &id).map_err(fault)?;
             if !ids.insert(id.clone()) {
                 let message =
-                    format!("an earlier run has the id {id:?}; leave id out to number them");
+                    format!("an earlier run has the id {id:?}; leave id out to number them, or write several files of one run as [[run.source]]");
                 return Err(fault(message));
             }
             Ok((id, trace))
@@ -142,10 +153,11 @@ impl Campaign {
 
     /// The CSV files, in the order in which the campaign names them.
     pub fn files(&self) -> Vec<PathBuf> {
-        let sources = self.table.runs.iter().chain(&self.table.table);
-        sources
-            .map(|source| self.folder().join(&source.file))
-            .collect()
+        let tables = self.table.runs.iter().chain(&self.table.table);
+        let sources = tables.flat_map(|table| std::iter::once(table).chain(&table.source));
+        let files = sources.map(|source| &source.file);
+        let named = files.filter(|file| !file.as_os_str().is_empty());
+        named.map(|file| self.folder().join(file)).collect()
     }
 
     /// Cells without a number in the columns read so far: what they would have told counts as not
@@ -156,11 +168,8 @@ impl Campaign {
 
     fn series(&self, index: usize, table: &SourceTable) -> Result<Run, Misplaced> {
         let key = format!("run.{index}");
-        let source = Source {
-            table,
-            key: &key,
-            gaps: &self.gaps,
-        };
+        let notes = Notes::default();
+        let source = self.source(table, &key, &notes);
         check_channels(source)?;
         let (id, trace) = series::read(source, self.folder())?;
         Ok(Run { id, key, trace })
@@ -168,11 +177,8 @@ impl Campaign {
 
     fn steady(&self, table: &SourceTable) -> Vec<Result<Run, Misplaced>> {
         let key = "table";
-        let source = Source {
-            table,
-            key,
-            gaps: &self.gaps,
-        };
+        let notes = Notes::default();
+        let source = self.source(table, key, &notes);
         let read = check_channels(source).and_then(|()| steady::read(source, self.folder()));
         let run = |(id, trace)| {
             let key = key.to_owned();
@@ -181,6 +187,20 @@ impl Campaign {
         match read {
             Ok(runs) => runs.into_iter().map(run).collect(),
             Err(misplaced) => vec![Err(misplaced)],
+        }
+    }
+
+    fn source<'a>(&'a self, table: &'a SourceTable, key: &'a str, notes: &'a Notes) -> Source<'a> {
+        let radius = match table.wheel.radius_m {
+            Some(Given::Number(radius)) => Some(radius),
+            _ => None,
+        };
+        Source {
+            table,
+            key,
+            gaps: &self.gaps,
+            notes,
+            radius,
         }
     }
 
