@@ -20,18 +20,67 @@
 //! ```
 //!
 //! A cell becomes `(cell - subtract) · scale · unit`: `subtract` is in the column's unit and 0
-//! unless given, `scale` is 1, `unit` the channel's own. A column without `unit` whose header
-//! states another one is refused. A channel that is not among the known
-//! [`CHANNELS`](crate::trace::CHANNELS) needs its `unit` and is carried along. Times come from
-//! `time_s`, equally spaced to a fifth of a period, or from `sample_rate_hz`. Empty lines and those
-//! that begin with `#` are no data.
+//! unless given, `scale` is 1, `unit` the channel's own. A column without `unit` whose header, or
+//! the row of units below it, states another one is refused. A channel that is not among the known
+//! [`CHANNELS`](crate::trace::CHANNELS) needs its `unit` and is carried along.
 //!
 //! Every attribute of a run may be left out: `id` (else `run_000000`, counted), `wheel`,
 //! `load_n`, `speed_m_s`, `slip_ratio` or `rim_speed_m_s` [m/s], `terrain`, `class`, `repeat`,
 //! `day`, `notes`. Numbers that nobody knows are NaN, as are missing cells of a channel, and the
 //! spread of a mean; an unknown count is 0. In a [table] an attribute is a value for all rows or a
-//! `{ column = "..." }`. `rows = { trial = 3 }` picks the rows whose cells are equal; `delimiter`
-//! is a comma unless given.
+//! `{ column = "..." }`.
+//!
+//! # How a file is written
+//!
+//! | key | default |
+//! |---|---|
+//! | `delimiter` | a comma; `";"`, `"\t"`, `"\|"`; `" "` for any number of blanks |
+//! | `decimal` | a point; beside other delimiters the first fraction decides, a comma is noted |
+//! | `encoding` | UTF-8, or by the byte order mark; noted where it is another |
+//! | `skip_lines` | 0: lines before the header that are no comments |
+//! | `header_rows` | 1, and the rows below it without a number, which are noted |
+//! | `names` | those of the header, or of a comment with as many cells, which is noted |
+//! | `rows` | all; `{ trial = 3, slip = { min = 0, max = 0.6 }, day = ["a", "b"], wheel = { not = 2 } }` |
+//!
+//! Empty lines and those that begin with `#` are no data. Gzip is unpacked. A file that is no text
+//! is refused by what it is.
+//!
+//! # Times
+//!
+//! Times come from `time_s`, with units from ns to h, ISO dates with or without zone, dates in a
+//! stated `format` (`strftime`), hours, minutes and seconds, or durations as pandas writes them.
+//! `add = { column = "nsecs", unit = "ns" }` joins a second column (seconds and nanoseconds, date and
+//! time of day) without losing digits; `wraps_at` continues a counter. Where times count from long
+//! ago, the first row is the run's zero. Or the rows have a `sample_rate_hz`, and no times.
+//!
+//! Times need not be printed exactly: even rows with jitter are taken as they are, a clock that wanders
+//! is put on an even grid with a note, equal stamps, lost rows and uneven times are refused (the
+//! criteria stand in `csv/clock.rs`). `resample_hz` interpolates uneven rows linearly to that
+//! rate; its cost is noted: share of interpolated values, longest step bridged, loss of amplitude,
+//! folding. Gaps longer than `longest_gap_s` (three usual steps) stay empty.
+//!
+//! # Several files of one run
+//!
+//! ```toml
+//! [[run]]
+//! id = "asphalt_02"
+//! wheel = { radius_m = 0.165, width_m = 0.12 }
+//! [[run.source]]               # one file, with all keys of a file
+//! file = "imu.csv"
+//! columns = { time_s = "time", acceleration_y = { column = "az", subtract = 9.81 } }
+//! [[run.source]]
+//! file = "wheels.csv"
+//! offset_s = 0.02              # added to its times; 0 unless given
+//! columns = { time_s = "time", wheel_speed = { column = "w", unit = "rpm" } }
+//! ```
+//!
+//! Channels keep the rates of their files. A `wheel_speed` (rad/s, deg/s, rpm; or a speed of the rim,
+//! which is divided by `radius_m`) is summed up to a `wheel_angle` where none was measured: it turns as
+//! the wheel did, and its zero is not that of a lug
+//! ([`angle_zero_unknown`](crate::trace::RunAttributes::angle_zero_unknown)).
+//!
+//! What was taken for granted or done to the data stands in the run's
+//! [`import_notes`](crate::trace::RunAttributes::import_notes).
 
 mod clock;
 mod condition;

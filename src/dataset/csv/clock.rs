@@ -30,8 +30,8 @@ pub(super) const FIFTH: f64 = 0.2;
 /// Departure [periods] below which nothing is noted: rounding of printed times.
 const SILENT: f64 = 0.02;
 
-/// How far [-] a rate from times may lie off a whole one that it is taken for.
-const WHOLE: f64 = 1.0e-6;
+/// How far [-] a rate from times may lie off one of fewer digits that it is taken for.
+const NEAR: f64 = 1.0e-6;
 
 /// Longest step [usual steps] at which no row is missing.
 pub(super) const LOST: f64 = 1.5;
@@ -96,7 +96,7 @@ impl Clock {
         let step = steps.map(|(step, _)| (step / usual - 1.0).abs());
         let step = step.fold(0.0, f64::max);
         let (off, _) = times.farthest_off(line);
-        let rate = whole(1.0 / line.period);
+        let rate = meant(1.0 / line.period, times.rows.len());
         let is_rate = rate.is_finite() && rate > 0.0;
         if is_rate && off <= FIFTH * line.period {
             return Ok(Self::Even {
@@ -107,7 +107,7 @@ impl Clock {
         if is_rate && step <= FIFTH {
             let mean = (times.rows.len() - 1) as f64 / times.span();
             return Ok(Self::Wandering {
-                rate: whole(mean),
+                rate: meant(mean, times.rows.len()),
                 off,
                 step,
             });
@@ -309,13 +309,11 @@ impl Times<'_> {
     }
 }
 
-/// A rate that is whole up to rounding, as that.
-fn whole(rate: f64) -> f64 {
-    let whole = rate.round();
-    match (rate / whole - 1.0).abs() < WHOLE {
-        true => whole,
-        false => rate,
-    }
+/// The rate that rounded times of as many `rows` stand for: of few digits, where one lies so near that
+/// over all rows it would add up to no more than a twentieth of a period.
+fn meant(rate: f64, rows: usize) -> f64 {
+    let near = NEAR.min(0.05 / rows as f64);
+    roundest(rate, near * rate.abs())
 }
 
 /// The number of fewest digits within `error` of `value`.
