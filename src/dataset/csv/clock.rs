@@ -254,7 +254,9 @@ impl Times<'_> {
         let rate = 1.0 / fit.period;
         if !(finest.is_finite() && rate.is_finite()) {
             return format!(
-                "{file}:{line}: all rows have the time {} s; give sample_rate_hz instead of time_s",
+                "{file}:{line}: all rows have the time {} s; if another column holds the rest of it, \
+                 join that: add = {{ column = \"...\", unit = \"...\" }} in time_s; else give \
+                 sample_rate_hz instead of time_s",
                 origin + time
             );
         }
@@ -266,7 +268,7 @@ impl Times<'_> {
         let error = SURE * fit.error / fit.period * rate;
         let half = 0.5 * error.max(1.0e-9 * rate);
         format!(
-            "{file}:{line}: {shared} of {} rows have the same time as the row before, the first \
+            "{file}:{line}: {shared} of {} rows have the same time as the row before, first at \
              {} s: {cause}. Together the rows make {} Hz (within {}): give sample_rate_hz = {} \
              instead of time_s",
             rows.len(),
@@ -334,11 +336,11 @@ fn roundest(value: f64, error: f64) -> f64 {
     (1..=12).map(rounded).find(fits).unwrap_or(value)
 }
 
-/// A number to four digits.
+/// A number to three digits or more.
 pub(super) fn short(value: f64) -> String {
     match value == 0.0 || !value.is_finite() {
         true => value.to_string(),
-        false => roundest(value, 5.0e-5 * value.abs()).to_string(),
+        false => roundest(value, 5.0e-4 * value.abs()).to_string(),
     }
 }
 
@@ -487,7 +489,7 @@ mod tests {
         assert_eq!(roundest(1599.7, 1.0), 1600.0);
         assert_eq!(roundest(1599.7, 0.1), 1599.7);
         assert_eq!(roundest(33.172, 0.01), 33.17);
-        assert_eq!(short(0.026_000_1), "0.026");
+        assert_eq!(short(0.026_004), "0.026");
         assert_eq!(short(1.0e-7), "0.0000001");
         assert_eq!(short(0.0), "0");
     }

@@ -59,6 +59,15 @@ impl Origin {
         let date = Timestamp::from_nanosecond(self.nanoseconds).ok();
         match date.filter(|_| is_date) {
             Some(date) => date.to_string(),
+            None if self.rest == 0.0 => {
+                let (sign, size) = (
+                    if self.nanoseconds < 0 { "-" } else { "" },
+                    self.nanoseconds.unsigned_abs(),
+                );
+                let digits = format!("{}.{:09}", size / NANO as u128, size % NANO as u128);
+                let digits = digits.trim_end_matches('0').trim_end_matches('.');
+                format!("{sign}{digits} s of its clock")
+            }
             None => format!("{} s of its clock", self.seconds()),
         }
     }

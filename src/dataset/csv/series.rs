@@ -5,6 +5,7 @@
 //! count from 1970 or another day long past, the first row of the first file is the zero, so that no
 //! digit is lost to the date. A file with a rate and no times begins at the run's zero.
 
+use super::clock::short;
 use super::moment::Origin;
 use super::record::{self, Record};
 use super::source::Source;
@@ -23,7 +24,7 @@ pub(super) fn read(
     let (id, mut attributes) = condition::of_run(source)?;
     let mut channels = joined(source, records(source, folder)?)?;
     if let Some(angle) = turning(&channels) {
-        let rate = angle.sample_rate;
+        let rate = short(angle.sample_rate);
         channels.push(angle);
         attributes.angle_zero_unknown = true;
         let note = format!(
