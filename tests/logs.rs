@@ -3,13 +3,16 @@
 use encoding_rs::UTF_8;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use lugwheel::dataset::Provenance;
 use lugwheel::dataset::csv::Campaign;
+use lugwheel::dataset::hdf5::RunFileWriter;
 use lugwheel::dataset::inspection::findings;
 use lugwheel::trace::{Channel, Trace};
 use std::f64::consts::TAU;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 use tempfile::TempDir;
 
 /// A folder of logs.
@@ -806,4 +809,65 @@ fn a_wheel_speed_in_any_unit_turns_the_wheel_and_its_lugs_have_no_known_place() 
         let no_radius = logs.import(&format!("file = \"a.csv\"\n{columns}"));
         assert_eq!(no_radius.is_err(), unit == "cm/s");
     }
+}
+
+#[test]
+#[ignore = "writes 70 MB; under 2 s in a release build"]
+fn a_million_rows_of_eight_columns_are_imported_within_two_seconds() {
+    const ROWS: u32 = 1_000_000;
+    let text = table("t,az,Fz,Fx,My,z,s,a", ROWS, |i| {
+        let time = 0.0005 * f64::from(i);
+        let noise = |k: u32| f64::from(i.wrapping_mul(2_654_435_761).rotate_left(k) >> 12) * 1e-6;
+        format!(
+            "{time:.4},{:.5},{:.4},{:.4},{:.4},{:.6},{:.5},{:.6}",
+            noise(1),
+            100.0 + noise(3),
+            noise(5),
+            noise(7),
+            0.001 * noise(9),
+            0.0001 * noise(11),
+            0.1 * time
+        )
+    });
+    let logs = Logs::new().with("a.csv", &text);
+    let size = text.len();
+    drop(text);
+    let campaign = logs.0.path().join("a.toml");
+    fs::write(&campaign, "version = 1\n[[run]]\nfile = \"a.csv\"\n[run.columns]\ntime_s = \"t\"\nacceleration_y = \"az\"\nnormal_force = \"Fz\"\ndrawbar_pull = \"Fx\"\ndriving_torque = \"My\"\nsinkage = \"z\"\nslip_ratio = \"s\"\nwheel_angle = \"a\"\n").unwrap();
+    let before = resident_bytes();
+    let start = Instant::now();
+    let campaign = Campaign::load(&campaign).unwrap();
+    let runs: Vec<_> = campaign.runs().map(Result::unwrap).collect();
+    let read = start.elapsed();
+    let mut writer =
+        RunFileWriter::create(logs.0.path().join("a.h5"), &Provenance::measured()).unwrap();
+    writer.add(&runs[0].0, &runs[0].1).unwrap();
+    writer.finish().unwrap();
+    let whole = start.elapsed();
+    let kept: usize = runs[0]
+        .1
+        .channels
+        .iter()
+        .map(|channel| channel.samples.len())
+        .sum();
+    let bytes = (resident_bytes() - before) / kept as f64;
+    println!(
+        "{} MB, {kept} samples: read in {:.2} s, written after {:.2} s, {bytes:.1} bytes a sample kept",
+        size / 1_000_000,
+        read.as_secs_f64(),
+        whole.as_secs_f64()
+    );
+    assert_eq!(kept, 7 * ROWS as usize);
+    assert!(bytes < 24.0, "{bytes}");
+    if !cfg!(debug_assertions) {
+        assert!(whole.as_secs_f64() < 2.0, "{whole:?}");
+    }
+}
+
+/// Memory in use by this process, as the system counts it; 0 where it does not.
+fn resident_bytes() -> f64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+    1024.0 * kilobytes.unwrap_or(0.0)
 }

@@ -47,7 +47,7 @@
 //!
 //! # Times
 //!
-//! Times come from `time_s`, with units from ns to h, ISO dates with or without zone, dates in a
+//! Times come from `time_s`, with units from ns to d, ISO dates with or without zone, dates in a
 //! stated `format` (`strftime`), hours, minutes and seconds, or durations as pandas writes them.
 //! `add = { column = "nsecs", unit = "ns" }` joins a second column (seconds and nanoseconds, date and
 //! time of day) without losing digits; `wraps_at` continues a counter. Where times count from long

@@ -29,6 +29,9 @@ const ALIKE: f64 = 0.8;
 /// Rows that are looked at before the first is taken for data.
 const AHEAD: usize = 32;
 
+/// Most cells that a message lists.
+const LISTED: usize = 12;
+
 /// Most characters of a cell that a message repeats.
 const SHOWN: usize = 40;
 
@@ -297,7 +300,7 @@ impl Header {
         let best = names.iter().map(String::as_str);
         match best.max_by(|a, b| likeness(a).total_cmp(&likeness(b))) {
             Some(best) if likeness(best) >= ALIKE => format!("did you mean {best:?}?"),
-            _ => format!("it has {}", names.join(", ")),
+            _ => format!("it has {}", listed(names)),
         }
     }
 
@@ -439,6 +442,16 @@ fn trimmed(cell: &[u8]) -> String {
     match text.contains(char::is_control) {
         true => text.split(char::is_control).collect::<Vec<_>>().join(" "),
         false => text.to_owned(),
+    }
+}
+
+/// The first of many cells.
+fn listed(cells: &[String]) -> String {
+    let first = cells.iter().take(LISTED).map(String::as_str);
+    let first = first.collect::<Vec<_>>().join(", ");
+    match cells.len().saturating_sub(LISTED) {
+        0 => first,
+        more => format!("{first} and {more} more"),
     }
 }
 

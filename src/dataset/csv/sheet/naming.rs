@@ -1,7 +1,7 @@
 //! Where the names of a table's columns stand, and where its data begin.
 
 use super::super::number::{is_missing, is_number};
-use super::{Layout, Row};
+use super::{Layout, Row, listed};
 use csv::ReaderBuilder;
 use std::collections::VecDeque;
 
@@ -74,7 +74,7 @@ fn given(ahead: &mut VecDeque<Row>, layout: &Layout<'_>) -> Result<Naming, Strin
                 "has a row of names already in line {}: {}; leave names out, or replace that row \
                  with header_rows = 1",
                 row.line,
-                cells.join(", ")
+                listed(&cells)
             ));
         }
         let blank_end =
@@ -122,8 +122,8 @@ fn from_comments(
         let count = first.len();
         return Err(format!(
             "has no header: its first row holds numbers ({}); name its {count} column{} with \
-             names = [...], in the order of the file",
-            first.iter().take(4).cloned().collect::<Vec<_>>().join(", "),
+             names = [...], in the order of the file, or state header_rows = 1 if those are names",
+            listed(first),
             if count == 1 { "" } else { "s" },
         ));
     };
