@@ -627,7 +627,7 @@ fn a_file_that_is_no_text_is_named_and_its_bytes_are_not_shown() {
 #[test]
 fn a_header_in_an_older_encoding_needs_its_name() {
     let mut text = b"t,Kraft [\xb5N]\n".to_vec();
-    text.extend(table("", 9, |i| format!("0.{i},{i}"))[1..].as_bytes());
+    text.extend(&table("", 9, |i| format!("0.{i},{i}")).as_bytes()[1..]);
     assert!(UTF_8.decode(&text).2, "is not UTF-8");
     let logs = Logs::new().with("a.csv", text);
     let run = "file = \"a.csv\"\ncolumns = { time_s = \"t\", F = { column = \"Kraft [µN]\", unit = \"µN\" } }\n";

@@ -222,7 +222,7 @@ impl Part {
         let Some((tick, kind)) = read else {
             return Err(self.no_time(&header.place(row), text));
         };
-        let first_kind = *self.kind.get_or_insert_with(|| kind);
+        let first_kind = *self.kind.get_or_insert(kind);
         if first_kind != kind {
             return Err(format!(
                 "{}: column {:?} holds {}, another kind of time than the rows before",

@@ -106,7 +106,7 @@ fn with_comma(cell: &str) -> Option<f64> {
 /// Whether a cell states that nothing was measured.
 pub(super) fn is_missing(cell: &str) -> bool {
     let is = |spelling: &&str| cell.eq_ignore_ascii_case(spelling);
-    MISSING.iter().any(|spelling| is(&spelling))
+    MISSING.iter().any(is)
 }
 
 /// Whether a cell is a number in either notation.

@@ -93,7 +93,7 @@ impl Resampling {
         };
         let mut row = 0;
         let places = (0..count as usize).map(|i| {
-            let place = place(times, &mut row, (i as f64 / rate, longest_gap));
+            let place = place(times, &mut row, i as f64 / rate, longest_gap);
             cost.add(place, times);
             place
         });
@@ -153,7 +153,7 @@ impl Resampling {
 }
 
 /// Where a time [s] lies among the rows from `row` on; steps above a longest one [s] are gaps.
-fn place(times: Times<'_>, row: &mut usize, (time, longest): (f64, f64)) -> Place {
+fn place(times: Times<'_>, row: &mut usize, time: f64, longest: f64) -> Place {
     let rows = times.rows;
     let start = rows[0].0;
     while *row + 2 < rows.len() && rows[*row + 1].0 - start <= time {

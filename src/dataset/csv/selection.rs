@@ -9,6 +9,7 @@
 
 use super::sheet::{Header, Row};
 use serde::Deserialize;
+use std::cmp::Ordering;
 use std::fmt;
 
 /// What the cells of a column must hold.
@@ -68,7 +69,9 @@ impl Picked {
             Self::Within(Within {
                 min: Some(min),
                 max: Some(max),
-            }) if !(min <= max) => Err(format!("min = {min} lies above max = {max}")),
+            }) if min.partial_cmp(max).is_none_or(Ordering::is_gt) => {
+                Err(format!("min = {min} lies above max = {max}"))
+            }
             _ => Ok(()),
         }
     }

@@ -92,14 +92,15 @@ impl Sheet {
     ) -> Result<Self, String> {
         let name = path.display().to_string();
         let text = text::open(path, layout.encoding)?;
-        Self::new(text, &name, layout, (gaps.clone(), notes.clone()))
+        Self::new(text, &name, layout, gaps, notes)
     }
 
     fn new(
         text: Text,
         file: &str,
         layout: &Layout<'_>,
-        (gaps, notes): (Gaps, Notes),
+        gaps: &Gaps,
+        notes: &Notes,
     ) -> Result<Self, String> {
         let delimiter = layout.delimiter.unwrap_or(',');
         let decimal = Decimal::of(layout.decimal, delimiter)?;
@@ -119,8 +120,8 @@ impl Sheet {
             delimiter,
             decimal,
             naming: Naming::default(),
-            gaps,
-            notes,
+            gaps: gaps.clone(),
+            notes: notes.clone(),
         };
         let mut sheet = Self {
             header: Rc::new(header),
@@ -470,7 +471,7 @@ mod tests {
 
     fn sheet_of(text: &[u8], layout: &Layout<'_>, gaps: &Gaps) -> Result<Sheet, String> {
         let text = text::from(std::io::Cursor::new(text.to_vec()), "a.csv", None)?;
-        Sheet::new(text, "a.csv", layout, (gaps.clone(), Notes::default()))
+        Sheet::new(text, "a.csv", layout, gaps, &Notes::default())
     }
 
     fn sheet(text: &str) -> Sheet {

@@ -124,7 +124,7 @@ fn wide(head: &[u8]) -> Option<&'static Encoding> {
 
 fn refuse_binary(head: &[u8], name: &str) -> Result<(), String> {
     let control = |&byte: &u8| byte < 0x20 && !b"\t\n\r\x0b\x0c\x1a\x1b".contains(&byte);
-    match head.iter().position(|byte| control(byte)) {
+    match head.iter().position(control) {
         None => Ok(()),
         Some(place) => Err(format!(
             "{name} is no text: byte {place} is 0x{:02x}; export the table as CSV",
