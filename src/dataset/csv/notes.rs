@@ -10,8 +10,7 @@ pub(super) struct Notes(Rc<RefCell<Vec<String>>>);
 impl Notes {
     /// Adds a note about `file`, which is named by its last part.
     pub(super) fn add(&self, file: &str, note: &str) {
-        let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-        self.of_run(format!("{name}: {note}"));
+        self.of_run(format!("{}: {note}", last_part(file)));
     }
 
     /// Adds a note about the whole run.
@@ -26,4 +25,9 @@ impl Notes {
     pub(super) fn all(&self) -> Vec<String> {
         self.0.borrow().clone()
     }
+}
+
+/// The last part of a path, by which notes name a file.
+pub(super) fn last_part(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
 }

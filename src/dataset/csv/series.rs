@@ -7,6 +7,7 @@
 
 use super::clock::short;
 use super::moment::Origin;
+use super::notes::last_part;
 use super::record::{self, Record};
 use super::source::Source;
 use super::{Misplaced, condition};
@@ -135,10 +136,9 @@ fn zero(source: Source<'_>, records: &[Record]) -> Origin {
 }
 
 fn note_extents(source: Source<'_>, extents: &[(String, [f64; 2])]) {
-    let files = extents.iter().map(|(file, [start, end])| {
-        let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-        format!("{name} from {start:.3} s to {end:.3} s")
-    });
+    let files = extents
+        .iter()
+        .map(|(file, [start, end])| format!("{} from {start:.3} s to {end:.3} s", last_part(file)));
     let files: Vec<String> = files.collect();
     let offsets = source
         .table
