@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 ///
 /// `acceleration_y` points upward and has gravity removed; signs are those of
 /// [`Loads`](crate::simulation::Loads) and [`WheelState`](crate::simulation::WheelState).
-pub const CHANNELS: [(&str, &str); 8] = [
+pub const CHANNELS: [(&str, &str); 9] = [
     ("acceleration_y", "m/s^2"),
     ("normal_force", "N"),
     ("drawbar_pull", "N"),
@@ -23,6 +23,7 @@ pub const CHANNELS: [(&str, &str); 8] = [
     ("sinkage", "m"),
     ("slip_ratio", "1"),
     ("wheel_angle", "rad"),
+    ("wheel_speed", "rad/s"),
     ("forward_speed", "m/s"),
 ];
 
@@ -192,6 +193,11 @@ pub struct RunAttributes {
     pub notes: String,
     /// Steps per second of the simulation [Hz]; `None` on a measured run.
     pub physics_rate: Option<f64>,
+    /// Whether the wheel angle was summed up from the wheel's speed, so that nobody knows where its
+    /// zero lies: it has turn and no position of the lugs.
+    pub angle_zero_unknown: bool,
+    /// What the import of a measured run took for granted or did to its data.
+    pub import_notes: Vec<String>,
 }
 
 impl RunAttributes {
@@ -293,14 +299,23 @@ impl LugTally {
     }
 }
 
-/// The angle [rad] that a wheel turns through along a channel of forward `speed` [m/s], with
-/// `per_speed` the wheel speed per forward speed [rad/m].
+/// The angle [rad] that a wheel turns through along a channel of `speed`, with `per_speed` the wheel
+/// speed per unit of it: [rad/m] for a forward speed [m/s], 1 for a wheel speed [rad/s].
+///
+/// The speed is taken as linear between samples (trapezoidal rule), over gaps as well; within a gap the
+/// angle is NaN.
 pub fn turned_along(speed: &Channel, per_speed: f64) -> Channel {
     let mut turned = 0.0;
-    let samples = speed.samples.iter().map(|v| {
-        let now = turned;
-        turned += v * per_speed / speed.sample_rate;
-        now
+    let mut last: Option<(usize, f64)> = None;
+    let samples = speed.samples.iter().enumerate().map(|(i, &now)| {
+        if !now.is_finite() {
+            return f64::NAN;
+        }
+        if let Some((before, then)) = last.replace((i, now)) {
+            let steps = (i - before) as f64;
+            turned += 0.5 * (then + now) * steps * per_speed / speed.sample_rate;
+        }
+        turned
     });
     Channel {
         samples: samples.collect(),
@@ -346,6 +361,20 @@ mod tests {
             .map(|start| channel.between(start, start + 0.1).len())
             .sum();
         assert_eq!(windows, 1000);
+    }
+
+    #[test]
+    fn a_speed_is_summed_up_exactly_where_it_is_linear_and_over_gaps() {
+        let mut speed = ramp();
+        speed.samples = (0..1000).map(|i| 2.0 + 0.01 * f64::from(i)).collect();
+        speed.samples[300..350].fill(f64::NAN);
+        let turned = turned_along(&speed, 0.5);
+        for i in [0, 1, 299, 350, 999] {
+            let time = i as f64 / 1000.0;
+            let expected = 0.5 * (2.0 * time + 5.0 * time * time);
+            assert!((turned.samples[i] - expected).abs() < 1e-12, "{i}");
+        }
+        assert!(turned.samples[300..350].iter().all(|angle| angle.is_nan()));
     }
 
     #[test]

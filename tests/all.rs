@@ -26,6 +26,8 @@ mod inspection;
 mod inspection_faults;
 mod investigation;
 mod learning;
+mod log_fuzz;
+mod logs;
 mod measured_soils;
 mod outputs;
 mod page_in_chromium;

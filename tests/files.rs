@@ -124,12 +124,14 @@ prop_compose! {
         day in text(),
         notes in text(),
         physics_rate in option::of(number()),
+        angle_zero_unknown in any::<bool>(),
+        import_notes in vec("[a-z0-9:,° ]{1,20}", 0..3),
     ) -> RunAttributes {
         let [wheel_radius, wheel_width, lug_height, load, speed, slip_ratio] = sizes;
         let (lug_count, repeat) = counts;
         RunAttributes {
             wheel_radius, wheel_width, lug_count, lug_height, load, speed, slip_ratio,
-            terrain, class, repeat, day, notes, physics_rate,
+            terrain, class, repeat, day, notes, physics_rate, angle_zero_unknown, import_notes,
         }
     }
 }

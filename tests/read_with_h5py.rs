@@ -48,6 +48,7 @@ fn simulated() -> Trace {
         day: "2023-05-01".to_owned(),
         notes: String::new(),
         physics_rate: Some(128_000.0),
+        ..RunAttributes::default()
     };
     let normal_force = Channel {
         name: "normal_force".to_owned(),

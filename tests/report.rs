@@ -76,6 +76,7 @@ fn sand() -> Trace {
             day: "2".to_owned(),
             notes: "synthetic".to_owned(),
             physics_rate: Some(128_000.0),
+            ..RunAttributes::default()
         },
         channels: vec![
             channel("acceleration_y", "m/s^2", 2000.0, impacts),

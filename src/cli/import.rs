@@ -49,8 +49,18 @@ struct Summary {
     means: BTreeSet<String>,
     /// Columns with cells that hold no number.
     gaps: Vec<String>,
+    /// What was taken for granted or done to the data.
+    notes: Vec<Note>,
     /// Findings of `inspect` that are warnings or errors.
     doubts: usize,
+}
+
+/// A note on the import of runs.
+#[derive(Debug, Serialize)]
+struct Note {
+    note: String,
+    /// Runs it is about.
+    runs: Vec<String>,
 }
 
 impl Import {
@@ -69,6 +79,7 @@ impl Import {
             channels: BTreeSet::new(),
             means: BTreeSet::new(),
             gaps: Vec::new(),
+            notes: Vec::new(),
             doubts: 0,
         };
         let mut sinkages = Sinkages::default();
@@ -98,7 +109,21 @@ impl Summary {
         self.channels.extend(channels);
         let means = trace.means.iter().map(|mean| mean.name.clone());
         self.means.extend(means);
+        for note in &trace.attributes.import_notes {
+            self.note(id, note);
+        }
         self.doubts += doubts(&findings(id, trace));
+    }
+
+    fn note(&mut self, id: &str, note: &str) {
+        let id = id.to_owned();
+        match self.notes.iter_mut().find(|known| known.note == note) {
+            Some(known) => known.runs.push(id),
+            None => self.notes.push(Note {
+                note: note.to_owned(),
+                runs: vec![id],
+            }),
+        }
     }
 }
 
@@ -109,6 +134,7 @@ impl fmt::Display for Summary {
             file,
             runs,
             gaps,
+            notes,
             doubts,
             ..
         } = self;
@@ -122,6 +148,14 @@ impl fmt::Display for Summary {
         }
         for gap in gaps {
             writeln!(f, "no number  {gap}")?;
+        }
+        for Note { note, runs } in notes {
+            write!(f, "note      {note}")?;
+            match &runs[..] {
+                [_] => writeln!(f)?,
+                [first, ..] => writeln!(f, " ({first} and {} more)", runs.len() - 1)?,
+                [] => writeln!(f)?,
+            }
         }
         if *doubts > 0 {
             let plural = plural(*doubts);

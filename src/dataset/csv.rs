@@ -20,34 +20,94 @@
 //! ```
 //!
 //! A cell becomes `(cell - subtract) · scale · unit`: `subtract` is in the column's unit and 0
-//! unless given, `scale` is 1, `unit` the channel's own. A column without `unit` whose header
-//! states another one is refused. A channel that is not among the known
-//! [`CHANNELS`](crate::trace::CHANNELS) needs its `unit` and is carried along. Times come from
-//! `time_s`, equally spaced to a fifth of a period, or from `sample_rate_hz`. Empty lines and those
-//! that begin with `#` are no data.
+//! unless given, `scale` is 1, `unit` the channel's own. A column without `unit` whose header, or
+//! the row of units below it, states another one is refused. A channel that is not among the known
+//! [`CHANNELS`](crate::trace::CHANNELS) needs its `unit` and is carried along.
 //!
 //! Every attribute of a run may be left out: `id` (else `run_000000`, counted), `wheel`,
 //! `load_n`, `speed_m_s`, `slip_ratio` or `rim_speed_m_s` [m/s], `terrain`, `class`, `repeat`,
 //! `day`, `notes`. Numbers that nobody knows are NaN, as are missing cells of a channel, and the
 //! spread of a mean; an unknown count is 0. In a [table] an attribute is a value for all rows or a
-//! `{ column = "..." }`. `rows = { trial = 3 }` picks the rows whose cells are equal; `delimiter`
-//! is a comma unless given.
+//! `{ column = "..." }`.
+//!
+//! # How a file is written
+//!
+//! | key | default |
+//! |---|---|
+//! | `delimiter` | a comma; `";"`, `"\t"`, `"\|"`; `" "` for any number of blanks |
+//! | `decimal` | a point; beside other delimiters the first fraction decides, a comma is noted |
+//! | `encoding` | UTF-8, or by the byte order mark; noted where it is another |
+//! | `skip_lines` | 0: lines before the header that are no comments |
+//! | `header_rows` | 1, and the rows below it without a number, which are noted |
+//! | `names` | those of the header, or of a comment with as many cells, which is noted |
+//! | `rows` | all; `{ trial = 3, slip = { min = 0, max = 0.6 }, day = ["a", "b"], wheel = { not = 2 } }` |
+//!
+//! Empty lines and those that begin with `#` are no data. Gzip is unpacked. A file that is no text
+//! is refused by what it is.
+//!
+//! # Times
+//!
+//! Times come from `time_s`, with units from ns to d, ISO dates with or without zone, dates in a
+//! stated `format` (`strftime`), hours, minutes and seconds, or durations as pandas writes them.
+//! `add = { column = "nsecs", unit = "ns" }` joins a second column (seconds and nanoseconds, date and
+//! time of day) without losing digits; `wraps_at` continues a counter. Where times count from long
+//! ago, the first row is the run's zero. Or the rows have a `sample_rate_hz`, and no times.
+//!
+//! Times need not be printed exactly: even rows with jitter are taken as they are, a clock that wanders
+//! is put on an even grid with a note, equal stamps, lost rows and uneven times are refused (the
+//! criteria stand in `csv/clock.rs`). `resample_hz` interpolates uneven rows linearly to that
+//! rate; its cost is noted: share of interpolated values, longest step bridged, loss of amplitude,
+//! folding. Gaps longer than `longest_gap_s` (three usual steps) stay empty.
+//!
+//! # Several files of one run
+//!
+//! ```toml
+//! [[run]]
+//! id = "asphalt_02"
+//! wheel = { radius_m = 0.165, width_m = 0.12 }
+//! [[run.source]]               # one file, with all keys of a file
+//! file = "imu.csv"
+//! columns = { time_s = "time", acceleration_y = { column = "az", subtract = 9.81 } }
+//! [[run.source]]
+//! file = "wheels.csv"
+//! offset_s = 0.02              # added to its times; 0 unless given
+//! columns = { time_s = "time", wheel_speed = { column = "w", unit = "rpm" } }
+//! ```
+//!
+//! Channels keep the rates of their files. A `wheel_speed` (rad/s, deg/s, rpm; or a speed of the rim,
+//! which is divided by `radius_m`) is summed up to a `wheel_angle` where none was measured: it turns as
+//! the wheel did, and its zero is not that of a lug
+//! ([`angle_zero_unknown`](crate::trace::RunAttributes::angle_zero_unknown)).
+//!
+//! What was taken for granted or done to the data stands in the run's
+//! [`import_notes`](crate::trace::RunAttributes::import_notes).
 
+mod clock;
 mod condition;
 mod description;
+mod file_kind;
 mod gap;
+mod lead;
+mod moment;
+mod notes;
+mod number;
+mod record;
+mod resampling;
+mod selection;
 mod series;
 mod sheet;
 mod source;
 mod steady;
+mod text;
 mod unit;
 
 use super::hdf5::check_name;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::trace::Trace;
-use description::{CampaignTable, SourceTable};
+use description::{CampaignTable, Given, SourceTable};
 pub use gap::Gap;
 use gap::Gaps;
+use notes::Notes;
 use source::Source;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -133,7 +193,7 @@ impl Campaign {
             check_name("run id", &id).map_err(fault)?;
             if !ids.insert(id.clone()) {
                 let message =
-                    format!("an earlier run has the id {id:?}; leave id out to number them");
+                    format!("an earlier run has the id {id:?}; leave id out to number them, or write several files of one run as [[run.source]]");
                 return Err(fault(message));
             }
             Ok((id, trace))
@@ -142,10 +202,11 @@ impl Campaign {
 
     /// The CSV files, in the order in which the campaign names them.
     pub fn files(&self) -> Vec<PathBuf> {
-        let sources = self.table.runs.iter().chain(&self.table.table);
-        sources
-            .map(|source| self.folder().join(&source.file))
-            .collect()
+        let tables = self.table.runs.iter().chain(&self.table.table);
+        let sources = tables.flat_map(|table| std::iter::once(table).chain(&table.source));
+        let files = sources.map(|source| &source.file);
+        let named = files.filter(|file| !file.as_os_str().is_empty());
+        named.map(|file| self.folder().join(file)).collect()
     }
 
     /// Cells without a number in the columns read so far: what they would have told counts as not
@@ -156,11 +217,8 @@ impl Campaign {
 
     fn series(&self, index: usize, table: &SourceTable) -> Result<Run, Misplaced> {
         let key = format!("run.{index}");
-        let source = Source {
-            table,
-            key: &key,
-            gaps: &self.gaps,
-        };
+        let notes = Notes::default();
+        let source = self.source(table, &key, &notes);
         check_channels(source)?;
         let (id, trace) = series::read(source, self.folder())?;
         Ok(Run { id, key, trace })
@@ -168,11 +226,8 @@ impl Campaign {
 
     fn steady(&self, table: &SourceTable) -> Vec<Result<Run, Misplaced>> {
         let key = "table";
-        let source = Source {
-            table,
-            key,
-            gaps: &self.gaps,
-        };
+        let notes = Notes::default();
+        let source = self.source(table, key, &notes);
         let read = check_channels(source).and_then(|()| steady::read(source, self.folder()));
         let run = |(id, trace)| {
             let key = key.to_owned();
@@ -181,6 +236,20 @@ impl Campaign {
         match read {
             Ok(runs) => runs.into_iter().map(run).collect(),
             Err(misplaced) => vec![Err(misplaced)],
+        }
+    }
+
+    fn source<'a>(&'a self, table: &'a SourceTable, key: &'a str, notes: &'a Notes) -> Source<'a> {
+        let radius = match table.wheel.radius_m {
+            Some(Given::Number(radius)) => Some(radius),
+            _ => None,
+        };
+        Source {
+            table,
+            key,
+            gaps: &self.gaps,
+            notes,
+            radius,
         }
     }
 

@@ -5,7 +5,9 @@
 //!                              scenario and seed where simulated
 //! /runs/<id>/                  wheel_radius_m, wheel_width_m, lug_count, lug_height_m, load_n,
 //!                              speed_m_s, slip_ratio, terrain, class, repeat, day, notes,
-//!                              physics_rate_hz where simulated
+//!                              physics_rate_hz where simulated; where imported, import_notes
+//!                              (one a line) and wheel_angle_zero = "unknown" where the angle is
+//!                              the integral of the wheel's speed
 //! /runs/<id>/channels/<name>   samples; unit, sample_rate_hz, start_s; steadiness of the mean over the
 //!                              middle half (steady, drifting, too_short), drift_per_s where it drifts
 //! /runs/<id>/means/<name>      one number; unit, sd, n

@@ -61,6 +61,9 @@ pub struct RunSummary {
     pub load_n: f64,
     /// Whether it was simulated and has ground truth.
     pub truth: bool,
+    /// What its import took for granted or did to its data.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub import_notes: Vec<String>,
     /// Its time series.
     pub channels: Vec<ChannelSummary>,
     /// Its steady means.
@@ -208,6 +211,7 @@ fn summary(id: &str, trace: &Trace) -> RunSummary {
         slip_ratio,
         load_n: load,
         truth: trace.truth.is_some(),
+        import_notes: trace.attributes.import_notes.clone(),
         channels: channels.map(channel_summary).collect(),
         means: trace.means.iter().map(mean_summary).collect(),
     }
@@ -290,6 +294,9 @@ impl fmt::Display for RunSummary {
             known(self.slip_ratio),
             known(self.load_n),
         )?;
+        for note in &self.import_notes {
+            writeln!(f, "  imported: {note}")?;
+        }
         if !self.channels.is_empty() {
             writeln!(
                 f,

@@ -355,10 +355,10 @@ fn known<'t>(trace: &'t Trace, name: &str) -> Result<Option<&'t Channel>, Record
     }
 }
 
-/// The wheel angle as a channel, and whether it was measured.
+/// The wheel angle as a channel, and whether its zero is that of a lug.
 fn rotation(trace: &Trace, wheel: &Wheel) -> Result<(Channel, bool), RecordError> {
     if let Some(angle) = known(trace, "wheel_angle")? {
-        return Ok((turned(angle), true));
+        return Ok((turned(angle), !trace.attributes.angle_zero_unknown));
     }
     let speed = known(trace, "forward_speed")?.ok_or(RecordError::NoMotion)?;
     let slip = trace.slip();

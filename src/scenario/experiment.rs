@@ -207,9 +207,8 @@ impl Scenario {
             terrain: self.label(),
             class: truth.class(),
             repeat: u32::try_from(run).unwrap_or(u32::MAX),
-            day: String::new(),
-            notes: String::new(),
             physics_rate: Some(self.physics_rate().hertz()),
+            ..RunAttributes::default()
         }
     }
 

@@ -71,7 +71,7 @@ impl Condition<'_> {
             repeat: self.count("repeat", &table.repeat, f64::from(u32::MAX))?,
             day: self.text("day", table.day.as_ref())?,
             notes: self.text("notes", table.notes.as_ref())?,
-            physics_rate: None,
+            ..RunAttributes::default()
         })
     }
 

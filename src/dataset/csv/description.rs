@@ -1,5 +1,7 @@
 //! What a campaign file may say, before any of it is checked.
 
+use super::selection::Picked;
+use super::sheet::Layout;
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
@@ -13,23 +15,38 @@ use std::path::PathBuf;
 pub(super) struct CampaignTable {
     #[serde(rename = "version")]
     _version: i64,
-    /// Time series, a file a run.
+    /// Time series, one file or several a run.
     #[serde(default, rename = "run")]
     pub(super) runs: Vec<SourceTable>,
     /// Steady means, a row a run.
     pub(super) table: Option<SourceTable>,
 }
 
-/// A CSV file, and what was done when it was measured.
+/// A table of text, and what was done when it was measured.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SourceTable {
+    #[serde(default)]
     pub(super) file: PathBuf,
     pub(super) delimiter: Option<char>,
+    pub(super) decimal: Option<char>,
+    pub(super) encoding: Option<String>,
     #[serde(default)]
-    pub(super) rows: BTreeMap<String, Given>,
+    pub(super) skip_lines: u64,
+    pub(super) header_rows: Option<usize>,
+    #[serde(default)]
+    pub(super) names: Vec<String>,
+    #[serde(default)]
+    pub(super) rows: BTreeMap<String, Picked>,
+    #[serde(default)]
     pub(super) columns: BTreeMap<String, Given>,
     pub(super) sample_rate_hz: Option<f64>,
+    pub(super) resample_hz: Option<f64>,
+    pub(super) longest_gap_s: Option<f64>,
+    pub(super) offset_s: Option<f64>,
+    /// Several files of one run, in place of the one above.
+    #[serde(default)]
+    pub(super) source: Vec<SourceTable>,
     pub(super) id: Option<Given>,
     #[serde(default)]
     pub(super) wheel: WheelTable,
@@ -52,6 +69,64 @@ pub(super) struct WheelTable {
     pub(super) width_m: Option<Given>,
     pub(super) lug_count: Option<Given>,
     pub(super) lug_height_m: Option<Given>,
+}
+
+impl SourceTable {
+    /// How the file is written.
+    pub(super) fn layout(&self) -> Layout<'_> {
+        Layout {
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+            encoding: self.encoding.as_deref(),
+            skip_lines: self.skip_lines,
+            header_rows: self.header_rows,
+            names: &self.names,
+        }
+    }
+
+    /// The first key given that describes a run and not one of its files.
+    pub(super) fn key_of_run(&self) -> Option<&'static str> {
+        let given = [
+            ("id", &self.id),
+            ("wheel.radius_m", &self.wheel.radius_m),
+            ("wheel.width_m", &self.wheel.width_m),
+            ("wheel.lug_count", &self.wheel.lug_count),
+            ("wheel.lug_height_m", &self.wheel.lug_height_m),
+            ("load_n", &self.load_n),
+            ("speed_m_s", &self.speed_m_s),
+            ("slip_ratio", &self.slip_ratio),
+            ("rim_speed_m_s", &self.rim_speed_m_s),
+            ("terrain", &self.terrain),
+            ("class", &self.class),
+            ("repeat", &self.repeat),
+            ("day", &self.day),
+            ("notes", &self.notes),
+        ];
+        let given = given.into_iter().find(|(_, value)| value.is_some());
+        let nested = (!self.source.is_empty()).then_some("source");
+        given.map(|(key, _)| key).or(nested)
+    }
+
+    /// The first key given that describes a file and not a run of several.
+    pub(super) fn key_of_file(&self) -> Option<&'static str> {
+        let given = [
+            ("file", self.file.as_os_str().is_empty()),
+            ("columns", self.columns.is_empty()),
+            ("rows", self.rows.is_empty()),
+            ("names", self.names.is_empty()),
+            ("delimiter", self.delimiter.is_none()),
+            ("decimal", self.decimal.is_none()),
+            ("encoding", self.encoding.is_none()),
+            ("skip_lines", self.skip_lines == 0),
+            ("header_rows", self.header_rows.is_none()),
+            ("sample_rate_hz", self.sample_rate_hz.is_none()),
+            ("resample_hz", self.resample_hz.is_none()),
+            ("longest_gap_s", self.longest_gap_s.is_none()),
+            ("offset_s", self.offset_s.is_none()),
+        ];
+        let given = given.into_iter().find(|(_, is_missing)| !is_missing);
+        given.map(|(key, _)| key)
+    }
 }
 
 /// A value, or the column that holds it.
@@ -80,6 +155,12 @@ pub(super) struct ColumnTable {
     pub(super) subtract: Option<f64>,
     pub(super) sd: Option<Spread>,
     pub(super) n: Option<String>,
+    /// A column of times that is added to this one.
+    pub(super) add: Option<Box<Given>>,
+    /// How a time stamp is written, as `strftime` has it.
+    pub(super) format: Option<String>,
+    /// Count after which a clock starts again from 0.
+    pub(super) wraps_at: Option<f64>,
 }
 
 impl<'de> Deserialize<'de> for Given {

@@ -1,201 +1,169 @@
-//! Time series: every column a channel.
+//! Time series: the files of a run, joined by time.
+//!
+//! Each file keeps its own rate; what joins them is a common zero of time. That is the zero of the
+//! files' clocks, to which `offset_s` adds what a campaign knows of a file's delay. Where clocks
+//! count from 1970 or another day long past, the first row of the first file is the zero, so that no
+//! digit is lost to the date. A file with a rate and no times begins at the run's zero.
 
-use super::source::{Measure, Rows, Source, only_for_means};
+use super::clock::short;
+use super::moment::Origin;
+use super::notes::last_part;
+use super::record::{self, Record};
+use super::source::Source;
 use super::{Misplaced, condition};
-use crate::quantity::RangeError;
-use crate::trace::{Channel, Trace};
+use crate::trace::{Channel, Trace, turned_along};
 use std::path::Path;
 
-/// How far [periods] a time may lie off its place among equally spaced ones.
-///
-/// Printed times are rounded: 3 kHz to the microsecond by 0.2 %, 300 Hz to the millisecond by 15 %.
-/// A missing row moves times by half a period or more.
-const JITTER: f64 = 0.2;
-
-/// How far [-] a rate from a time column may lie off a whole one that it is taken for.
-const WHOLE: f64 = 1.0e-6;
+/// Times [s] beyond which a clock's own zero is replaced: they leave too few digits for a sample.
+const LONG_AGO: f64 = 1.0e6;
 
 /// The run that `source` describes, with its id where one is given.
 pub(super) fn read(
     source: Source<'_>,
     folder: &Path,
 ) -> Result<(Option<String>, Trace), Misplaced> {
-    let (id, attributes) = condition::of_run(source)?;
-    let mut rows = source.open(folder)?;
-    let names = source.channels()?;
-    let measures = names.iter().map(|name| {
-        let column = source
-            .column(name)
-            .and_then(|column| only_for_means(&column));
-        column.map_err(|message| source.fault(&format!("columns.{name}"), message))?;
-        source.measure(name, rows.header())
-    });
-    let measures = measures.collect::<Result<Vec<_>, _>>()?;
-    let clock = Clock::of(source, &rows)?;
-    let mut times = Vec::new();
-    let mut samples = vec![Vec::new(); measures.len()];
-    let header = rows.header().clone();
-    while let Some(row) = rows.next_row()? {
-        for (measure, samples) in measures.iter().zip(&mut samples) {
-            let value = measure.value(&header, &row);
-            let at = |message| source.fault(&format!("columns.{}", measure.name), message);
-            samples.push(value.map_err(at)?);
-        }
-        if let Clock::Column(time) = &clock {
-            let at = |message| source.fault("columns.time_s", message);
-            times.push((time.value(&header, &row).map_err(at)?, row.line()));
-        }
+    let (id, mut attributes) = condition::of_run(source)?;
+    let mut channels = joined(source, records(source, folder)?)?;
+    if let Some(angle) = turning(&channels) {
+        let rate = short(angle.sample_rate);
+        channels.push(angle);
+        attributes.angle_zero_unknown = true;
+        let note = format!(
+            "wheel_angle is the integral of wheel_speed at {rate} Hz: where a lug points down is \
+             not known"
+        );
+        source.notes.of_run(note);
     }
-    if samples[0].is_empty() {
-        return Err(rows.nothing());
-    }
-    let (start, sample_rate) = match clock {
-        Clock::Rate(rate) => (0.0, rate),
-        Clock::Column(_) => start_and_rate(header.file(), &times)
-            .map_err(|message| source.fault("columns.time_s", message))?,
-    };
-    let channels = measures.into_iter().zip(samples);
-    let channels = channels.map(|(Measure { name, unit, .. }, samples)| Channel {
-        name,
-        unit,
-        sample_rate,
-        start,
-        samples,
-    });
+    attributes.import_notes = source.notes.all();
     let trace = Trace {
         attributes,
-        channels: channels.collect(),
+        channels,
         ..Trace::default()
     };
     Ok((id, trace))
 }
 
-/// What tells the time of a row.
-enum Clock {
-    Column(Measure),
-    /// Rows a second [Hz].
-    Rate(f64),
-}
-
-impl Clock {
-    fn of(source: Source<'_>, rows: &Rows<'_>) -> Result<Self, Misplaced> {
-        let has_time = source.table.columns.contains_key("time_s");
-        match (has_time, source.table.sample_rate_hz) {
-            (true, None) => Ok(Self::Column(source.measure("time_s", rows.header())?)),
-            (false, Some(rate)) => match RangeError::positive("sample rate", "Hz", rate) {
-                Ok(rate) => Ok(Self::Rate(rate)),
-                Err(error) => Err(source.fault("sample_rate_hz", error.to_string())),
-            },
-            (true, Some(_)) => {
-                let message = "columns.time_s tells the rate already; keep one of the two";
-                Err(source.fault("sample_rate_hz", message))
-            }
-            (false, None) => {
-                let message = "nothing tells the time: map time_s, or give sample_rate_hz";
-                Err(source.fault("columns", message))
-            }
-        }
+/// What every file of the run holds.
+fn records(source: Source<'_>, folder: &Path) -> Result<Vec<Record>, Misplaced> {
+    let files = &source.table.source;
+    if files.is_empty() {
+        return Ok(vec![record::read(source, folder)?]);
     }
-}
-
-/// A row's time [s] and line.
-type Stamp = (f64, u64);
-
-/// Time of the first row [s] and rows a second [Hz] of equally spaced rows of `file`.
-fn start_and_rate(file: &str, times: &[Stamp]) -> Result<(f64, f64), String> {
-    let [(start, _), .., (end, _)] = *times else {
-        let way_out = "give sample_rate_hz instead of time_s";
-        return Err(format!("one row of {file} does not tell a rate; {way_out}"));
-    };
-    if let Some((_, line)) = times.iter().find(|(time, _)| !time.is_finite()) {
-        return Err(format!("{file}:{line}: this row has no time"));
+    if let Some(key) = source.table.key_of_file() {
+        let message = format!("{key} belongs to one file; write it in [[run.source]]");
+        return Err(source.fault(key, message));
     }
-    let backward = times.windows(2).find(|pair| pair[1].0 <= pair[0].0);
-    if let Some([(before, _), (time, line)]) = backward {
-        return Err(format!(
-            "{file}:{line}: time {time} s follows {before} s; times must grow. If the file holds \
-             several runs, pick one with rows = {{ ... }}"
-        ));
-    }
-    let period = (end - start) / (times.len() - 1) as f64;
-    let off = |(i, (time, _)): (usize, &Stamp)| {
-        let expected = start + i as f64 * period;
-        ((time - expected) / period).abs() > JITTER
-    };
-    let rate = 1.0 / period;
-    let tells_rate = rate.is_finite() && rate > 0.0;
-    if !tells_rate || times.iter().enumerate().any(off) {
-        return Err(uneven(file, times));
-    }
-    let whole = rate.round();
-    let is_whole = (rate / whole - 1.0).abs() < WHOLE;
-    Ok((start, if is_whole { whole } else { rate }))
-}
-
-/// The row whose step differs most from the usual one, in words.
-fn uneven(file: &str, times: &[Stamp]) -> String {
-    let step = |pair: &[Stamp]| pair[1].0 - pair[0].0;
-    let mut steps: Vec<f64> = times.windows(2).map(step).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual = steps[steps.len() / 2];
-    let unusual = times.windows(2).max_by(|a, b| {
-        let off = |pair| (step(pair) - usual).abs();
-        off(a).total_cmp(&off(b))
-    });
-    let (line, unusual) = unusual.map_or((0, usual), |pair| (pair[1].1, step(pair)));
-    format!(
-        "{file}:{line}: {unusual:.6} s after the row before, {usual:.6} s elsewhere; rows must be \
-         equally spaced to a fifth of that: put rows with empty cells in a gap, or resample"
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn stamps(times: impl Iterator<Item = f64>) -> Vec<Stamp> {
-        times.zip(2..).collect()
-    }
-
-    #[test]
-    fn a_rate_is_read_from_rounded_times_and_is_whole_where_it_can_be() {
-        let rounded = |rate: f64, digits: f64| {
-            let times = (0..3_000).map(|i| (f64::from(i) / rate * digits).round() / digits);
-            start_and_rate("a.csv", &stamps(times)).unwrap()
+    let mut records = Vec::new();
+    for (index, table) in files.iter().enumerate() {
+        let key = format!("{}.source.{index}", source.key);
+        let file = Source {
+            table,
+            key: &key,
+            ..source
         };
-        assert_eq!(rounded(500.0, 1.0e3), (0.0, 500.0));
-        // 300 Hz to the millisecond: the last time is rounded by 0.3 ms of 9997 ms.
-        let (start, rate) = rounded(300.0, 1.0e3);
-        assert!(
-            start == 0.0 && (rate / 300.0 - 1.0).abs() < 4.0e-5,
-            "{rate}"
-        );
-        let late = stamps((0..100).map(|i| 12.5 + f64::from(i) * 0.05));
-        assert_eq!(start_and_rate("a.csv", &late), Ok((12.5, 20.0)));
+        if let Some(key) = table.key_of_run() {
+            let message = format!("{key} belongs to the run and not to one of its files");
+            return Err(file.fault(key, message));
+        }
+        super::check_channels(file)?;
+        records.push(record::read(file, folder)?);
     }
+    Ok(records)
+}
 
-    #[test]
-    fn one_row_missing_among_thousands_is_found_wherever_it_is() {
-        for missing in [1, 700, 2_500, 4_998] {
-            let times = (0..5_000).filter(|i| *i != missing);
-            let times = stamps(times.map(|i| f64::from(i) * 0.002));
-            let error = start_and_rate("a.csv", &times).unwrap_err();
-            let place = format!("a.csv:{}: 0.004000 s after", missing + 2);
-            assert!(error.starts_with(&place), "{error}");
+/// The channels of all files, in the run's time.
+fn joined(source: Source<'_>, records: Vec<Record>) -> Result<Vec<Channel>, Misplaced> {
+    let zero = zero(source, &records);
+    let mut channels: Vec<Channel> = Vec::new();
+    let mut extents: Vec<(String, [f64; 2])> = Vec::new();
+    for (index, record) in records.into_iter().enumerate() {
+        let at = |key: &str, message: String| match source.table.source.len() {
+            0 => source.fault(key, message),
+            _ => source.fault(&format!("source.{index}.{key}"), message),
+        };
+        let start = record.origin.map_or(0.0, |origin| origin.since(zero)) + record.offset;
+        let end = record
+            .channels
+            .iter()
+            .map(Channel::duration)
+            .fold(start, |a, d| a.max(start + d));
+        if let Some((other, [from, to])) = extents.first()
+            && (end < *from || *to < start)
+        {
+            let own = record.origin.map_or(0.0, Origin::seconds);
+            return Err(at(
+                "file",
+                format!(
+                    "{} runs from {start} s to {end} s, {other} from {from} s to {to} s: their \
+                     clocks have no common zero (its own first time is {own} s); state offset_s, \
+                     which is added to the times of a file",
+                    record.file
+                ),
+            ));
+        }
+        extents.push((record.file, [start, end]));
+        for channel in record.channels {
+            if channels.iter().any(|known| known.name == channel.name) {
+                let message = format!(
+                    "an earlier file of this run has {} too; leave it out here, or carry it along \
+                     under another name",
+                    channel.name
+                );
+                return Err(at(&format!("columns.{}", channel.name), message));
+            }
+            channels.push(Channel { start, ..channel });
         }
     }
-
-    #[test]
-    fn times_that_stop_or_are_missing_are_refused_at_their_line() {
-        let cases = [
-            (vec![0.0, 1.0, 1.0], "a.csv:4: time 1 s follows 1 s"),
-            (vec![0.0, f64::NAN, 2.0], "a.csv:3: this row has no time"),
-            (vec![0.0], "one row of a.csv does not tell a rate"),
-            (vec![], "one row of a.csv"),
-        ];
-        for (times, message) in cases {
-            let error = start_and_rate("a.csv", &stamps(times.into_iter())).unwrap_err();
-            assert!(error.starts_with(message), "{error}");
-        }
+    if extents.len() > 1 {
+        note_extents(source, &extents);
     }
+    Ok(channels)
+}
+
+/// The run's zero of time.
+fn zero(source: Source<'_>, records: &[Record]) -> Origin {
+    let with_clock = records
+        .iter()
+        .find_map(|record| Some((record, record.origin?)));
+    match with_clock {
+        Some((record, origin)) if origin.seconds().abs() > LONG_AGO => {
+            let note = format!("time 0 is the first row, {}", origin.text(record.is_date));
+            source.notes.add(&record.file, &note);
+            origin
+        }
+        _ => Origin::default(),
+    }
+}
+
+fn note_extents(source: Source<'_>, extents: &[(String, [f64; 2])]) {
+    let files = extents
+        .iter()
+        .map(|(file, [start, end])| format!("{} from {start:.3} s to {end:.3} s", last_part(file)));
+    let files: Vec<String> = files.collect();
+    let offsets = source
+        .table
+        .source
+        .iter()
+        .any(|file| file.offset_s.is_some());
+    let clocks = match offsets {
+        true => "clocks as offset_s sets them",
+        false => "clocks taken as one, no offset_s",
+    };
+    let note = format!("joined by time: {}; {clocks}", files.join(", "));
+    source.notes.of_run(note);
+}
+
+/// The wheel's angle summed up from its speed, where it was not measured.
+fn turning(channels: &[Channel]) -> Option<Channel> {
+    if channels.iter().any(|channel| channel.name == "wheel_angle") {
+        return None;
+    }
+    let speed = channels
+        .iter()
+        .find(|channel| channel.name == "wheel_speed")?;
+    Some(Channel {
+        name: "wheel_angle".to_owned(),
+        unit: "rad".to_owned(),
+        ..turned_along(speed, 1.0)
+    })
 }

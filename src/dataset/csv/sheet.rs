@@ -1,96 +1,215 @@
-//! One CSV file: a header that names the columns, and rows of cells.
+//! One table of text: names of its columns, and rows of cells.
+//!
+//! Which rows are data is decided by what they hold, unless the campaign states it:
+//!
+//! - Lines that begin with `#` and empty ones are left out, the first `skip_lines` too.
+//! - The first row names the columns (`header_rows = 1`). Rows directly below it without a number
+//!   in any cell are units or short names; they are left out, with a note. `header_rows` states how
+//!   many rows stand above the data.
+//! - Where the first row is made of numbers, the names are those of a comment before it with as
+//!   many cells, with a note, or those that the campaign gives under `names`.
+
+mod naming;
 
 use super::gap::Gaps;
-use csv::{ByteRecord, ErrorKind, Position, Reader, ReaderBuilder};
-use std::fs::File;
+use super::lead::{Aligned, Lead};
+use super::notes::Notes;
+use super::number::{Content, Decimal};
+use super::text::{self, Text};
+use csv::{ByteRecord, Position, Reader, ReaderBuilder};
+use naming::{Naming, naming};
+use std::collections::VecDeque;
 use std::io::Read;
 use std::path::Path;
-
-/// What stands in a cell where nothing was measured.
-const MISSING: [&str; 6] = ["", "nan", "na", "n/a", "null", "-"];
+use std::rc::Rc;
 
 /// How alike [0 to 1] two names are that one may have meant for the other.
 const ALIKE: f64 = 0.8;
 
-/// A CSV file, its header read.
-///
-/// Lines that begin with `#` are left out, as are empty ones.
-pub(super) struct Sheet<R> {
-    header: Header,
-    reader: Reader<R>,
+/// Rows that are looked at before the first is taken for data.
+const AHEAD: usize = 32;
+
+/// Most cells that a message lists.
+const LISTED: usize = 12;
+
+/// Most characters of a cell that a message repeats.
+const SHOWN: usize = 40;
+
+/// How a table is written, as far as a campaign states it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Layout<'a> {
+    pub(super) delimiter: Option<char>,
+    pub(super) decimal: Option<char>,
+    pub(super) encoding: Option<&'a str>,
+    pub(super) skip_lines: u64,
+    pub(super) header_rows: Option<usize>,
+    /// Names of the columns of a table without them.
+    pub(super) names: &'a [String],
+}
+
+/// A table, its header read.
+pub(super) struct Sheet {
+    header: Rc<Header>,
+    reader: Reader<Box<dyn Read>>,
+    /// Rows read ahead.
+    ahead: VecDeque<Row>,
+    row: Row,
+    /// Lines before the reader's first.
+    passed: u64,
+    /// Why the row after those read ahead cannot be read.
+    broken: Option<String>,
 }
 
 /// The names of the columns of a file.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Header {
     file: String,
-    names: Vec<String>,
+    delimiter: char,
+    decimal: Decimal,
+    naming: Naming,
     gaps: Gaps,
+    notes: Notes,
 }
 
 /// A row of a file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Row {
     cells: ByteRecord,
     line: u64,
 }
 
-impl Sheet<File> {
+impl Sheet {
+    /// Opens the table at `path`; cells without a number are noted among `gaps`, what is taken for
+    /// granted among `notes`.
+    ///
     /// # Errors
     /// What keeps the file from being read, in words.
-    pub(super) fn open(path: &Path, delimiter: u8) -> Result<Self, String> {
+    pub(super) fn open(
+        path: &Path,
+        layout: &Layout<'_>,
+        gaps: &Gaps,
+        notes: &Notes,
+    ) -> Result<Self, String> {
         let name = path.display().to_string();
-        let file = File::open(path).and_then(|file| match file.metadata()?.is_dir() {
-            true => Err(std::io::ErrorKind::IsADirectory.into()),
-            false => Ok(file),
-        });
-        let file = file.map_err(|error| format!("cannot read {name}: {error}"))?;
-        Self::new(file, &name, delimiter)
+        let text = text::open(path, layout.encoding)?;
+        Self::new(text, &name, layout, gaps, notes)
     }
-}
 
-impl<R: Read> Sheet<R> {
-    /// # Errors
-    /// Where there is no header, in words.
-    pub(super) fn new(source: R, file: &str, delimiter: u8) -> Result<Self, String> {
-        let mut reader = ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .delimiter(delimiter)
-            .from_reader(source);
-        let names = reader
-            .byte_headers()
-            .map_err(|error| in_plain_words(file, &error))?;
-        let names: Vec<String> = names.iter().map(trimmed).collect();
-        if names.is_empty() {
-            return Err(format!("{file} is empty; it needs a header row and data"));
+    fn new(
+        text: Text,
+        file: &str,
+        layout: &Layout<'_>,
+        gaps: &Gaps,
+        notes: &Notes,
+    ) -> Result<Self, String> {
+        let delimiter = layout.delimiter.unwrap_or(',');
+        let decimal = Decimal::of(layout.decimal, delimiter)?;
+        let source: Box<dyn Read> = match delimiter {
+            ' ' => Box::new(Aligned::new(text.reader)),
+            _ => text.reader,
+        };
+        let lead = Lead::read(source, layout.skip_lines);
+        let Lead {
+            comments,
+            lines,
+            rest,
+        } = lead.map_err(|error| text::unreadable(file, &error))?;
+        let reader = table_reader(delimiter, rest);
+        let header = Header {
+            file: file.to_owned(),
+            delimiter,
+            decimal,
+            naming: Naming::default(),
+            gaps: gaps.clone(),
+            notes: notes.clone(),
+        };
+        let mut sheet = Self {
+            header: Rc::new(header),
+            reader,
+            ahead: VecDeque::new(),
+            row: Row::default(),
+            passed: lines,
+            broken: None,
+        };
+        sheet.look_ahead();
+        let naming = naming(&mut sheet.ahead, &comments, layout);
+        let naming = naming.map_err(|message| match sheet.broken.take() {
+            Some(broken) => broken,
+            None => format!("{file} {message}"),
+        })?;
+        for note in text.notes.iter().chain(&naming.notes) {
+            sheet.header.notes.add(file, note);
         }
-        let file = file.to_owned();
-        let gaps = Gaps::default();
-        let header = Header { file, names, gaps };
-        Ok(Self { header, reader })
+        if let Some(header) = Rc::get_mut(&mut sheet.header) {
+            header.naming = naming;
+        }
+        Ok(sheet)
     }
 
-    /// The same, with cells without a number noted among `gaps`.
-    pub(super) fn noting(mut self, gaps: &Gaps) -> Self {
-        self.header.gaps = gaps.clone();
-        self
+    fn look_ahead(&mut self) {
+        while self.ahead.len() < AHEAD && self.broken.is_none() {
+            let mut row = Row::default();
+            match self.read(&mut row) {
+                Ok(true) => self.ahead.push_back(row),
+                Ok(false) => break,
+                Err(message) => self.broken = Some(message),
+            }
+        }
     }
 
-    pub(super) fn header(&self) -> &Header {
+    pub(super) fn header(&self) -> &Rc<Header> {
         &self.header
     }
 
-    /// The next row, `None` after the last.
+    /// Goes to the next row; `false` after the last.
     ///
     /// # Errors
     /// A row with another number of cells than the header, or one that cannot be read, in words.
-    pub(super) fn next_row(&mut self) -> Result<Option<Row>, String> {
-        let mut cells = ByteRecord::new();
-        let more = self.reader.read_byte_record(&mut cells);
-        let more = more.map_err(|error| in_plain_words(&self.header.file, &error))?;
-        let line = cells.position().map_or(0, Position::line);
-        Ok(more.then_some(Row { cells, line }))
+    pub(super) fn advance(&mut self) -> Result<bool, String> {
+        match (self.ahead.pop_front(), self.broken.take()) {
+            (Some(row), broken) => (self.row, self.broken) = (row, broken),
+            (None, Some(broken)) => return Err(broken),
+            (None, None) => {
+                let mut row = std::mem::take(&mut self.row);
+                let more = self.read(&mut row)?;
+                self.row = row;
+                if !more {
+                    return Ok(false);
+                }
+            }
+        }
+        self.header.check(&self.row)?;
+        Ok(true)
     }
+
+    /// The row gone to.
+    pub(super) fn row(&self) -> &Row {
+        &self.row
+    }
+
+    fn read(&mut self, row: &mut Row) -> Result<bool, String> {
+        let file = &self.header.file;
+        let more = self.reader.read_byte_record(&mut row.cells);
+        let more = more.map_err(|error| match error.into_kind() {
+            csv::ErrorKind::Io(error) => {
+                let last = self.passed + self.reader.position().line();
+                format!("{} (at line {last})", text::unreadable(file, &error))
+            }
+            other => format!("cannot read {file}: {other:?}"),
+        })?;
+        row.line = self.passed + row.cells.position().map_or(0, Position::line);
+        Ok(more)
+    }
+}
+
+/// Rows of `source`, of any length.
+fn table_reader(delimiter: char, source: Box<dyn Read>) -> Reader<Box<dyn Read>> {
+    ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .delimiter(delimiter as u8)
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(source)
 }
 
 impl Header {
@@ -99,44 +218,106 @@ impl Header {
         &self.file
     }
 
+    /// Where what is done to this file is noted.
+    pub(super) fn notes(&self) -> &Notes {
+        &self.notes
+    }
+
     /// Place of a column.
     ///
     /// # Errors
     /// Where there is none of this name, or two, with the names there are.
     pub(super) fn column(&self, name: &str) -> Result<usize, String> {
-        let Self { file, names, .. } = self;
-        let mut places = (0..names.len()).filter(|&place| names[place] == name.trim());
-        match (places.next(), places.next()) {
-            (Some(place), None) => Ok(place),
-            (Some(_), Some(_)) => Err(format!(
-                "{file} has two columns {name:?}; rename one in its header"
-            )),
-            (None, _) => Err(format!(
+        let (file, names) = (&self.file, &self.naming.names);
+        let places = |name: &str, of: fn(&str) -> &str| -> Vec<usize> {
+            let places = 0..names.len();
+            places
+                .filter(|&place| of(&names[place]) == of(name))
+                .collect()
+        };
+        let mut found = places(name.trim(), str::trim);
+        if found.is_empty() {
+            found = places(name, naming::bare);
+        }
+        match found[..] {
+            [place] => Ok(place),
+            [] => Err(format!(
                 "{file} has no column {name:?}; {}",
                 self.hint(name)
+            )),
+            _ => Err(format!(
+                "{file} has {} columns {name:?}; rename all but one in its header, or name them all with \
+                 header_rows = {} and names = [...]",
+                match found.len() {
+                    2 => "two".to_owned(),
+                    count => count.to_string(),
+                },
+                1 + self.naming.units.len(),
             )),
         }
     }
 
+    /// What the rows below the names state of a column, for example its unit.
+    pub(super) fn stated(&self, column: usize) -> impl Iterator<Item = &str> {
+        let rows = self.naming.units.iter();
+        rows.filter_map(move |row| row.get(column).map(String::as_str))
+    }
+
     /// What may have been meant by the name of a column that is not there.
     fn hint(&self, name: &str) -> String {
-        if let [only] = &self.names[..]
-            && let Some(delimiter) = [';', '\t', '|'].into_iter().find(|&c| only.contains(c))
+        let names = &self.naming.names;
+        if let [only] = &names[..]
+            && let Some(delimiter) = [';', '\t', '|', ',']
+                .into_iter()
+                .find(|&c| only.contains(c))
         {
-            return format!("it has one, {only:?}: write delimiter = {delimiter:?}");
+            return format!(
+                "it has one, {}: write delimiter = {delimiter:?}",
+                shown(only)
+            );
+        }
+        if let [only] = &names[..]
+            && only.contains(name)
+            && only.contains(' ')
+        {
+            return format!("it has one, {}: write delimiter = \" \"", shown(only));
+        }
+        if let Some(line) = self.naming.line_of(name) {
+            let skipped = line - 1;
+            return format!("line {line} has it: write skip_lines = {skipped}");
+        }
+        if names.iter().any(|name| name.contains('\u{fffd}')) {
+            return "its names are not in UTF-8: state what they are in, for example encoding = \
+                    \"windows-1252\""
+                .to_owned();
+        }
+        if names.iter().any(|name| super::number::is_number(name)) {
+            return "its first row holds numbers: if it is no header, name the columns with \
+                    names = [...]"
+                .to_owned();
         }
         let likeness =
             |known: &str| strsim::jaro_winkler(&known.to_lowercase(), &name.to_lowercase());
-        let best = self.names.iter().map(String::as_str);
+        let best = names.iter().map(String::as_str);
         match best.max_by(|a, b| likeness(a).total_cmp(&likeness(b))) {
             Some(best) if likeness(best) >= ALIKE => format!("did you mean {best:?}?"),
-            _ => format!("it has {}", self.names.join(", ")),
+            _ => format!("it has {}", listed(names)),
         }
     }
 
     /// The text in a cell, without blanks around it.
     pub(super) fn text(&self, row: &Row, column: usize) -> String {
-        row.cells.get(column).map(trimmed).unwrap_or_default()
+        let text = row.cells.get(column).map(trimmed).unwrap_or_default();
+        if text.contains('\u{fffd}') {
+            let note = format!(
+                "line {}: {} is not in UTF-8: state what it is in, for example encoding = \
+                 \"windows-1252\"",
+                row.line,
+                shown(&text)
+            );
+            self.notes.add(&self.file, &note);
+        }
+        text
     }
 
     /// The number in a cell; NaN where nothing was measured, which is noted.
@@ -145,33 +326,101 @@ impl Header {
     /// Where the cell holds anything else: file, line, column and cell, and the way out.
     pub(super) fn number(&self, row: &Row, column: usize) -> Result<f64, String> {
         let cell = row.cells.get(column).unwrap_or_default();
-        let text = std::str::from_utf8(cell).unwrap_or_default();
-        let number: Option<f64> = text.trim().parse().ok();
-        if let Some(number) = number.filter(|number| number.is_finite()) {
-            return Ok(number);
-        }
-        let text = self.text(row, column);
-        if number.is_some() || MISSING.contains(&text.to_lowercase().as_str()) {
-            let place = (self.file.as_str(), self.names[column].as_str());
-            self.gaps.note(place, row.line, &text);
-            return Ok(f64::NAN);
-        }
-        let way_out = match text.contains(',') {
-            true => "write a point for the decimal comma",
-            false => {
-                "leave a cell empty where nothing was measured, and begin a line that is no data \
-                 with #"
+        let text = std::str::from_utf8(cell).unwrap_or("\u{fffd}");
+        let content = self.decimal.read(text);
+        let way_out = match content {
+            Content::Number(number) => return Ok(number),
+            Content::Missing => {
+                let place = (self.file.as_str(), self.name(column));
+                self.gaps.note(place, row.line, text.trim());
+                return Ok(f64::NAN);
             }
+            Content::OtherMark => self.way_out_of_marks(),
+            Content::Other if text.contains(':') => {
+                "a time stamp belongs to time_s; name another column".to_owned()
+            }
+            Content::Other => "leave a cell empty where nothing was measured, and begin a line \
+                               that is no data with #"
+                .to_owned(),
         };
-        let (place, name) = (self.place(row), &self.names[column]);
+        let (place, name) = (self.place(row), self.name(column));
         Err(format!(
-            "{place}: column {name:?} holds {text:?}, which is no number; {way_out}"
+            "{place}: column {name:?} holds {}, which is no number; {way_out}",
+            shown(&trimmed(cell))
         ))
+    }
+
+    /// Whether a cell holds this number.
+    pub(super) fn is_number(&self, row: &Row, column: usize, number: f64) -> bool {
+        let cell = row.cells.get(column).unwrap_or_default();
+        let text = std::str::from_utf8(cell).unwrap_or_default();
+        self.decimal.read(text) == Content::Number(number)
+    }
+
+    /// The text of a cell, and what it holds as a number.
+    pub(super) fn cell<'r>(&self, row: &'r Row, column: usize) -> (&'r str, Content) {
+        let cell = row.cells.get(column).unwrap_or_default();
+        let text = std::str::from_utf8(cell).unwrap_or("\u{fffd}").trim();
+        (text, self.decimal.read(text))
+    }
+
+    fn way_out_of_marks(&self) -> String {
+        match (self.decimal.is_comma(), self.delimiter) {
+            (true, _) => "other numbers of this file have a decimal comma: write one kind, \
+                          or state decimal = \".\""
+                .to_owned(),
+            (false, ',') => "state decimal = \",\" for the decimal comma".to_owned(),
+            (false, _) => "other numbers of this file have a decimal point: write one kind, \
+                           or state decimal = \",\""
+                .to_owned(),
+        }
+    }
+
+    /// Notes what was taken for granted about the numbers that were read.
+    pub(super) fn note_decimal(&self, stated: bool) {
+        if self.decimal.is_comma() && !stated {
+            self.notes
+                .add(&self.file, "numbers read with a decimal comma");
+        }
+    }
+
+    fn name(&self, column: usize) -> &str {
+        self.naming.names.get(column).map_or("", String::as_str)
     }
 
     /// File and line of a row.
     pub(super) fn place(&self, row: &Row) -> String {
         format!("{}:{}", self.file, row.line)
+    }
+
+    /// Refuses a row of another length than the header, one empty cell at its end apart, and a
+    /// cell that runs over its line.
+    fn check(&self, row: &Row) -> Result<(), String> {
+        let (expected, len) = (self.naming.names.len(), row.cells.len());
+        if row.cells.as_slice().contains(&b'\n') {
+            return Err(format!(
+                "{}: a quote opens here and does not close in its line; remove it, or write it \
+                 twice within a quoted cell",
+                self.place(row)
+            ));
+        }
+        let blank = |place: usize| trimmed(&row.cells[place]).is_empty();
+        if len == expected
+            || (len == expected + 1 && blank(expected))
+            || (len + 1 == expected && self.name(len).is_empty())
+        {
+            return Ok(());
+        }
+        let way_out = match len {
+            _ if self.delimiter == ',' && len == 2 * expected && expected > 1 => {
+                "if commas are decimal here, write the table with ; between cells"
+            }
+            _ => "leave cells empty rather than out",
+        };
+        Err(format!(
+            "{}: {len} cells in this row, {expected} in the header; {way_out}",
+            self.place(row)
+        ))
     }
 }
 
@@ -180,28 +429,38 @@ impl Row {
     pub(super) fn line(&self) -> u64 {
         self.line
     }
+
+    /// Its cells as texts without blanks around them.
+    fn texts(&self) -> Vec<String> {
+        self.cells.iter().map(trimmed).collect()
+    }
 }
 
+/// A cell's text on one line, without blanks around it.
 fn trimmed(cell: &[u8]) -> String {
-    // A byte order mark is no part of the first name.
     let text = String::from_utf8_lossy(cell);
-    text.trim_start_matches('\u{feff}').trim().to_owned()
+    let text = text.trim();
+    match text.contains(char::is_control) {
+        true => text.split(char::is_control).collect::<Vec<_>>().join(" "),
+        false => text.to_owned(),
+    }
 }
 
-fn in_plain_words(file: &str, error: &csv::Error) -> String {
-    match error.kind() {
-        ErrorKind::UnequalLengths {
-            pos,
-            expected_len,
-            len,
-        } => {
-            let line = pos.as_ref().map_or(0, Position::line);
-            format!(
-                "{file}:{line}: {len} cells in this row, {expected_len} in the header; leave \
-                 cells empty rather than out"
-            )
-        }
-        _ => format!("cannot read {file}: {error}"),
+/// The first of many cells.
+fn listed(cells: &[String]) -> String {
+    let first = cells.iter().take(LISTED).map(String::as_str);
+    let first = first.collect::<Vec<_>>().join(", ");
+    match cells.len().saturating_sub(LISTED) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}
+
+/// A cell in quotes, as far as a message may repeat it.
+pub(super) fn shown(cell: &str) -> String {
+    match cell.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{:?}...", &cell[..end]),
+        None => format!("{cell:?}"),
     }
 }
 
@@ -210,8 +469,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn sheet(text: &str) -> Sheet<&[u8]> {
-        Sheet::new(text.as_bytes(), "a.csv", b',').unwrap()
+    fn sheet_of(text: &[u8], layout: &Layout<'_>, gaps: &Gaps) -> Result<Sheet, String> {
+        let text = text::from(std::io::Cursor::new(text.to_vec()), "a.csv", None)?;
+        Sheet::new(text, "a.csv", layout, gaps, &Notes::default())
+    }
+
+    fn sheet(text: &str) -> Sheet {
+        sheet_of(text.as_bytes(), &Layout::default(), &Gaps::default()).unwrap()
     }
 
     fn numbers(text: &str, column: &str) -> Result<Vec<f64>, String> {
@@ -219,8 +483,8 @@ mod tests {
         let header = sheet.header().clone();
         let column = header.column(column)?;
         let mut numbers = Vec::new();
-        while let Some(row) = sheet.next_row()? {
-            numbers.push(header.number(&row, column)?);
+        while sheet.advance()? {
+            numbers.push(header.number(sheet.row(), column)?);
         }
         Ok(numbers)
     }
@@ -243,11 +507,11 @@ mod tests {
     fn gaps_are_told_by_column_with_the_line_of_the_first() {
         let text = "t,F\n0,1\n1,inf\n2,NaN\n3,4\n,5\n";
         let gaps = Gaps::default();
-        let mut sheet = sheet(text).noting(&gaps);
+        let mut sheet = sheet_of(text.as_bytes(), &Layout::default(), &gaps).unwrap();
         let header = sheet.header().clone();
-        while let Some(row) = sheet.next_row().unwrap() {
+        while sheet.advance().unwrap() {
             for column in 0..2 {
-                header.number(&row, column).unwrap();
+                header.number(sheet.row(), column).unwrap();
             }
         }
         let told: Vec<String> = gaps.all().iter().map(ToString::to_string).collect();
@@ -264,7 +528,7 @@ mod tests {
         assert!(error.starts_with(start), "{error}");
         let error = numbers("t,F\n0,\"1,5\"\n", "F").unwrap_err();
         assert!(
-            error.ends_with("write a point for the decimal comma"),
+            error.ends_with("state decimal = \",\" for the decimal comma"),
             "{error}"
         );
         let error = numbers("t,F\n0,1\n1\n", "F").unwrap_err();
@@ -285,7 +549,7 @@ mod tests {
         assert!(error.ends_with("write delimiter = ';'"), "{error}");
         let error = sheet("t,t\n").header().column("t").unwrap_err();
         assert!(error.contains("two columns"), "{error}");
-        assert!(Sheet::new(&b""[..], "a.csv", b',').is_err());
+        assert!(sheet_of(b"", &Layout::default(), &Gaps::default()).is_err());
     }
 
     proptest! {
@@ -297,17 +561,19 @@ mod tests {
                 any::<u8>(),
                 prop::sample::select(b"t,F;\"\n\r#0123.-eNa \t".to_vec()),
             ], 0..200),
-            delimiter in prop::sample::select(b",;\t|".to_vec()),
+            delimiter in prop::sample::select(vec![',', ';', '\t', '|', ' ']),
         ) {
-            let Ok(mut sheet) = Sheet::new(&bytes[..], "a.csv", delimiter) else {
+            let layout = Layout { delimiter: Some(delimiter), ..Layout::default() };
+            let Ok(mut sheet) = sheet_of(&bytes, &layout, &Gaps::default()) else {
                 return Ok(());
             };
             let header = sheet.header().clone();
             let _ = header.column("t");
-            while let Ok(Some(row)) = sheet.next_row() {
-                for column in 0..header.names.len() {
-                    let number = header.number(&row, column);
-                    prop_assert!(number.is_ok() || number.unwrap_err().contains(&header.place(&row)));
+            while let Ok(true) = sheet.advance() {
+                let row = sheet.row();
+                for column in 0..header.naming.names.len() {
+                    let number = header.number(row, column);
+                    prop_assert!(number.is_ok() || number.unwrap_err().contains(&header.place(row)));
                 }
             }
         }

@@ -1,13 +1,15 @@
-//! A CSV file as a campaign describes it: which columns, which rows, in which units.
+//! A table as a campaign describes it: which columns, which rows, in which units.
 
 use super::Misplaced;
 use super::description::{ColumnTable, Given, SourceTable};
 use super::gap::Gaps;
+use super::notes::Notes;
+use super::selection::Picked;
 use super::sheet::{Header, Row, Sheet};
 use super::unit;
 use crate::trace::{CHANNELS, unit_of};
-use std::fs::File;
 use std::path::Path;
+use std::rc::Rc;
 
 /// Characters that may stand between the cells of a row.
 const DELIMITERS: [char; 5] = [',', ';', '\t', '|', ' '];
@@ -18,14 +20,17 @@ pub(super) struct Source<'a> {
     pub(super) table: &'a SourceTable,
     pub(super) key: &'a str,
     pub(super) gaps: &'a Gaps,
+    pub(super) notes: &'a Notes,
+    /// Radius of the wheel [m], where the campaign states one.
+    pub(super) radius: Option<f64>,
 }
 
 /// The rows of a file that a campaign asks for.
 pub(super) struct Rows<'a> {
     source: Source<'a>,
-    sheet: Sheet<File>,
+    sheet: Sheet,
     /// Columns, and what they must hold.
-    conditions: Vec<(usize, &'a str, &'a Given)>,
+    conditions: Vec<(usize, &'a str, &'a Picked)>,
 }
 
 /// What a column measures, and how its numbers become it: `(cell - subtract) · factor`.
@@ -50,19 +55,20 @@ impl<'a> Source<'a> {
 
     /// Opens the file, which is named from the campaign's `folder`.
     pub(super) fn open(self, folder: &Path) -> Result<Rows<'a>, Misplaced> {
-        let delimiter = self.table.delimiter.unwrap_or(',');
-        if !DELIMITERS.contains(&delimiter) {
+        let layout = self.table.layout();
+        if let Some(delimiter) = layout.delimiter.filter(|c| !DELIMITERS.contains(c)) {
             let message = format!("delimiter must be one of {DELIMITERS:?}, got {delimiter:?}");
             return Err(self.fault("delimiter", message));
         }
-        let sheet = Sheet::open(&folder.join(&self.table.file), delimiter as u8)
-            .map_err(|message| self.fault("file", message))?
-            .noting(self.gaps);
-        let condition = |(name, wanted): (&'a String, &'a Given)| {
+        if self.table.file.as_os_str().is_empty() {
+            return Err(self.fault("columns", "missing `file`; name the table of text"));
+        }
+        let path = folder.join(&self.table.file);
+        let sheet = Sheet::open(&path, &layout, self.gaps, self.notes)
+            .map_err(|message| self.fault("file", message))?;
+        let condition = |(name, wanted): (&'a String, &'a Picked)| {
             let at = |message| self.fault(&format!("rows.{name}"), message);
-            if let Given::Column(_) = wanted {
-                return Err(at("rows are picked by a number or a text".to_owned()));
-            }
+            wanted.check().map_err(at)?;
             let column = sheet.header().column(name).map_err(at)?;
             Ok((column, name.as_str(), wanted))
         };
@@ -79,37 +85,54 @@ impl<'a> Source<'a> {
     pub(super) fn measure(&self, name: &str, header: &Header) -> Result<Measure, Misplaced> {
         let at = |message| self.fault(&format!("columns.{name}"), message);
         let column = self.column(name).map_err(at)?;
-        let target = match name {
-            "time_s" => Some("s"),
-            _ => unit_of(name),
-        };
+        only_for_time(&column).map_err(at)?;
+        let target = unit_of(name);
         let place = header.column(&column.column).map_err(at)?;
         let unit = match (target, &column.unit) {
             (Some(target), _) => target.to_owned(),
             (None, Some(unit)) => unit.clone(),
-            (None, None) => return Err(at(unknown_channel(name, &column.column))),
+            (None, None) => {
+                let stated = header.stated(place).next();
+                return Err(at(unknown_channel(name, &column.column, stated)));
+            }
+        };
+        let factor = match self.per_radius(name, &column).map_err(at)? {
+            Some(factor) => factor,
+            None => factor(&column, name, target, header).map_err(at)?,
         };
         Ok(Measure {
             name: name.to_owned(),
-            factor: factor(&column, name, target).map_err(at)?,
+            factor,
             subtract: finite("subtract", column.subtract.unwrap_or(0.0)).map_err(at)?,
             unit,
             column: place,
         })
     }
 
-    /// The column given under `columns.name`, as a table.
-    pub(super) fn column(&self, name: &str) -> Result<ColumnTable, String> {
-        match &self.table.columns[name] {
-            Given::Text(column) => Ok(ColumnTable {
-                column: column.clone(),
-                ..ColumnTable::default()
-            }),
-            Given::Column(column) => Ok(column.clone()),
-            Given::Number(number) => Err(format!(
-                "a column is named by its text in the header, got {number}"
+    /// What a wheel speed in the unit of a speed, the rim's, is multiplied by; `None` in its own.
+    fn per_radius(&self, name: &str, column: &ColumnTable) -> Result<Option<f64>, String> {
+        let Some(unit) = column.unit.as_deref().filter(|_| name == "wheel_speed") else {
+            return Ok(None);
+        };
+        let Ok(size) = unit::factor(unit, "m/s") else {
+            return Ok(None);
+        };
+        match self.radius {
+            Some(radius) if radius > 0.0 => {
+                let note = format!("wheel_speed is the rim's speed over the radius of {radius} m");
+                self.notes.of_run(note);
+                Ok(Some(scale(column)? * size / radius))
+            }
+            _ => Err(format!(
+                "a wheel speed in {unit} is that of the rim: give wheel = {{ radius_m = ... }}, \
+                 by which it is divided"
             )),
         }
+    }
+
+    /// The column given under `columns.name`, as a table.
+    pub(super) fn column(&self, name: &str) -> Result<ColumnTable, String> {
+        column_of(&self.table.columns[name])
     }
 
     /// Names of the channels that are given.
@@ -127,35 +150,35 @@ impl<'a> Source<'a> {
 }
 
 impl Rows<'_> {
-    pub(super) fn header(&self) -> &Header {
+    pub(super) fn header(&self) -> &Rc<Header> {
         self.sheet.header()
     }
 
     /// The next row that the campaign asks for, `None` after the last.
-    pub(super) fn next_row(&mut self) -> Result<Option<Row>, Misplaced> {
-        let source = self.source;
-        while let Some(row) = self
-            .sheet
-            .next_row()
-            .map_err(|message| source.fault("file", message))?
-        {
-            if self.wants(&row) {
-                return Ok(Some(row));
+    pub(super) fn next_row(&mut self) -> Result<Option<&Row>, Misplaced> {
+        while self.advance()? {
+            if self.wants(self.sheet.row())? {
+                return Ok(Some(self.sheet.row()));
             }
         }
         Ok(None)
     }
 
-    fn wants(&self, row: &Row) -> bool {
+    fn advance(&mut self) -> Result<bool, Misplaced> {
+        let more = self.sheet.advance();
+        more.map_err(|message| self.source.fault("file", message))
+    }
+
+    fn wants(&self, row: &Row) -> Result<bool, Misplaced> {
         let header = self.sheet.header();
-        self.conditions.iter().all(|(column, _, wanted)| {
-            let cell = header.text(row, *column);
-            match wanted {
-                Given::Text(text) => cell == *text,
-                Given::Number(number) => cell.parse() == Ok(*number),
-                Given::Column(_) => false,
+        for (column, name, wanted) in &self.conditions {
+            let holds = wanted.holds(header, row, *column);
+            let at = |message| self.source.fault(&format!("rows.{name}"), message);
+            if !holds.map_err(at)? {
+                return Ok(false);
             }
-        })
+        }
+        Ok(true)
     }
 
     /// The fault that no row was asked for.
@@ -165,14 +188,8 @@ impl Rows<'_> {
             let message = format!("{file} has a header but no rows");
             return self.source.fault("file", message);
         };
-        let wanted = self
-            .conditions
-            .iter()
-            .map(|(_, name, wanted)| match wanted {
-                Given::Number(number) => format!("{name} = {number}"),
-                Given::Text(text) => format!("{name} = {text:?}"),
-                Given::Column(column) => format!("{name} = {:?}", column.column),
-            });
+        let wanted = self.conditions.iter();
+        let wanted = wanted.map(|(_, name, wanted)| format!("{name} {wanted}"));
         let wanted: Vec<String> = wanted.collect();
         let message = format!("no row of {file} has {}", wanted.join(" and "));
         self.source.fault(&format!("rows.{}", first.1), message)
@@ -199,10 +216,11 @@ impl Measure {
         header: &Header,
     ) -> Result<Self, String> {
         only_for_means(column)?;
+        only_for_time(column)?;
         Ok(Self {
             name: name.to_owned(),
             unit: target.to_owned(),
-            factor: factor(column, name, Some(target))?,
+            factor: factor(column, name, Some(target), header)?,
             subtract: finite("subtract", column.subtract.unwrap_or(0.0))?,
             column: header.column(&column.column)?,
         })
@@ -217,19 +235,43 @@ pub(super) fn only_for_means(column: &ColumnTable) -> Result<(), String> {
     }
 }
 
-/// What a number in a column, less its offset, is multiplied by.
-fn factor(column: &ColumnTable, name: &str, target: Option<&'static str>) -> Result<f64, String> {
-    let scale = finite("scale", column.scale.unwrap_or(1.0))?;
-    if scale == 0.0 {
-        return Err("scale must not be 0".to_owned());
+/// Refuses what belongs to times where something else is measured.
+fn only_for_time(column: &ColumnTable) -> Result<(), String> {
+    match (&column.add, &column.format, &column.wraps_at) {
+        (None, None, None) => Ok(()),
+        _ => Err("add, format and wraps_at belong to time_s; leave them out".to_owned()),
     }
+}
+
+/// A column by its name, or by a table.
+pub(super) fn column_of(given: &Given) -> Result<ColumnTable, String> {
+    match given {
+        Given::Text(column) => Ok(ColumnTable {
+            column: column.clone(),
+            ..ColumnTable::default()
+        }),
+        Given::Column(column) => Ok(column.clone()),
+        Given::Number(number) => Err(format!(
+            "a column is named by its text in the header, got {number}"
+        )),
+    }
+}
+
+/// What a number in a column, less its offset, is multiplied by.
+pub(super) fn factor(
+    column: &ColumnTable,
+    name: &str,
+    target: Option<&'static str>,
+    header: &Header,
+) -> Result<f64, String> {
+    let scale = scale(column)?;
     let Some(target) = target else {
         return Ok(scale);
     };
     let Some(unit) = &column.unit else {
-        return match unit::stated_otherwise(&column.column, target) {
-            Some(stated) if column.scale.is_none() => Err(format!(
-                "the header {0:?} states {stated}, {name} is in {target}: write {{ column = {0:?}, \
+        return match stated(column, target, header) {
+            Some((place, stated)) if column.scale.is_none() => Err(format!(
+                "{place} states {stated}, {name} is in {target}: write {{ column = {0:?}, \
                  unit = {stated:?} }}, or unit = {target:?} if it is",
                 column.column
             )),
@@ -241,14 +283,34 @@ fn factor(column: &ColumnTable, name: &str, target: Option<&'static str>) -> Res
     Ok(scale * size)
 }
 
-fn finite(what: &str, value: f64) -> Result<f64, String> {
+/// The unit of another size than `target` that the header or a row below it states, and where.
+fn stated(column: &ColumnTable, target: &str, header: &Header) -> Option<(String, &'static str)> {
+    let name = &column.column;
+    if let Some(unit) = unit::stated_otherwise(name, target) {
+        return Some((format!("the header {name:?}"), unit));
+    }
+    let place = header.column(name).ok()?;
+    let below = header
+        .stated(place)
+        .find_map(|cell| unit::stated_below(cell, target));
+    below.map(|unit| (format!("the row of units below {name:?}"), unit))
+}
+
+fn scale(column: &ColumnTable) -> Result<f64, String> {
+    match finite("scale", column.scale.unwrap_or(1.0))? {
+        0.0 => Err("scale must not be 0".to_owned()),
+        scale => Ok(scale),
+    }
+}
+
+pub(super) fn finite(what: &str, value: f64) -> Result<f64, String> {
     match value.is_finite() {
         true => Ok(value),
         false => Err(format!("{what} must be finite, got {value}")),
     }
 }
 
-fn unknown_channel(name: &str, column: &str) -> String {
+fn unknown_channel(name: &str, column: &str, stated: Option<&str>) -> String {
     let known = CHANNELS.map(|(name, _)| name);
     let likeness = |known: &str| strsim::jaro_winkler(known, name);
     let best = known
@@ -260,6 +322,7 @@ fn unknown_channel(name: &str, column: &str) -> String {
     };
     format!(
         "{name} is no known channel; {meant} To carry it along, give its unit: \
-         {{ column = {column:?}, unit = \"...\" }}"
+         {{ column = {column:?}, unit = {:?} }}",
+        stated.filter(|unit| !unit.is_empty()).unwrap_or("...")
     )
 }

@@ -36,6 +36,17 @@ pub(super) fn read(
         let message = "the rows of a [table] are runs, not samples; time series go to a [[run]]";
         return Err(source.fault("columns.time_s", message));
     }
+    let of_series = ["source", "resample_hz", "longest_gap_s", "offset_s"];
+    let table = source.table;
+    let given = [
+        !table.source.is_empty(),
+        table.resample_hz.is_some(),
+        table.longest_gap_s.is_some(),
+        table.offset_s.is_some(),
+    ];
+    if let Some((key, _)) = of_series.iter().zip(given).find(|(_, given)| *given) {
+        return Err(source.fault(key, format!("{key} belongs to time series, to a [[run]]")));
+    }
     let mut rows = source.open(folder)?;
     let header = rows.header().clone();
     let quantities = source.channels()?.into_iter();
@@ -43,11 +54,11 @@ pub(super) fn read(
     let quantities = quantities.collect::<Result<Vec<_>, _>>()?;
     let mut runs = Vec::new();
     while let Some(row) = rows.next_row()? {
-        let (id, attributes) = condition::of_row(source, &header, &row)?;
+        let (id, attributes) = condition::of_row(source, &header, row)?;
         let mut means = Vec::new();
         for quantity in &quantities {
             let at = |message| source.fault(&format!("columns.{}", quantity.mean.name), message);
-            means.extend(mean(quantity, &header, &row).map_err(at)?);
+            means.extend(mean(quantity, &header, row).map_err(at)?);
         }
         let trace = Trace {
             attributes,
@@ -56,10 +67,14 @@ pub(super) fn read(
         };
         runs.push((id, trace));
     }
-    match runs.is_empty() {
-        true => Err(rows.nothing()),
-        false => Ok(runs),
+    if runs.is_empty() {
+        return Err(rows.nothing());
     }
+    header.note_decimal(table.decimal.is_some());
+    for (_, trace) in &mut runs {
+        trace.attributes.import_notes = source.notes.all();
+    }
+    Ok(runs)
 }
 
 fn quantity(source: Source<'_>, name: &str, header: &Header) -> Result<Quantity, Misplaced> {

@@ -4,7 +4,7 @@ use crate::quantity::GRAVITY;
 use std::f64::consts::{PI, TAU};
 
 /// Units by the unit they are converted to, each with its size in that unit.
-const UNITS: [(&str, &[(&str, f64)]); 8] = [
+const UNITS: [(&str, &[(&str, f64)]); 9] = [
     (
         "m/s^2",
         &[
@@ -61,7 +61,25 @@ const UNITS: [(&str, &[(&str, f64)]); 8] = [
     ),
     (
         "s",
-        &[("s", 1.0), ("ms", 1.0e-3), ("us", 1.0e-6), ("min", 60.0)],
+        &[
+            ("s", 1.0),
+            ("ms", 1.0e-3),
+            ("us", 1.0e-6),
+            ("ns", 1.0e-9),
+            ("min", 60.0),
+            ("h", 3600.0),
+            ("d", 86_400.0),
+        ],
+    ),
+    (
+        "rad/s",
+        &[
+            ("rad/s", 1.0),
+            ("deg/s", PI / 180.0),
+            ("rpm", TAU / 60.0),
+            ("rev/min", TAU / 60.0),
+            ("rev/s", TAU),
+        ],
     ),
 ];
 
@@ -97,6 +115,16 @@ pub(super) fn stated_otherwise(header: &str, target: &str) -> Option<&'static st
         let same = |unit: &&(&str, f64)| normal(unit.0).eq_ignore_ascii_case(&normal(stated));
         units.iter().find(same)
     });
+    known
+        .filter(|(_, factor)| *factor != 1.0)
+        .map(|(unit, _)| *unit)
+}
+
+/// The unit that a cell below the header states, where it is one of `target` of another size.
+pub(super) fn stated_below(cell: &str, target: &str) -> Option<&'static str> {
+    let cell = cell.trim().trim_matches(['[', ']', '(', ')']);
+    let same = |unit: &&(&str, f64)| normal(unit.0).eq_ignore_ascii_case(&normal(cell));
+    let known = units_of(target).iter().find(same);
     known
         .filter(|(_, factor)| *factor != 1.0)
         .map(|(unit, _)| *unit)

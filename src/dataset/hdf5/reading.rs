@@ -265,6 +265,12 @@ fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
             .has("physics_rate_hz")
             .then(|| run.number("physics_rate_hz"))
             .transpose()?,
+        angle_zero_unknown: run.text_or_empty("wheel_angle_zero")? == "unknown",
+        import_notes: run
+            .text_or_empty("import_notes")?
+            .lines()
+            .map(str::to_owned)
+            .collect(),
     })
 }
 

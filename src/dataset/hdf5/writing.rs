@@ -263,6 +263,8 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
         day,
         notes,
         physics_rate,
+        angle_zero_unknown,
+        import_notes,
     } = attributes;
     set(run, "wheel_radius_m", *wheel_radius)?;
     set(run, "wheel_width_m", *wheel_width)?;
@@ -278,6 +280,12 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
     set_text(run, "notes", notes)?;
     if let Some(rate) = physics_rate {
         set(run, "physics_rate_hz", *rate)?;
+    }
+    if *angle_zero_unknown {
+        set_text(run, "wheel_angle_zero", "unknown")?;
+    }
+    if !import_notes.is_empty() {
+        set_text(run, "import_notes", &import_notes.join("\n"))?;
     }
     Ok(())
 }

@@ -94,7 +94,9 @@ fn is_force_like(name: &str) -> bool {
 fn constant(name: &str, value: f64, doubts: &mut Doubts) {
     let seen = format!("constant at {}", number(value));
     let (severity, guess) = match name {
-        "forward_speed" | "slip_ratio" => (Severity::Info, "a command in place of a measurement?"),
+        "forward_speed" | "wheel_speed" | "slip_ratio" => {
+            (Severity::Info, "a command in place of a measurement?")
+        }
         _ => (Severity::Warning, "is the sensor connected?"),
     };
     doubts.channel(name, severity, &seen, guess);

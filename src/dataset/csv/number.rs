@@ -1,0 +1,159 @@
+//! Numbers as they stand in cells, with a decimal point or comma.
+
+use std::cell::Cell;
+
+/// What stands in a cell where nothing was measured.
+const MISSING: [&str; 6] = ["", "nan", "na", "n/a", "null", "-"];
+
+/// The decimal mark of a file.
+///
+/// A campaign states it. Where it does not, it is a point between cells parted by commas;
+/// otherwise the first number with a fraction decides for the whole file: a comma that parts
+/// thousands in one cell and a point in another cannot both be decimal.
+#[derive(Debug, Clone)]
+pub(super) struct Decimal(Cell<Mark>);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mark {
+    Undecided,
+    Point,
+    Comma,
+}
+
+/// What a cell holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Content {
+    /// A finite number.
+    Number(f64),
+    /// Nothing that was measured, infinity among it.
+    Missing,
+    /// Neither.
+    Other,
+    /// A number if the file's decimal mark were another.
+    OtherMark,
+}
+
+impl Decimal {
+    /// The mark that a campaign states, or that `delimiter` leaves open.
+    ///
+    /// # Errors
+    /// A mark that is neither a point nor a comma, in words.
+    pub(super) fn of(stated: Option<char>, delimiter: char) -> Result<Self, String> {
+        let mark = match (stated, delimiter) {
+            (Some('.'), _) | (None, ',') => Mark::Point,
+            (Some(','), _) => Mark::Comma,
+            (None, _) => Mark::Undecided,
+            (Some(other), _) => {
+                return Err(format!("decimal must be \".\" or \",\", got {other:?}"));
+            }
+        };
+        Ok(Self(Cell::new(mark)))
+    }
+
+    /// What `cell` holds.
+    pub(super) fn read(&self, cell: &str) -> Content {
+        let cell = cell.trim();
+        let parsed = match self.0.get() {
+            Mark::Comma if cell.contains('.') => None,
+            Mark::Comma if cell.contains(',') => with_comma(cell),
+            _ => cell.parse().ok(),
+        };
+        match parsed {
+            Some(number) if f64::is_finite(number) => {
+                if self.0.get() == Mark::Undecided && cell.contains('.') {
+                    self.0.set(Mark::Point);
+                }
+                Content::Number(number)
+            }
+            Some(_) => Content::Missing,
+            None if is_missing(cell) => Content::Missing,
+            None => self.unparsed(cell),
+        }
+    }
+
+    fn unparsed(&self, cell: &str) -> Content {
+        let signed = cell.replace('\u{2212}', "-");
+        if signed != cell {
+            return self.read(&signed);
+        }
+        match self.0.get() {
+            Mark::Undecided => match with_comma(cell) {
+                Some(number) => {
+                    self.0.set(Mark::Comma);
+                    Content::Number(number)
+                }
+                None => Content::Other,
+            },
+            Mark::Point if with_comma(cell).is_some() => Content::OtherMark,
+            Mark::Comma if cell.parse::<f64>().is_ok() => Content::OtherMark,
+            _ => Content::Other,
+        }
+    }
+
+    /// Whether numbers are read with a comma.
+    pub(super) fn is_comma(&self) -> bool {
+        self.0.get() == Mark::Comma
+    }
+}
+
+/// A number with one decimal comma and no point.
+fn with_comma(cell: &str) -> Option<f64> {
+    let fits = cell.matches(',').count() == 1 && !cell.contains('.');
+    let number: Option<f64> = fits.then(|| cell.replace(',', ".").parse().ok()).flatten();
+    number.filter(|number| number.is_finite())
+}
+
+/// Whether a cell states that nothing was measured.
+pub(super) fn is_missing(cell: &str) -> bool {
+    let is = |spelling: &&str| cell.eq_ignore_ascii_case(spelling);
+    MISSING.iter().any(is)
+}
+
+/// Whether a cell is a number in either notation.
+pub(super) fn is_number(cell: &str) -> bool {
+    let finite = |number: f64| number.is_finite();
+    cell.parse().is_ok_and(finite) || with_comma(cell).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(stated: Option<char>, delimiter: char, cells: &[&str]) -> Vec<Content> {
+        let decimal = Decimal::of(stated, delimiter).unwrap();
+        cells.iter().map(|cell| decimal.read(cell)).collect()
+    }
+
+    #[test]
+    fn a_decimal_comma_is_read_where_it_is_stated_or_where_cells_are_parted_otherwise() {
+        let numbers = [
+            Content::Number(1.5),
+            Content::Number(-2e3),
+            Content::Number(7.0),
+        ];
+        assert_eq!(read(Some(','), ',', &["1,5", "-2,0e3", "7"]), numbers);
+        assert_eq!(read(None, ';', &["1,5", "-2,0e3", "7"]), numbers);
+        assert_eq!(read(None, ';', &["1.5", "-2.0e3", "7"]), numbers);
+        assert_eq!(read(None, '\t', &["+1,5", "\u{2212}2000", "7"]), numbers);
+        assert!(Decimal::of(Some('x'), ';').is_err());
+    }
+
+    #[test]
+    fn one_file_has_one_decimal_mark() {
+        let [one, other] = [Content::Number(1.5), Content::OtherMark];
+        assert_eq!(read(None, ';', &["1.5", "1,5"]), [one, other]);
+        assert_eq!(read(None, ';', &["1,5", "1.5"]), [one, other]);
+        assert_eq!(read(None, ',', &["1.5", "1,5"]), [one, other]);
+        assert_eq!(read(Some(','), ';', &["1,5", "1.5"]), [one, other]);
+        for thousands in ["1,234.5", "1,234,567", "1.234,5"] {
+            assert_eq!(read(None, ';', &[thousands]), [Content::Other]);
+        }
+    }
+
+    #[test]
+    fn infinity_and_every_spelling_of_nothing_are_missing() {
+        for cell in ["", " ", "NaN", "n/a", "NULL", "-", "inf", "-Infinity"] {
+            assert_eq!(read(None, ',', &[cell]), [Content::Missing], "{cell:?}");
+        }
+    }
+}
