@@ -61,7 +61,12 @@ def check_simulated(run):
     equal("groups", sorted(run), ["channels", "truth"])
     equal("channels", sorted(run["channels"]), ["normal_force", "wheel_angle"])
     force = run["channels/normal_force"]
-    check_attributes("normal_force", force.attrs, {"unit": "N", "sample_rate_hz": 500.0, "start_s": 0.25})
+    check_attributes("normal_force", force.attrs, {
+        "unit": "N",
+        "sample_rate_hz": 500.0,
+        "start_s": 0.25,
+        "steadiness": "steady",
+    })
     equal("precision of forces", force.dtype, np.float32)
     equal("normal_force", force[:], (100.0 + np.arange(40000) % 7).astype(np.float32))
     angle = run["channels/wheel_angle"]
