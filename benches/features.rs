@@ -33,7 +33,7 @@ fn record() -> Record {
         attributes: RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             ..RunAttributes::default()
         },

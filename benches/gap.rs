@@ -38,7 +38,7 @@ fn run() -> Trace {
         attributes: RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             load: 100.0,
             speed: 0.09,

@@ -5,11 +5,13 @@ pub mod motion;
 pub mod steadiness;
 pub mod truth;
 pub mod turning;
+pub mod wheel;
 
 pub use turning::unwrapped;
 
 use crate::terrain::class::{TerrainLabel, Wtic};
 use std::collections::BTreeMap;
+use wheel::{Lugs, Plate};
 
 /// The channels every tool knows, and their units. Others may be there; they are carried along.
 ///
@@ -171,10 +173,17 @@ pub struct RunAttributes {
     pub wheel_radius: f64,
     /// Wheel width [m].
     pub wheel_width: f64,
-    /// Number of lugs.
-    pub lug_count: u32,
+    /// Number of lugs; 0 on a smooth wheel, `None` where it is unknown.
+    pub lug_count: Option<u32>,
     /// Lug height [m].
     pub lug_height: f64,
+    /// Mass [kg] on the wheel's side of the force sensors, the wheel's and what turns or hangs with
+    /// it; 0 where the forces are those of the contact alone, `None` where it is unknown.
+    pub wheel_mass: Option<f64>,
+    /// The plate pressed into the soil; `None` where it was a wheel.
+    pub plate: Option<Plate>,
+    /// Slope of the track [°], above 0 uphill.
+    pub slope_deg: f64,
     /// Commanded load [N]; 0 where the wheel is held off the ground.
     pub load: f64,
     /// Commanded forward speed [m/s].
@@ -204,6 +213,14 @@ impl RunAttributes {
     /// Whether the wheel is held off the ground.
     pub fn is_lifted(&self) -> bool {
         self.load == 0.0
+    }
+
+    /// The wheel's lugs.
+    pub fn lugs(&self) -> Lugs {
+        Lugs {
+            count: self.lug_count,
+            height: self.lug_height,
+        }
     }
 }
 

@@ -44,7 +44,7 @@ fn rig_run(samples: usize, rate: f64) -> Trace {
         attributes: RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             load: 100.0,
             speed: 0.03,
@@ -357,7 +357,7 @@ fn another_wheel_is_refused_with_both_values_and_other_lugs_are_a_caveat() {
     let found = cases(&short(), &[other, lugs]);
     assert_eq!(found.cases.len(), 1);
     let texts = texts(&found);
-    let caveat = "the measured wheel has 28 lugs of 10.0 mm, the scenario's 28 lugs of 15.0 mm";
+    let caveat = "the measured wheel has 28 lugs of 10 mm, the scenario's 28 lugs of 15 mm";
     assert!(texts.iter().any(|text| text == caveat), "{texts:?}");
     assert!(
         texts

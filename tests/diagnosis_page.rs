@@ -72,7 +72,7 @@ fn run([slip_ratio, load, speed]: [f64; 3], times: f64) -> Trace {
         attributes: RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             load,
             speed,

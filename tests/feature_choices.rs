@@ -76,7 +76,7 @@ fn within(ground: &Ground, settings: Settings, reference: &Reference) -> String 
     let mut recognizer = Recognizer::new(settings, reference.clone(), &[Method::Paper]).unwrap();
     let (mut counts, mut all, mut total) = ([0; 4], 0, 0);
     for run in &ground.runs {
-        let region = regions(run.attributes.lug_count);
+        let region = regions(run.attributes.lug_count.unwrap());
         let region = region.iter().find(|r| r.class == ground.class).unwrap();
         for window in recognizer.recognize(run).unwrap() {
             total += 1;

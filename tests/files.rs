@@ -4,6 +4,7 @@ use lugwheel::dataset::Provenance;
 use lugwheel::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
 use lugwheel::quantity::Seed;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::wheel::{Lugs, Plate};
 use lugwheel::trace::{
     CHANNELS, Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth,
 };
@@ -29,7 +30,7 @@ fn noisy(samples: u32) -> Trace {
     let attributes = RunAttributes {
         wheel_radius: 0.14,
         wheel_width: 0.15,
-        lug_count: 28,
+        lug_count: Some(28),
         lug_height: 0.015,
         load: 100.0,
         speed: 0.014,
@@ -115,10 +116,18 @@ prop_compose! {
     }
 }
 
+fn plate() -> impl Strategy<Value = Plate> {
+    prop_oneof![
+        number().prop_map(|diameter| Plate::Disc { diameter }),
+        (number(), number()).prop_map(|sides| Plate::rectangle([sides.0, sides.1])),
+    ]
+}
+
 prop_compose! {
     fn attributes()(
         sizes in [number(), number(), number(), number(), number(), number()],
-        counts in any::<(u32, u32)>(),
+        counts in any::<(Option<u32>, u32)>(),
+        (wheel_mass, slope_deg, plate) in (option::of(number()), number(), option::of(plate())),
         terrain in option::of(label()),
         class in option::of(class()),
         day in text(),
@@ -129,8 +138,10 @@ prop_compose! {
     ) -> RunAttributes {
         let [wheel_radius, wheel_width, lug_height, load, speed, slip_ratio] = sizes;
         let (lug_count, repeat) = counts;
+        let Lugs { count: lug_count, height: lug_height } = Lugs::stated(lug_count, lug_height);
         RunAttributes {
             wheel_radius, wheel_width, lug_count, lug_height, load, speed, slip_ratio,
+            wheel_mass, slope_deg, plate,
             terrain, class, repeat, day, notes, physics_rate, angle_zero_unknown, import_notes,
         }
     }

@@ -62,7 +62,7 @@ fn trace(channels: Vec<Channel>) -> Trace {
         attributes: RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             load: 100.0,
             speed: 0.9 * 0.14 * WHEEL_SPEED,
@@ -174,7 +174,7 @@ fn a_smooth_wheel_has_no_lugs_to_lock_to_and_turns_all_the_same() {
     let mut run = trace(vec![channel("normal_force", "N", |t| {
         100.0 + libm::sin(angle(t)) + 0.1 * libm::sin(TAU * 7.0 * t)
     })]);
-    run.attributes.lug_count = 0;
+    run.attributes.lug_count = Some(0);
     run.attributes.lug_height = 0.0;
     let readings = statistician().read(&run);
     assert!(
@@ -242,7 +242,7 @@ proptest! {
             name: name.to_owned(), unit: unit.to_owned(), sample_rate, start: 0.0, samples,
         };
         let mut run = trace(vec![]);
-        run.attributes.lug_count = lugs;
+        run.attributes.lug_count = Some(lugs);
         run.channels = vec![
             of("acceleration_y", "m/s^2", 500.0, acceleration),
             of("normal_force", "N", rate, force),

@@ -51,7 +51,7 @@ fn run(slip: f64, load: f64) -> Trace {
         attributes: RunAttributes {
             wheel_radius: wheel.radius,
             wheel_width: wheel.width,
-            lug_count: 24,
+            lug_count: Some(24),
             lug_height: 0.01,
             load,
             slip_ratio: slip,

@@ -77,7 +77,10 @@ fn a_time_series_has_its_units_offsets_signs_gaps_and_condition() {
         (condition.wheel_radius, condition.wheel_width),
         (0.14, 0.15)
     );
-    assert_eq!((condition.lug_count, condition.lug_height), (28, 0.015));
+    assert_eq!(
+        (condition.lug_count, condition.lug_height),
+        (Some(28), 0.015)
+    );
     assert_eq!(
         (condition.load, condition.speed, condition.slip_ratio),
         (100.0, 0.014, 0.1)
@@ -115,7 +118,7 @@ fn rows_can_be_picked_and_other_channels_come_along_and_the_unknown_is_no_number
         condition.slip_ratio,
     ];
     assert!(unknown.iter().all(|x| x.is_nan()), "{condition:?}");
-    assert_eq!((condition.terrain, condition.lug_count), (None, 0));
+    assert_eq!((condition.terrain, condition.lug_count), (None, None));
 }
 
 #[test]
@@ -130,7 +133,7 @@ fn a_row_of_means_is_a_run_and_a_missing_mean_is_missing_and_told() {
     assert!(close(trace.attributes.slip_ratio, 0.1));
     assert_eq!(
         (trace.attributes.lug_count, trace.attributes.notes.as_str()),
-        (28, "a")
+        (Some(28), "a")
     );
     let bare = file.read("run_000003").unwrap();
     assert!(bare.means.is_empty() && bare.channels.is_empty());
@@ -153,7 +156,10 @@ fn the_points_of_ding_are_read_as_published() {
         (condition.wheel_radius, condition.wheel_width),
         (0.15735, 0.165)
     );
-    assert_eq!((condition.lug_count, condition.lug_height), (30, 0.010));
+    assert_eq!(
+        (condition.lug_count, condition.lug_height),
+        (Some(30), 0.010)
+    );
     assert_eq!((condition.load, condition.slip_ratio), (80.0, 0.6));
     assert_eq!(condition.notes, "ding2011_lug10_w80");
     let pull = mean(lugged, "drawbar_pull");
@@ -163,7 +169,7 @@ fn the_points_of_ding_are_read_as_published() {
     );
     assert_eq!(mean(lugged, "sinkage").value, 0.027);
     assert_eq!(mean(lugged, "driving_torque").value, 7.2);
-    assert_eq!(runs[5].attributes.lug_count, 0, "the smooth wheel");
+    assert_eq!(runs[5].attributes.lug_count, Some(0), "the smooth wheel");
     assert_eq!(doubts(&inspect(&file)), [""; 0]);
 }
 

@@ -43,7 +43,7 @@ fn ding() -> [Wheel; 2] {
     let wheel = |name, lugs: u32| {
         let of_wheel: Vec<&Trace> = traces
             .iter()
-            .filter(|t| t.attributes.lug_count == lugs)
+            .filter(|t| t.attributes.lug_count == Some(lugs))
             .collect();
         let attributes = &of_wheel[0].attributes;
         let rim = Rim {

@@ -37,8 +37,11 @@ fn simulated() -> Trace {
     let attributes = RunAttributes {
         wheel_radius: 0.14,
         wheel_width: 0.15,
-        lug_count: 28,
+        lug_count: Some(28),
         lug_height: 0.015,
+        wheel_mass: Some(4.0),
+        plate: None,
+        slope_deg: 0.0,
         load: 100.0,
         speed: 0.014,
         slip_ratio: 0.1,
@@ -135,7 +138,7 @@ fn a_campaign_in_other_types_of_number_and_text_is_read() {
         ref notes,
         ..
     } = trace.attributes;
-    assert_eq!((lug_count, load, notes.as_str()), (28, 100.0, ""));
+    assert_eq!((lug_count, load, notes.as_str()), (Some(28), 100.0, ""));
     assert_eq!(wheel_radius as f32, 0.14_f32);
     assert_eq!(terrain, Some(TerrainLabel::Sand));
     let force = trace.channel("normal_force").unwrap();

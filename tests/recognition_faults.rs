@@ -70,8 +70,13 @@ fn without(trace: &mut Trace, names: &[&str]) {
         .retain(|channel| !names.contains(&channel.name.as_str()));
 }
 
+fn lugs(trace: &mut Trace, edit: impl Fn(u32) -> u32) {
+    let count = &mut trace.attributes.lug_count;
+    *count = count.map(edit);
+}
+
 fn pitch(trace: &Trace) -> f64 {
-    TAU / f64::from(trace.attributes.lug_count)
+    TAU / f64::from(trace.attributes.lug_count.unwrap())
 }
 
 /// Time of a lug pass [s].
@@ -148,13 +153,12 @@ fn of_description() -> Vec<Fault> {
     }
     for change in [-4, -1, 1, 4] {
         faults.push(fault("lug_count", format!("{change:+}"), move |t| {
-            let lugs = &mut t.attributes.lug_count;
-            *lugs = lugs.saturating_add_signed(change);
+            lugs(t, |count| count.saturating_add_signed(change));
         }));
     }
-    faults.push(fault("lug_count", "half", |t| t.attributes.lug_count /= 2));
+    faults.push(fault("lug_count", "half", |t| lugs(t, |count| count / 2)));
     faults.push(fault("lug_count", "double", |t| {
-        t.attributes.lug_count *= 2
+        lugs(t, |count| 2 * count);
     }));
     for percent in [-2.0, 2.0] {
         faults.push(fault(

@@ -225,7 +225,7 @@ fn hard_ground_of_another_simulator_is_alct_whatever_the_encoder_s_zero() {
     for lugs in [14, 24, 27, 29, 56] {
         for run in &runs {
             let mut run = run.clone();
-            run.attributes.lug_count = lugs;
+            run.attributes.lug_count = Some(lugs);
             let window = &json(&folder(&[("r", &run)]), "")["windows"][0];
             let doubtful = window["confidence"].as_f64().unwrap() <= 0.6;
             assert!(window["class"] == "ALCT" || doubtful, "{lugs}: {window}");
@@ -309,7 +309,10 @@ fn a_file_that_lacks_what_recognition_needs_exits_with_3_and_says_what() {
             |t| channel(t, "acceleration_y").unit = "g".to_owned(),
             "is in \"g\", expected \"m/s^2\"",
         ),
-        (|t| t.attributes.lug_count = 0, "the wheel has no lugs"),
+        (
+            |t| t.attributes.lug_count = Some(0),
+            "the wheel has no lugs",
+        ),
     ];
     for (edit, part) in cases {
         let mut trace = HARD.clone();
@@ -317,7 +320,7 @@ fn a_file_that_lacks_what_recognition_needs_exits_with_3_and_says_what() {
         refused(&folder(&[("r", &trace)]), "", 3, part);
     }
     let mut smooth = HARD.clone();
-    smooth.attributes.lug_count = 0;
+    smooth.attributes.lug_count = Some(0);
     let mixed = json(&folder(&[("good", &HARD), ("smooth", &smooth)]), "");
     assert_eq!(mixed["windows"].as_array().unwrap().len(), 1);
     assert_eq!(mixed["skipped"][0]["run"], "smooth");

@@ -65,8 +65,11 @@ fn sand() -> Trace {
         attributes: RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
+            wheel_mass: Some(4.0),
+            plate: None,
+            slope_deg: 0.0,
             load: 100.0,
             speed,
             slip_ratio: 0.1,
@@ -178,7 +181,7 @@ fn a_whole_run_is_drawn_whole() {
     assert_well_formed(&svg);
     for header in [
         "Run 003: sand (ST)",
-        "28 lugs of 15.0 mm",
+        "28 lugs of 15 mm",
         "Wheel and ground at 7.5",
         "LEIS on ST",
         "SLCT on SGT",

@@ -5,9 +5,10 @@
 //!                              scenario and seed where simulated
 //! /runs/<id>/                  wheel_radius_m, wheel_width_m, lug_count, lug_height_m, load_n,
 //!                              speed_m_s, slip_ratio, terrain, class, repeat, day, notes,
-//!                              physics_rate_hz where simulated; where imported, import_notes
-//!                              (one a line) and wheel_angle_zero = "unknown" where the angle is
-//!                              the integral of the wheel's speed
+//!                              wheel_mass_kg, slope_deg, physics_rate_hz where simulated,
+//!                              plate_diameter_m or plate_length_m and plate_width_m; where
+//!                              imported, import_notes (one a line) and wheel_angle_zero = "unknown"
+//!                              where the angle is the integral of the wheel's speed
 //! /runs/<id>/channels/<name>   samples; unit, sample_rate_hz, start_s; steadiness of the mean over the
 //!                              middle half (steady, drifting, too_short), drift_per_s where it drifts
 //! /runs/<id>/means/<name>      one number; unit, sd, n
@@ -19,7 +20,9 @@
 //! Known channels are stored in single precision: 6e-8 of the value, 0.01 mN on 100 N and 1 nm on
 //! 20 mm. The wheel angle grows without end and keeps double precision, as do channels this
 //! program does not know. Numbers that nobody knows (the load of a hand-pushed cart, the spread of a
-//! published mean) are NaN.
+//! published mean) are NaN. `lug_count` is left out where the count is unknown; 0 is a smooth wheel, but with a
+//! `lug_height_m` above 0 it is read as unknown, as files of earlier versions have it. `wheel_mass_kg` may be left
+//! out, as may `slope_deg` (0, level); a run with the size of a plate has no wheel.
 //!
 //! The structures are HDF5 1.8's, which have checksums, as compressed samples do: damage is an error
 //! or a gap, not a wrong number. Only texts have none.

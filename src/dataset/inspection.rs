@@ -462,7 +462,7 @@ mod tests {
         let attributes = RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             load: 100.0,
             speed: 0.014,
@@ -768,9 +768,10 @@ mod tests {
             ..sound()
         };
         let found = findings("run", &trace);
-        assert_eq!(found.len(), 2, "{found:?}");
+        assert_eq!(found.len(), 3, "{found:?}");
         assert!(found.iter().all(|f| f.severity == Severity::Info));
         assert!(found[0].message.starts_with("wheel_radius_m is not known"));
+        assert!(found[2].message.starts_with("lugs not given"));
     }
 
     #[test]

@@ -87,11 +87,15 @@ impl Arm {
     /// A scenario with these departures; an effect that the scenario has gets the arm's magnitude.
     ///
     /// Lugs that an effect puts on a smooth wheel are as many as the measured wheel has, where it
-    /// has any.
+    /// is known to have any.
     ///
     /// # Errors
     /// `OutOfRange` where a parameter leaves its physical range.
-    pub fn of(&self, scenario: &Scenario, measured_lugs: u32) -> Result<Scenario, OutOfRange> {
+    pub fn of(
+        &self,
+        scenario: &Scenario,
+        measured_lugs: Option<u32>,
+    ) -> Result<Scenario, OutOfRange> {
         let mut scenario = scenario.clone();
         self.offsets.apply(&mut scenario);
         scenario.check()?;
@@ -110,9 +114,10 @@ impl Arm {
 }
 
 /// Lugs of the measured wheel's number where the effect would put its own on a smooth wheel.
-fn new_lugs(effect: &Application, scenario: &Scenario, count: u32) -> Option<Lugs> {
+fn new_lugs(effect: &Application, scenario: &Scenario, count: Option<u32>) -> Option<Lugs> {
     let is_it = effect.effect().name == "lug_action" && effect.form() == Form::Own;
-    if !is_it || count == 0 || scenario.wheel.lugs.is_some() {
+    let count = count.filter(|count| *count > 0)?;
+    if !is_it || scenario.wheel.lugs.is_some() {
         return None;
     }
     let mut lugged = scenario.clone();

@@ -220,8 +220,14 @@ impl Case {
             load,
             speed,
             slip_ratio,
+            slope_deg,
             ..
         } = self.attributes;
+        let lug_count = lug_count.map_or("unknown".to_owned(), |count| count.to_string());
+        let slope = match slope_deg {
+            0.0 => String::new(),
+            slope => format!(" slope {slope:?}"),
+        };
         let numbers = [
             wheel_radius,
             wheel_width,
@@ -230,6 +236,6 @@ impl Case {
             speed,
             slip_ratio,
         ];
-        format!("read {lug_count} {numbers:?}\n{}", self.layout)
+        format!("read {lug_count} {numbers:?}{slope}\n{}", self.layout)
     }
 }

@@ -53,7 +53,7 @@ pub fn further_runs(case: &Case) -> Vec<Further> {
     }
     if case.scenario.wheel.lugs.is_some() {
         runs.push(changed(case, "with a smooth wheel", |it, wheel| {
-            (it.lug_count, it.lug_height) = (0, 0.0);
+            (it.lug_count, it.lug_height) = (Some(0), 0.0);
             wheel.lugs = None;
         }));
     }

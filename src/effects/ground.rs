@@ -3,7 +3,6 @@
 use super::{
     Bound, Effect, EffectError, OtherForm, Prior, Seat, Seated, Setup, Signature, Source, Stage,
 };
-use crate::simulation::rig::Rig;
 use crate::terrain::{HardContact, Stones, TerrainSpec};
 
 /// The effects of hard ground, of stones, and of how the track lies.
@@ -181,10 +180,7 @@ const SLOPE: Effect = Effect {
     ],
     source: Source::Guess("5 mm over a track of 1 m is 0.3°; rovers climb to 20°"),
     law: |setup, slope, _| {
-        match setup.rig {
-            Rig::SingleWheel(rig) => rig.slope_deg += slope,
-            Rig::RoverLeg(rig) => rig.slope_deg += slope,
-        }
+        *setup.rig.slope_deg_mut() += slope;
         Ok(())
     },
     other_form: None,

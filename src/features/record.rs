@@ -5,6 +5,7 @@ use super::support::Support;
 use crate::quantity::SlipRatio;
 use crate::trace::clipping::clipped_levels;
 use crate::trace::motion::turned;
+use crate::trace::wheel::Lugs;
 use crate::trace::{Channel, Trace, turned_along, unit_of};
 use crate::wheel::Wheel;
 use std::ops::Range;
@@ -50,8 +51,13 @@ pub enum RecordError {
     )]
     NoSlip(f64),
     /// The wheel has no lugs.
-    #[error("the wheel has no lugs, or lug_count was not given; classes are told apart by them")]
+    #[error("the wheel has no lugs; the classes are the ways in which lugs meet the ground")]
     NoLugs,
+    /// The number of lugs is unknown.
+    #[error(
+        "{0}: classes are recognised by the pulses of single lugs; state lug_count of the wheel in the campaign and import it again"
+    )]
+    UnknownLugs(Lugs),
     /// The wheel's geometry is not possible.
     #[error("{0} of the run is {1} m; it has to be above 0")]
     Geometry(&'static str, f64),
@@ -323,13 +329,14 @@ fn wheel(trace: &Trace) -> Result<Wheel, RecordError> {
         false => Err(RecordError::Geometry(name, value)),
     };
     let radius = above_zero("wheel_radius_m", run.wheel_radius)?;
-    if run.lug_count > 0 {
+    let lug_count = run.lug_count.ok_or(RecordError::UnknownLugs(run.lugs()))?;
+    if lug_count > 0 {
         above_zero("lug_height_m", run.lug_height)?;
     }
     Ok(Wheel::of_outline(
         radius,
         run.wheel_width,
-        run.lug_count,
+        lug_count,
         run.lug_height,
     ))
 }
@@ -422,7 +429,7 @@ mod tests {
             attributes: RunAttributes {
                 wheel_radius: 0.14,
                 wheel_width: 0.15,
-                lug_count: 28,
+                lug_count: Some(28),
                 lug_height: 0.015,
                 slip_ratio: 0.2,
                 ..RunAttributes::default()
@@ -506,7 +513,12 @@ mod tests {
         assert!(
             message(&|run| drop(run.channels.remove(1))).starts_with("neither channel wheel_angle")
         );
-        assert!(message(&|run| run.attributes.lug_count = 0).contains("no lugs"));
+        assert!(message(&|run| run.attributes.lug_count = Some(0)).contains("no lugs"));
+        let unknown = message(&|run| run.attributes.lug_count = None);
+        assert!(
+            unknown.starts_with("lugs of 15 mm, count not given"),
+            "{unknown}"
+        );
         assert!(message(&|run| run.attributes.wheel_radius = 0.0).contains("wheel_radius_m"));
         assert!(
             message(&|run| run.channels[0].unit = "g".to_owned()).contains("convert on import")

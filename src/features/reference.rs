@@ -234,7 +234,7 @@ fn sensed(
         attributes: RunAttributes {
             wheel_radius: wheel.radius,
             wheel_width: wheel.width,
-            lug_count: wheel.lug_count(),
+            lug_count: Some(wheel.lug_count()),
             lug_height: wheel.lug_height(),
             ..RunAttributes::default()
         },

@@ -49,7 +49,7 @@ impl Serialize for Condition {
 type Property = fn(&RunAttributes) -> Option<String>;
 
 /// What makes a condition, in the order of its text.
-const PROPERTIES: [Property; 8] = [
+const PROPERTIES: [Property; 9] = [
     |run| run.terrain.map(|label| label.as_str().to_owned()),
     |run| known(run.slip_ratio, "slip", ""),
     |run| match run.is_lifted() {
@@ -59,10 +59,11 @@ const PROPERTIES: [Property; 8] = [
     |run| known(1.0e3 * run.speed, "", " mm/s"),
     |run| known(1.0e3 * run.wheel_radius, "r", " mm"),
     |run| known(1.0e3 * run.wheel_width, "b", " mm"),
-    |run| Some(format!("{} lugs", run.lug_count)),
+    |run| run.lug_count.map(|count| format!("{count} lugs")),
     |run| known(1.0e3 * run.lug_height, "l", " mm"),
+    |run| known(run.slope_deg, "slope", "°"),
 ];
-/// From which property on they stand in the text only where runs differ in them.
+/// From which property on they stand in the text only where runs differ in them: wheel and slope.
 const WHEEL: usize = 4;
 
 /// A number to three digits, as commands are given.
@@ -114,7 +115,7 @@ mod tests {
         RunAttributes {
             wheel_radius: 0.14,
             wheel_width: 0.15,
-            lug_count: 28,
+            lug_count: Some(28),
             lug_height: 0.015,
             load,
             speed: 0.014,
@@ -148,7 +149,7 @@ mod tests {
             run(0.1, 100.0, Some(TerrainLabel::Sand)),
             run(-0.05, f64::NAN, None),
         ];
-        runs[1].lug_count = 0;
+        runs[1].lug_count = Some(0);
         let found = conditions(&runs.each_ref());
         assert_eq!(found[0].as_str(), "slip 0.1, 14 mm/s, 28 lugs");
         assert_eq!(found[1].as_str(), "slip -0.05, 14 mm/s, 0 lugs");

@@ -143,7 +143,12 @@ impl Setting {
             width: run.wheel_width,
         };
         Self {
-            lug_height: run.lug_height,
+            // The rim's equations do not need a height that nobody knows.
+            lug_height: if run.lug_height.is_nan() {
+                0.0
+            } else {
+                run.lug_height
+            },
             ..Self::new(rim)
         }
     }

@@ -346,7 +346,7 @@ mod tests {
             attributes: RunAttributes {
                 wheel_radius: wheel.radius,
                 wheel_width: wheel.width,
-                lug_count: wheel.lug_count(),
+                lug_count: Some(wheel.lug_count()),
                 lug_height: wheel.lug_height(),
                 load: 100.0,
                 ..RunAttributes::default()

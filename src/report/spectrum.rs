@@ -66,7 +66,8 @@ impl OrderSpectrum {
     }
 }
 
-/// Order spectrum of `signal` over `wheel_angle` [rad] of a wheel with `lug_count` lugs (0: smooth).
+/// Order spectrum of `signal` over `wheel_angle` [rad] of a wheel with `lug_count` lugs (0: smooth, or
+/// of an unknown number).
 ///
 /// ```text
 /// A_k = 2 |Σ_j w_j (a(θ_j) - ā) exp(-2πi j k / N)| / Σ_j w_j,    w Hann, θ_j equally spaced

@@ -189,7 +189,7 @@ fn spectrum(trace: &Trace, remarks: &mut Remarks) -> Option<OrderSpectrum> {
         remarks.add("No order spectrum: it needs the channel wheel_angle.".to_owned());
         return None;
     };
-    match order_spectrum(signal, angle, trace.attributes.lug_count) {
+    match order_spectrum(signal, angle, trace.attributes.lug_count.unwrap_or(0)) {
         Ok(spectrum) => Some(spectrum),
         Err(error) => {
             remarks.add(format!("No order spectrum: {error}."));
@@ -532,9 +532,9 @@ fn terrain_name(terrain: TerrainLabel) -> &'static str {
 
 /// The wheel and what was commanded, without what nobody knows.
 fn wheel_and_condition(run: &RunAttributes) -> String {
-    let wheel = match run.lug_count {
-        0 => "smooth wheel".to_owned(),
-        count => format!("{count} lugs of {:.1} mm", run.lug_height * 1e3),
+    let wheel = match run.lugs() {
+        lugs if lugs.are_none() => "smooth wheel".to_owned(),
+        lugs => lugs.to_string(),
     };
     let known = |value: f64, text: String| value.is_finite().then_some(text);
     let (radius, width) = (run.wheel_radius * 1e3, run.wheel_width * 1e3);

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 pub struct WheelShape {
     /// Rim radius [m].
     pub radius: f64,
-    /// Number of lugs [-]; 0 on a smooth wheel.
+    /// Number of lugs [-]; 0 on a smooth wheel, or where it is unknown.
     pub lug_count: u32,
     /// Lug height [m].
     pub lug_height: f64,
@@ -34,11 +34,14 @@ impl From<&RunAttributes> for WheelShape {
     /// Run files do not hold the thickness of lugs: it is drawn as a fiftieth of the radius, and
     /// as a third of the pitch at most.
     fn from(run: &RunAttributes) -> Self {
-        let pitch = TAU * run.wheel_radius / f64::from(run.lug_count.max(1));
+        // Lugs of unknown number or height are not drawn.
+        let known = run.lug_count.filter(|_| run.lug_height.is_finite());
+        let lug_count = known.unwrap_or(0);
+        let pitch = TAU * run.wheel_radius / f64::from(lug_count.max(1));
         Self {
             radius: run.wheel_radius,
-            lug_count: run.lug_count,
-            lug_height: run.lug_height,
+            lug_count,
+            lug_height: if lug_count > 0 { run.lug_height } else { 0.0 },
             lug_thickness: (run.wheel_radius / 50.0).min(pitch / 3.0),
         }
     }

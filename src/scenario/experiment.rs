@@ -199,8 +199,11 @@ impl Scenario {
         RunAttributes {
             wheel_radius: self.wheel.radius,
             wheel_width: self.wheel.width,
-            lug_count: self.wheel.lug_count(),
+            lug_count: Some(self.wheel.lug_count()),
             lug_height: self.wheel.lug_height(),
+            wheel_mass: Some(self.wheel.mass),
+            plate: None,
+            slope_deg: self.rig.slope_deg(),
             load: self.rig.carried(),
             speed: drive.forward_speed,
             slip_ratio: drive.commanded_slip(self.wheel.radius),

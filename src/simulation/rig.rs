@@ -264,7 +264,7 @@ impl Rig {
         self.drive().flaws.check()?;
         self.frame().check()?;
         RangeError::positive("load", "N", self.load())?;
-        let slope_deg = match *self {
+        match *self {
             Self::SingleWheel(rig) => {
                 RangeError::positive("moving mass", "kg", rig.moving_mass)?;
                 RangeError::check(
@@ -273,15 +273,13 @@ impl Rig {
                     rig.lifted.unwrap_or(0.0),
                     [0.0, 1.0],
                 )?;
-                rig.slope_deg
             }
             Self::RoverLeg(rig) => {
                 RangeError::positive("leg stiffness", "N/m", rig.stiffness)?;
                 RangeError::check("leg damping", "N·s/m", rig.damping, [0.0, 1.0e9])?;
-                rig.slope_deg
             }
-        };
-        RangeError::check("slope", "°", slope_deg, [-35.0, 35.0])?;
+        }
+        RangeError::check("slope", "°", self.slope_deg(), [-35.0, 35.0])?;
         Ok(())
     }
 
@@ -377,12 +375,25 @@ impl Rig {
 }
 
 impl Rig {
+    /// Slope of the track [°], above 0 uphill.
+    pub fn slope_deg(&self) -> f64 {
+        match self {
+            Self::SingleWheel(rig) => rig.slope_deg,
+            Self::RoverLeg(rig) => rig.slope_deg,
+        }
+    }
+
+    /// Slope of the track [°], to be edited.
+    pub fn slope_deg_mut(&mut self) -> &mut f64 {
+        match self {
+            Self::SingleWheel(rig) => &mut rig.slope_deg,
+            Self::RoverLeg(rig) => &mut rig.slope_deg,
+        }
+    }
+
     /// Slope of the track [rad], above 0 uphill.
     fn slope(&self) -> f64 {
-        match self {
-            Self::SingleWheel(rig) => rig.slope_deg.to_radians(),
-            Self::RoverLeg(rig) => rig.slope_deg.to_radians(),
-        }
+        self.slope_deg().to_radians()
     }
 
     /// Load at rest normal to the track [N]. The carriage carries what acts along it.

@@ -229,7 +229,7 @@ fn lug_pass_amplitude(trace: &Trace) -> Option<f64> {
         trace.channel("wheel_angle")?,
     );
     let (acceleration, angle) = (acceleration.steady(), angle.steady());
-    let count = f64::from(trace.attributes.lug_count);
+    let count = f64::from(trace.attributes.lug_count?);
     let pass = std::f64::consts::TAU / count;
     let passes = ((angle.last()? - angle.first()?).abs() / pass).floor();
     if acceleration.len() != angle.len() || count == 0.0 || passes < 1.0 {

@@ -134,7 +134,7 @@ impl Trace {
     }
 
     /// Period of the lug passes [s] over the steady part, by the wheel's turning or else by the command; `None`
-    /// without lugs or where neither is known.
+    /// without lugs, or where their number or the turning is unknown.
     fn lug_pass(&self) -> Option<f64> {
         let RunAttributes {
             lug_count,
@@ -149,7 +149,7 @@ impl Trace {
                 .wheel_speed(wheel_radius, speed)
         };
         let turning = self.channel("wheel_angle").and_then(wheel_speed);
-        let pass = TAU / f64::from(lug_count) / turning.or_else(commanded)?.abs();
+        let pass = TAU / f64::from(lug_count?) / turning.or_else(commanded)?.abs();
         pass.is_finite().then_some(pass)
     }
 }

@@ -44,6 +44,7 @@ def read(path):
 
 def check_simulated(run):
     check_attributes(run.name, run.attrs, {
+        "wheel_mass_kg": 4.0,
         "wheel_radius_m": 0.14,
         "wheel_width_m": 0.15,
         "lug_count": 28,

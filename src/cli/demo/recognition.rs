@@ -64,7 +64,7 @@ fn runs(finding: &Finding) -> anyhow::Result<Vec<Trace>> {
 
 impl Recognition {
     fn add(&mut self, trace: &Trace, recognizer: &mut Recognizer) -> anyhow::Result<()> {
-        self.lugs = trace.attributes.lug_count;
+        self.lugs = trace.attributes.lug_count.unwrap_or(self.lugs);
         let Some(terrain) = trace.attributes.terrain else {
             return Ok(());
         };

@@ -73,13 +73,12 @@ fn intro(findings: &[Finding]) -> String {
     let names: Vec<&str> = findings.iter().map(|finding| finding.name).collect();
     let run = &findings[0].first.1.attributes;
     format!(
-        "A wheel of {:.0} mm radius with {} lugs of {:.0} mm rolls at {:.0} mm/s and slip {} under \
+        "A wheel of {:.0} mm radius with {} rolls at {:.0} mm/s and slip {} under \
          {:.0} N, on {}: {RUNS} simulated runs of {} s on each, measured as a test rig would. Runs \
          on a ground differ in what is random there, its unevenness or its stones; on flat hard \
          ground nothing is.",
         run.wheel_radius * 1e3,
-        run.lug_count,
-        run.lug_height * 1e3,
+        run.lugs(),
         run.speed * 1e3,
         run.slip_ratio,
         run.load,

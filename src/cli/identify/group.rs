@@ -10,6 +10,7 @@ use lugwheel::identification::{
 use lugwheel::quantity::RangeError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::RunAttributes;
+use lugwheel::trace::wheel::Lugs;
 use serde::Serialize;
 use std::fmt;
 use std::rc::Rc;
@@ -41,9 +42,9 @@ pub struct WheelOfRun {
     pub radius_m: f64,
     /// Width [m].
     pub width_m: f64,
-    /// Number of lugs.
-    pub lug_count: u32,
-    /// Lug height [m].
+    /// Number of lugs; none where it is unknown.
+    pub lug_count: Option<u32>,
+    /// Lug height [m]; none where it is unknown.
     pub lug_height_m: f64,
 }
 
@@ -52,13 +53,21 @@ impl WheelOfRun {
         Self {
             radius_m: run.wheel_radius,
             width_m: run.wheel_width,
-            lug_count: run.lug_count,
             // A smooth wheel's file need not say how high its lugs are.
-            lug_height_m: if run.lug_count == 0 {
+            lug_height_m: if run.lugs().are_none() {
                 0.0
             } else {
                 run.lug_height
             },
+            lug_count: run.lug_count,
+        }
+    }
+
+    /// Its lugs.
+    fn lugs(&self) -> Lugs {
+        Lugs {
+            count: self.lug_count,
+            height: self.lug_height_m,
         }
     }
 
@@ -77,8 +86,13 @@ impl WheelOfRun {
     }
 
     fn setting(&self, convention: &Convention) -> Setting {
+        let is_rim = convention.cylinder.cylinder() == Cylinder::Rim;
         Setting {
-            lug_height: self.lug_height_m,
+            // The rim's equations do not need a height that nobody knows.
+            lug_height: match self.lug_height_m {
+                unknown if unknown.is_nan() && is_rim => 0.0,
+                height => height,
+            },
             cylinder: convention.cylinder.cylinder(),
             exit_angle: convention.exit_angle,
             known: convention.known(),
@@ -95,11 +109,11 @@ impl fmt::Display for WheelOfRun {
         // To a hundredth of a millimetre.
         let shown = |length: f64| (length * 1.0e5).round() / 1.0e2;
         let [radius, width] = [self.radius_m, self.width_m].map(shown);
-        write!(f, "rim radius {radius} mm, width {width} mm, ")?;
-        match self.lug_count {
-            0 => f.write_str("no lugs"),
-            count => write!(f, "{count} lugs of {} mm", shown(self.lug_height_m)),
-        }
+        write!(
+            f,
+            "rim radius {radius} mm, width {width} mm, {}",
+            self.lugs()
+        )
     }
 }
 

@@ -41,7 +41,7 @@ impl Figures {
 
     /// Draws a run and notes its windows.
     pub fn add(&mut self, id: &str, trace: &Trace, windows: &[Recognized]) -> anyhow::Result<()> {
-        self.lugs.insert(trace.attributes.lug_count);
+        self.lugs.extend(trace.attributes.lug_count);
         self.points.extend(windows.iter().filter_map(|window| {
             Some(Point {
                 p: *window.p.as_ref().ok()?,

@@ -6,12 +6,19 @@ use super::sheet::{Header, Row};
 use super::source::{Measure, Source};
 use crate::quantity::{RangeError, SlipRatio};
 use crate::trace::RunAttributes;
+use crate::trace::wheel::{Lugs, Plate};
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::Error as NameError;
 
 /// Most lugs of a measured wheel [-].
 const MOST_LUGS: f64 = 1000.0;
+
+/// Slopes [°] of measured tracks: no dry soil lies steeper.
+const STEEPEST: [f64; 2] = [-45.0, 45.0];
+
+/// Diameters and sides [m] of plates.
+const PLATES: [f64; 2] = [0.001, 10.0];
 
 /// Id, where one is given, and attributes of a run of time series.
 pub(super) fn of_run(source: Source<'_>) -> Result<(Option<String>, RunAttributes), Misplaced> {
@@ -48,9 +55,10 @@ impl Condition<'_> {
         let within = |quantity, unit, range| move |x| RangeError::check(quantity, unit, x, range);
         let radius = within("wheel radius", "m", [0.01, 2.0]);
         let wheel_radius = self.number("wheel.radius_m", "m", &wheel.radius_m, radius)?;
-        let highest = wheel_radius.unwrap_or(2.0);
-        let lug_height = within("lug height", "m", [0.0, highest]);
         let load = within("load", "N", [0.0, f64::INFINITY]);
+        let mass = within("wheel mass", "kg", [0.0, 1.0e4]);
+        let slope = within("slope", "°", STEEPEST);
+        let lugs = self.lugs(wheel_radius)?;
         Ok(RunAttributes {
             wheel_radius: known(wheel_radius),
             wheel_width: known(self.number(
@@ -59,20 +67,61 @@ impl Condition<'_> {
                 &wheel.width_m,
                 positive("wheel width"),
             )?),
-            lug_count: self.count("wheel.lug_count", &wheel.lug_count, MOST_LUGS)?,
-            lug_height: self
-                .number("wheel.lug_height_m", "m", &wheel.lug_height_m, lug_height)?
+            lug_count: lugs.count,
+            lug_height: lugs.height,
+            wheel_mass: self.number("wheel.mass_kg", "kg", &wheel.mass_kg, mass)?,
+            plate: self.plate()?,
+            slope_deg: self
+                .number("slope_deg", "deg", &table.slope_deg, slope)?
                 .unwrap_or(0.0),
             load: known(self.number("load_n", "N", &table.load_n, load)?),
             speed: known(self.speed("speed_m_s", &table.speed_m_s)?),
             slip_ratio: known(self.slip()?),
             terrain: self.name("terrain", &table.terrain)?,
             class: self.name("class", &table.class)?,
-            repeat: self.count("repeat", &table.repeat, f64::from(u32::MAX))?,
+            repeat: self
+                .count("repeat", &table.repeat, f64::from(u32::MAX))?
+                .unwrap_or(0),
             day: self.text("day", table.day.as_ref())?,
             notes: self.text("notes", table.notes.as_ref())?,
             ..RunAttributes::default()
         })
+    }
+
+    /// The lugs of a wheel of this radius [m], as far as they are given.
+    fn lugs(&self, wheel_radius: Option<f64>) -> Result<Lugs, Misplaced> {
+        let wheel = &self.source.table.wheel;
+        let highest = wheel_radius.unwrap_or(2.0);
+        let within = |x| RangeError::check("lug height", "m", x, [0.0, highest]);
+        let height = self.number("wheel.lug_height_m", "m", &wheel.lug_height_m, within)?;
+        let count = self.count("wheel.lug_count", &wheel.lug_count, MOST_LUGS)?;
+        Ok(Lugs::stated(count, known(height)))
+    }
+
+    /// The plate, by its diameter or by both sides.
+    fn plate(&self) -> Result<Option<Plate>, Misplaced> {
+        let table = self.source.table;
+        let length = |key, given| {
+            let within = |x| RangeError::check("plate", "m", x, PLATES);
+            self.number(key, "m", given, within)
+        };
+        let diameter = length("plate_diameter_m", &table.plate_diameter_m)?;
+        let sides = [
+            length("plate_length_m", &table.plate_length_m)?,
+            length("plate_width_m", &table.plate_width_m)?,
+        ];
+        let at = |key, message: &str| Err(self.source.fault(key, message));
+        match (diameter, sides) {
+            (None, [None, None]) => Ok(None),
+            (Some(diameter), [None, None]) => Ok(Some(Plate::Disc { diameter })),
+            (None, [Some(length), Some(width)]) => Ok(Some(Plate::rectangle([length, width]))),
+            (Some(_), _) => at(
+                "plate_diameter_m",
+                "a plate is round or has two sides; keep the diameter or the sides",
+            ),
+            (None, [Some(_), None]) => at("plate_length_m", "give plate_width_m as well"),
+            (None, [None, Some(_)]) => at("plate_width_m", "give plate_length_m as well"),
+        }
     }
 
     /// The commanded slip, given or by the rim's speed.
@@ -105,7 +154,7 @@ impl Condition<'_> {
         self.number(key, "m/s", given, check)
     }
 
-    fn count(&self, key: &str, given: &Option<Given>, most: f64) -> Result<u32, Misplaced> {
+    fn count(&self, key: &str, given: &Option<Given>, most: f64) -> Result<Option<u32>, Misplaced> {
         let whole = |x: f64| match x.fract() == 0.0 && (0.0..=most).contains(&x) {
             true => Ok(x),
             false => Err(RangeError {
@@ -116,7 +165,7 @@ impl Condition<'_> {
             }),
         };
         let count = self.number(key, "1", given, whole)?;
-        Ok(count.unwrap_or(0.0) as u32)
+        Ok(count.map(|count| count as u32))
     }
 
     /// A number that keeps `check`; `None` where it is not known.

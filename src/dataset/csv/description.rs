@@ -50,6 +50,10 @@ pub(super) struct SourceTable {
     pub(super) id: Option<Given>,
     #[serde(default)]
     pub(super) wheel: WheelTable,
+    pub(super) plate_diameter_m: Option<Given>,
+    pub(super) plate_length_m: Option<Given>,
+    pub(super) plate_width_m: Option<Given>,
+    pub(super) slope_deg: Option<Given>,
     pub(super) load_n: Option<Given>,
     pub(super) speed_m_s: Option<Given>,
     pub(super) slip_ratio: Option<Given>,
@@ -69,6 +73,7 @@ pub(super) struct WheelTable {
     pub(super) width_m: Option<Given>,
     pub(super) lug_count: Option<Given>,
     pub(super) lug_height_m: Option<Given>,
+    pub(super) mass_kg: Option<Given>,
 }
 
 impl SourceTable {

@@ -4,7 +4,7 @@ use crate::quantity::GRAVITY;
 use std::f64::consts::{PI, TAU};
 
 /// Units by the unit they are converted to, each with its size in that unit.
-const UNITS: [(&str, &[(&str, f64)]); 9] = [
+const UNITS: [(&str, &[(&str, f64)]); 11] = [
     (
         "m/s^2",
         &[
@@ -48,6 +48,8 @@ const UNITS: [(&str, &[(&str, f64)]); 9] = [
         ],
     ),
     ("1", &[("1", 1.0), ("%", 1.0e-2)]),
+    ("kg", &[("kg", 1.0), ("g", 1.0e-3)]),
+    ("deg", &[("deg", 1.0), ("rad", 180.0 / PI)]),
     ("rad", &[("rad", 1.0), ("deg", PI / 180.0), ("rev", TAU)]),
     (
         "m/s",

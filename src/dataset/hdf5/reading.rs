@@ -8,6 +8,7 @@ use super::{Outcome, reason};
 use crate::dataset::Provenance;
 use crate::quantity::Seed;
 use crate::terrain::class::TerrainLabel;
+use crate::trace::wheel::{Lugs, Plate};
 use crate::trace::{Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth};
 use ::hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use ::hdf5::{Attribute, Container, Dataset, File, Group, H5Type, Location, MinorErrorCode};
@@ -244,11 +245,15 @@ fn listed(names: &[String]) -> String {
 }
 
 fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
+    let lugs = lugs(run)?;
     Ok(RunAttributes {
         wheel_radius: run.number("wheel_radius_m")?,
         wheel_width: run.number("wheel_width_m")?,
-        lug_count: run.whole("lug_count")?,
-        lug_height: run.number("lug_height_m")?,
+        lug_count: lugs.count,
+        lug_height: lugs.height,
+        wheel_mass: run.optional("wheel_mass_kg")?,
+        plate: plate(run)?,
+        slope_deg: run.optional("slope_deg")?.unwrap_or(0.0),
         load: run.number("load_n")?,
         speed: run.number("speed_m_s")?,
         slip_ratio: run.number("slip_ratio")?,
@@ -261,10 +266,7 @@ fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
         },
         day: run.text_or_empty("day")?,
         notes: run.text_or_empty("notes")?,
-        physics_rate: run
-            .has("physics_rate_hz")
-            .then(|| run.number("physics_rate_hz"))
-            .transpose()?,
+        physics_rate: run.optional("physics_rate_hz")?,
         angle_zero_unknown: run.text_or_empty("wheel_angle_zero")? == "unknown",
         import_notes: run
             .text_or_empty("import_notes")?
@@ -272,6 +274,40 @@ fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
             .map(str::to_owned)
             .collect(),
     })
+}
+
+/// Lugs of a run. Files that could not leave the count out have 0 lugs of some height where it is unknown.
+fn lugs(run: &Place<'_>) -> Outcome<Lugs> {
+    let height = run.number("lug_height_m")?;
+    let count = match run.has("lug_count") {
+        true => Some(run.whole("lug_count")?),
+        false => None,
+    };
+    let unknown = count == Some(0) && height > 0.0;
+    Ok(Lugs::stated(count.filter(|_| !unknown), height))
+}
+
+/// The plate of a run: its diameter, or both sides.
+fn plate(run: &Place<'_>) -> Outcome<Option<Plate>> {
+    let diameter = run.optional("plate_diameter_m")?;
+    let sides = [
+        run.optional("plate_length_m")?,
+        run.optional("plate_width_m")?,
+    ];
+    match (diameter, sides) {
+        (None, [None, None]) => Ok(None),
+        (Some(diameter), [None, None]) => Ok(Some(Plate::Disc { diameter })),
+        (None, [Some(length), Some(width)]) => Ok(Some(Plate::rectangle([length, width]))),
+        (diameter, _) => {
+            let expected = "plate_diameter_m, or plate_length_m and plate_width_m";
+            let found = if diameter.is_some() {
+                "a diameter and sides"
+            } else {
+                "one side"
+            };
+            Err(run.content(expected, found.to_owned()))
+        }
+    }
 }
 
 fn channel(name: String, dataset: &Dataset, place: &Place<'_>) -> Outcome<Channel> {
@@ -464,6 +500,11 @@ impl Place<'_> {
             [value] => Ok(value),
             ref values => Err(self.content(expected, format!("{} of them", values.len()))),
         }
+    }
+
+    /// A number that may be missing.
+    fn optional(&self, name: &str) -> Outcome<Option<f64>> {
+        self.has(name).then(|| self.number(name)).transpose()
     }
 
     fn whole<T: TryFrom<i64>>(&self, name: &str) -> Outcome<T> {

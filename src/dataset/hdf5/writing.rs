@@ -6,6 +6,7 @@ use super::{
     Word,
 };
 use crate::dataset::Provenance;
+use crate::trace::wheel::{Lugs, Plate};
 use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth};
 use crate::whole_file::WholeFile;
 use ::hdf5::file::LibraryVersion;
@@ -254,6 +255,9 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
         wheel_width,
         lug_count,
         lug_height,
+        wheel_mass,
+        plate,
+        slope_deg,
         load,
         speed,
         slip_ratio,
@@ -268,8 +272,15 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
     } = attributes;
     set(run, "wheel_radius_m", *wheel_radius)?;
     set(run, "wheel_width_m", *wheel_width)?;
-    set(run, "lug_count", *lug_count)?;
-    set(run, "lug_height_m", *lug_height)?;
+    let lugs = Lugs::stated(*lug_count, *lug_height);
+    if let Some(count) = lugs.count {
+        set(run, "lug_count", count)?;
+    }
+    set(run, "lug_height_m", lugs.height)?;
+    let slope = Some(*slope_deg).filter(|slope| *slope != 0.0);
+    write_known(run, "wheel_mass_kg", *wheel_mass)?;
+    write_known(run, "slope_deg", slope)?;
+    write_plate(run, *plate)?;
     set(run, "load_n", *load)?;
     set(run, "speed_m_s", *speed)?;
     set(run, "slip_ratio", *slip_ratio)?;
@@ -278,9 +289,7 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
     set(run, "repeat", *repeat)?;
     set_text(run, "day", day)?;
     set_text(run, "notes", notes)?;
-    if let Some(rate) = physics_rate {
-        set(run, "physics_rate_hz", *rate)?;
-    }
+    write_known(run, "physics_rate_hz", *physics_rate)?;
     if *angle_zero_unknown {
         set_text(run, "wheel_angle_zero", "unknown")?;
     }
@@ -288,6 +297,22 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
         set_text(run, "import_notes", &import_notes.join("\n"))?;
     }
     Ok(())
+}
+
+/// Writes a number that a run may be without.
+fn write_known(run: &Group, name: &str, value: Option<f64>) -> Result<()> {
+    value.map_or(Ok(()), |value| set(run, name, value))
+}
+
+fn write_plate(run: &Group, plate: Option<Plate>) -> Result<()> {
+    match plate {
+        None => Ok(()),
+        Some(Plate::Disc { diameter }) => set(run, "plate_diameter_m", diameter),
+        Some(Plate::Rectangle { length, width }) => {
+            set(run, "plate_length_m", length)?;
+            set(run, "plate_width_m", width)
+        }
+    }
 }
 
 fn write_channel(channels: &Group, channel: &Channel) -> Result<Dataset> {

@@ -37,7 +37,7 @@ struct Point {
 #[derive(Debug, Clone, PartialEq)]
 struct Condition {
     wheel: [f64; 3],
-    lugs: u32,
+    lugs: Option<u32>,
     load: i64,
     terrain: Option<TerrainLabel>,
 }

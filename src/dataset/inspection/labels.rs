@@ -71,10 +71,12 @@ fn check_wheel(attributes: &RunAttributes, doubts: &mut Doubts) {
     let RunAttributes {
         wheel_radius,
         wheel_width,
-        lug_count,
-        lug_height,
+        plate,
         ..
     } = *attributes;
+    if plate.is_some() {
+        return;
+    }
     for (name, length) in [
         ("wheel_radius_m", wheel_radius),
         ("wheel_width_m", wheel_width),
@@ -87,8 +89,17 @@ fn check_wheel(attributes: &RunAttributes, doubts: &mut Doubts) {
             doubts.run(Severity::Error, &seen, "millimetres?");
         }
     }
-    if (lug_count > 0) != (lug_height > 0.0) {
-        let seen = format!("{lug_count} lugs of {} m", number(lug_height));
+    check_lugs(attributes, doubts);
+}
+
+fn check_lugs(attributes: &RunAttributes, doubts: &mut Doubts) {
+    let (lugs, height) = (attributes.lugs(), attributes.lug_height);
+    let Some(count) = lugs.count else {
+        let seen = format!("{lugs}; what needs their count is left out");
+        return doubts.run(Severity::Info, &seen, "");
+    };
+    if !height.is_nan() && (count > 0) != (height > 0.0) {
+        let seen = format!("{count} lugs of {} m", number(height));
         doubts.run(Severity::Warning, &seen, "one of them is wrong");
     }
 }
@@ -275,12 +286,9 @@ fn check_signs(subject: &Subject<'_>, doubts: &mut Doubts) {
 /// Doubts a pull or a torque that no ground can give at this load.
 fn check_sizes(subject: &Subject<'_>, doubts: &mut Doubts) {
     let RunAttributes {
-        load,
-        wheel_radius,
-        lug_height,
-        ..
+        load, wheel_radius, ..
     } = subject.trace.attributes;
-    let tip_radius = wheel_radius + lug_height;
+    let tip_radius = wheel_radius + tallest_lugs(&subject.trace.attributes);
     for (name, unit, most, guess) in [
         ("drawbar_pull", "N", load, "a wrong prefix (milli, kilo)?"),
         (
@@ -310,11 +318,8 @@ fn check_sinkage(subject: &Subject<'_>, doubts: &mut Doubts) {
         return;
     };
     let attributes = &subject.trace.attributes;
-    let RunAttributes {
-        wheel_radius,
-        lug_height,
-        ..
-    } = *attributes;
+    let wheel_radius = attributes.wheel_radius;
+    let lowest = -(tallest_lugs(attributes) + highest_rise(attributes));
     if sinkage > wheel_radius {
         let seen = format!(
             "mean is {} m, above the wheel's radius {} m",
@@ -322,13 +327,21 @@ fn check_sinkage(subject: &Subject<'_>, doubts: &mut Doubts) {
             number(wheel_radius)
         );
         doubts.channel(name, Severity::Error, &seen, "millimetres?");
-    } else if !attributes.is_lifted() && sinkage < -(lug_height + highest_rise(attributes)) {
+    } else if !attributes.is_lifted() && sinkage < lowest {
         let seen = format!(
             "mean is {} m: the rim stands above the ground by more than its lugs",
             number(sinkage)
         );
         let guess = "change its sign or tare it";
         doubts.channel(name, Severity::Warning, &seen, guess);
+    }
+}
+
+/// Lug height [m]; where it is unknown, as tall as lugs of rovers are over their wheel's radius.
+fn tallest_lugs(attributes: &RunAttributes) -> f64 {
+    match attributes.lug_height {
+        unknown if unknown.is_nan() => 0.25 * attributes.wheel_radius,
+        height => height,
     }
 }
 

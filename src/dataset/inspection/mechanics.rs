@@ -24,7 +24,7 @@
 //! ground. Without torque, `−F` alone is at most as much. Heaps before the wheel and stones let it meet
 //! ground higher than it sinks: these are in the [`HEAP`] and in the roughness of ground that is not known to be sand.
 //!
-//! Both hold on the level.
+//! Both hold on the level, and are not asked of runs on a slope.
 
 use super::doubts::Doubts;
 use super::subject::{SIGMAS, Steady, Subject, ZERO};
@@ -55,7 +55,9 @@ const DRIVING_SLIP: f64 = 0.05;
 /// Checks pull and torque against each other, load and sinkage.
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
     let is_doubted = doubts.has_any(&["drawbar_pull", "driving_torque"]);
-    if is_doubted || subject.trace.attributes.is_lifted() || subject.motion.is_rest() {
+    let RunAttributes { slope_deg, .. } = subject.trace.attributes;
+    let is_still = subject.trace.attributes.is_lifted() || subject.motion.is_rest();
+    if is_doubted || is_still || slope_deg != 0.0 {
         return;
     }
     let steepest = STEEPEST.to_radians().tan();

@@ -6,6 +6,7 @@ use super::record::{Record, names};
 use crate::gap::Condition;
 use crate::scenario::Scenario;
 use crate::terrain::class::TerrainLabel;
+use crate::trace::wheel::Lugs;
 use crate::trace::{Trace, unit_of};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -126,17 +127,18 @@ impl fmt::Display for Caveat {
 
 /// In what measured wheels and grounds differ from the scenario's.
 pub(super) fn differences(scenario: &Scenario, records: &[Record]) -> Vec<Caveat> {
-    let lugs = |count: u32, height: f64| match count {
-        0 => "no lugs".to_owned(),
-        count => format!("{count} lugs of {:.1} mm", 1.0e3 * height),
+    let of_scenario = Lugs {
+        count: Some(scenario.wheel.lug_count()),
+        height: scenario.wheel.lug_height(),
     };
-    let told = lugs(scenario.wheel.lug_count(), scenario.wheel.lug_height());
+    let told = of_scenario.to_string();
     let ground = scenario.terrain.label();
     let mut caveats = Vec::new();
     for Record { attributes, .. } in records {
-        let measured = lugs(attributes.lug_count, attributes.lug_height);
-        caveats.extend((measured != told).then(|| Caveat::Lugs {
-            measured,
+        // What is not stated of the measured lugs is taken from the scenario's.
+        let completed = attributes.lugs().completed(of_scenario).to_string();
+        caveats.extend((completed != told).then(|| Caveat::Lugs {
+            measured: attributes.lugs().to_string(),
             scenario: told.clone(),
         }));
         let other = attributes.terrain.filter(|label| *label != ground);

@@ -103,6 +103,10 @@ impl Group {
         let carried = scenario.rig.carry(attributes.load, first.clearance);
         carried.map_err(|error| words(&error))?;
         command(scenario.rig.drive_mut(), &attributes, first.turning)?;
+        // Runs of which nobody stated a slope are driven on the scenario's.
+        if attributes.slope_deg != 0.0 {
+            *scenario.rig.slope_deg_mut() = attributes.slope_deg;
+        }
         let turning = scenario.rig.drive().full_wheel_speed(scenario.wheel.radius);
         let turning = turning.map_err(|error| words(&error))?;
         scenario.duration = match layout.duration() {
@@ -161,10 +165,8 @@ fn command(
 /// Duration [s] of a run of means only: its middle half holds whole lug passes, four at least, and
 /// a wheel's width of track or more; half of that goes before, for the wheel to sink in.
 fn duration_of_means(wheel: &Wheel, attributes: &RunAttributes, turning: f64) -> f64 {
-    let lugs = match attributes.lug_count {
-        0 => wheel.lug_count(),
-        count => count,
-    };
+    let measured = attributes.lug_count.filter(|count| *count > 0);
+    let lugs = measured.unwrap_or(wheel.lug_count());
     let width = wheel.width / attributes.speed.abs();
     let pass = TAU / f64::from(lugs) / turning.abs();
     let duration = match [pass.is_finite(), width.is_finite()] {

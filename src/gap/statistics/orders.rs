@@ -37,7 +37,8 @@ struct Waves {
 impl Turning {
     /// None where nothing tells how the wheel turned.
     pub fn of(trace: &Trace) -> Option<Self> {
-        let lugs = trace.attributes.lug_count;
+        // Without a count there are turns and no lug passes.
+        let lugs = trace.attributes.lug_count.unwrap_or(0);
         let turning = |angle, tells_phase| Self {
             angle,
             tells_phase,
