@@ -15,8 +15,9 @@
 //! model: where it misses the loads by more than their uncertainties, a
 //! [warning](Warning::Misfit) says so.
 //!
-//! An [`Estimate`] says what the data fix and what they leave open: a parameter that they do not
-//! fix has no interval and is [not identifiable](Standing::NotIdentifiable), and a
+//! An [`Estimate`] says what the data fix and what they leave open: a parameter that ended at an end of its
+//! search, or whose interval is wider than is of use, is [not identifiable](Standing::NotIdentifiable)
+//! with the [reason](Open), and a
 //! [`Combination`] names what is known of it together with others. On hard ground, for example,
 //! `k_s` and `n_0` are not, `k_s z^n0` is. In soil under one load `k_s`, `n_0` and `n_1` are not:
 //! of all values that explain the rows as well, those with an `n_0` nearest to that of soils are
@@ -31,6 +32,7 @@ mod forces;
 mod joint;
 mod known;
 mod least_squares;
+mod load_missed;
 mod model;
 mod observation;
 mod parameter;
@@ -41,7 +43,9 @@ mod prediction;
 mod prediction_error;
 mod profile;
 mod row;
+mod scope;
 mod search;
+mod slope;
 mod stages;
 mod steady;
 mod usual;
@@ -49,19 +53,21 @@ mod warning;
 mod weight;
 
 pub use combination::Combination;
-pub use estimate::{Estimate, Identified, Standing};
+pub use estimate::{Estimate, Identified, Open, Standing};
 pub use force_error::ForceErrors;
 pub use forces::{Force, PredictedForce};
 pub use known::Known;
 pub use least_squares::Termination;
+pub use load_missed::LoadMissed;
 pub use parameter::{Parameter, TerrainParameters};
 pub use plates::{PlateError, PlateFit};
 pub use pooling::pool;
 pub use prediction::{Predicted, Prediction, Predictor};
 pub use prediction_error::PredictionErrors;
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
+pub use scope::Scope;
 pub use stages::{Stage, Staged};
-pub use steady::{CALIBRATION, SteadyError, steady_loads};
+pub use steady::{CALIBRATION, SteadyError, Stretch, steady_loads, steady_stretches};
 pub use warning::Warning;
 
 use crate::quantity::RangeError;
@@ -118,9 +124,9 @@ pub enum IdentifyError {
          it is known otherwise"
     )]
     UnknownClass,
-    /// No row has a torque, and there are fewer forces than parameters.
+    /// Not every row has a torque, and there are fewer loads and pulls than parameters.
     #[error(
-        "without driving torque {needed} rows or more are needed for class {class}, got {given}"
+        "where driving torque is missing {needed} rows or more are needed for class {class}, got {given}"
     )]
     TooFewPulls {
         /// The class.
@@ -200,8 +206,8 @@ impl Identification {
         Ok(Self { model, rows })
     }
 
-    /// The paper's three stages, one after the other; `None` without torques, which all three
-    /// need.
+    /// The paper's three stages, one after the other, of the rows with a torque; `None` where
+    /// these are too few for one of them.
     pub fn staged(&self) -> Option<Staged> {
         self.search().staged()
     }
@@ -307,7 +313,12 @@ impl Identification {
         estimate.terrain = TerrainParameters::at(&usual.at);
         for identified in &mut estimate.parameters {
             identified.value = estimate.terrain.get(identified.parameter);
+            let of_pressure = Stage::of(identified.parameter) == Stage::NormalStress;
+            if of_pressure && identified.standing == Standing::NotIdentifiable {
+                identified.open = Some(Open::Ridge);
+            }
         }
+        estimate.open_at_ends(&self.model.held_at(&usual.at));
         estimate.force_errors = ForceErrors::new(&self.model, &usual.at, &self.rows);
         estimate.chi_square = usual.chi_square;
         estimate.termination = usual.termination;
@@ -349,18 +360,20 @@ impl Identification {
             let correlation = places.map(|(row, column)| estimate.correlation[row][column]);
             correlation.is_some_and(|known| known.is_none_or(|c| c.abs() > TOGETHER))
         };
-        let leans = |parameter: &Parameter| {
+        let leans = |parameter: Parameter| {
             let on = |held: &Parameter| {
-                Stage::of(*parameter) == Stage::of(*held) || correlated(*parameter, *held)
+                Stage::of(parameter) == Stage::of(*held) || correlated(parameter, *held)
             };
-            held.iter().any(on)
+            let held = held.iter().map(|(held, _)| *held).find(on)?;
+            Some((parameter, held))
         };
-        let leaning: Vec<Parameter> = self.model.free().into_iter().filter(leans).collect();
-        for parameter in leaning {
+        let leaning: Vec<_> = self.model.free().into_iter().filter_map(leans).collect();
+        for (parameter, held) in leaning {
             let identified = &mut estimate.parameters[parameter as usize];
-            identified.standing = Standing::NotIdentifiable;
+            identified.open_by(Open::With(held));
             identified.interval = [None; 2];
         }
+        estimate.open_at_ends(&held);
     }
 
     /// The forces of `rows` as an estimate from this identification's rows predicts them from slip
@@ -447,6 +460,7 @@ impl Identification {
             parameter,
             value,
             standing,
+            open: None,
             standard_error,
             interval,
             profile: None,
@@ -454,8 +468,13 @@ impl Identification {
         if let Some(standing) = self.model.standing(parameter) {
             return told(standing, 0.0, [Some(value); 2]);
         }
+        let open = |reason, standard_error, interval| Identified {
+            open: Some(reason),
+            ..told(Standing::NotIdentifiable, standard_error, interval)
+        };
         if parameter.is_as_good_as_zero(coordinate) {
-            return told(Standing::Identified, f64::INFINITY, [Some(0.0), None]);
+            let end = parameter.range()[0];
+            return open(Open::AtEnd(end), f64::INFINITY, [Some(0.0), None]);
         }
         let unit = directions.function(unit(parameter));
         let deviation = directions
@@ -467,8 +486,10 @@ impl Identification {
             let ends = [coordinate - half, coordinate + half];
             let interval = ends.map(|end| Some(parameter.value(end)));
             told(Standing::Identified, standard_error, interval)
+        } else if half.is_finite() {
+            open(Open::Wide, standard_error, [None; 2])
         } else {
-            told(Standing::NotIdentifiable, standard_error, [None; 2])
+            open(Open::Unbounded, standard_error, [None; 2])
         }
     }
 }
@@ -484,19 +505,15 @@ struct Around {
 /// # Errors
 /// `TooFewRows` for the first stage that cannot be fitted.
 fn enough_for_stages(model: &Model, rows: &[SteadyLoad]) -> Result<(), IdentifyError> {
-    for stage in Stage::ALL {
-        let given = model.rows_of(stage, rows).len();
-        let needed = model.moved_among(stage.parameters()).len();
-        if given < needed {
-            return Err(IdentifyError::TooFewRows {
-                stage,
-                class: model.class,
-                needed,
-                given,
-            });
-        }
+    match model.stage_without_rows(rows) {
+        None => Ok(()),
+        Some((stage, [needed, given])) => Err(IdentifyError::TooFewRows {
+            stage,
+            class: model.class,
+            needed,
+            given,
+        }),
     }
-    Ok(())
 }
 
 /// # Errors

@@ -21,6 +21,7 @@ mod gap;
 mod ground_effects;
 mod identification;
 mod identify;
+mod identify_claims;
 mod import;
 mod inspection;
 mod inspection_faults;

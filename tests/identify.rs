@@ -21,7 +21,7 @@ const SLIPS: [f64; 8] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
 const LOADS: [f64; 3] = [60.0, 109.0, 200.0];
 
 /// A run of means at `slip` under `load` [N] as Eq. (62)-(64) give them on the sand of Table 6.
-fn run(slip: f64, load: f64) -> Trace {
+pub(crate) fn run(slip: f64, load: f64) -> Trace {
     let wheel = Wheel::rover();
     let smooth = Wheel {
         lugs: None,
@@ -63,7 +63,7 @@ fn run(slip: f64, load: f64) -> Trace {
     }
 }
 
-fn campaign() -> Vec<(String, Trace)> {
+pub(crate) fn campaign() -> Vec<(String, Trace)> {
     let pairs = LOADS
         .iter()
         .flat_map(|load| SLIPS.map(|slip| (slip, *load)));
@@ -73,13 +73,13 @@ fn campaign() -> Vec<(String, Trace)> {
         .collect()
 }
 
-fn mean<'t>(trace: &'t mut Trace, name: &str) -> &'t mut f64 {
+pub(crate) fn mean<'t>(trace: &'t mut Trace, name: &str) -> &'t mut f64 {
     let mut means = trace.means.iter_mut();
     &mut means.find(|mean| mean.name == name).unwrap().value
 }
 
 /// A folder with these runs in `runs.h5`.
-fn folder(runs: &[(String, Trace)]) -> TempDir {
+pub(crate) fn folder(runs: &[(String, Trace)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("runs.h5"), runs);
     folder
@@ -93,7 +93,7 @@ fn write(path: &Path, runs: &[(String, Trace)]) {
     file.finish().unwrap();
 }
 
-fn lugwheel(folder: &TempDir, command: &str, words: &str) -> Output {
+pub(crate) fn lugwheel(folder: &TempDir, command: &str, words: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_lugwheel"))
         .current_dir(folder.path())
         .arg(command)
@@ -102,23 +102,23 @@ fn lugwheel(folder: &TempDir, command: &str, words: &str) -> Output {
         .unwrap()
 }
 
-fn identify(folder: &TempDir, words: &str) -> Output {
+pub(crate) fn identify(folder: &TempDir, words: &str) -> Output {
     lugwheel(folder, "identify", &format!("runs.h5 {words}"))
 }
 
-fn done(output: Output) -> String {
+pub(crate) fn done(output: Output) -> String {
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!((output.status.code(), errors.as_str()), (Some(0), ""));
     String::from_utf8(output.stdout).unwrap()
 }
 
-fn json(folder: &TempDir, words: &str) -> Value {
+pub(crate) fn json(folder: &TempDir, words: &str) -> Value {
     let text = done(identify(folder, &format!("--json {words}")));
     serde_json::from_str(&text).unwrap()
 }
 
 /// Runs that cannot be used: the exit code and what is said of them.
-fn refused(folder: &TempDir, words: &str, code: i32, parts: &[&str]) {
+pub(crate) fn refused(folder: &TempDir, words: &str, code: i32, parts: &[&str]) {
     let output = identify(folder, words);
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(code), "{words}: {errors}");
@@ -128,7 +128,7 @@ fn refused(folder: &TempDir, words: &str, code: i32, parts: &[&str]) {
     assert_eq!(output.stdout, b"");
 }
 
-fn warned(found: &Value, kind: &str) -> bool {
+pub(crate) fn warned(found: &Value, kind: &str) -> bool {
     let warnings = found["warnings"].as_array().unwrap();
     warnings.iter().any(|warning| warning["kind"] == kind)
 }

@@ -11,13 +11,16 @@ use super::progress::Progress;
 use super::recognize::{chosen, write_figure};
 use clap::{Args, ValueEnum};
 use class::Teller;
-use group::{Fit, Groups, LeftOut, Run};
+use group::{Fit, Groups, Run, Unused};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{Cylinder, Known, Parameter};
+use lugwheel::quantity::SlipRatio;
 use lugwheel::report::force_curves;
 use lugwheel::terrain::class::Wtic;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::str::FromStr;
 use summary::{Report, Summary};
 
 /// Find the terrain's parameters from steady loads, slip and sinkage
@@ -39,11 +42,63 @@ pub struct Identify {
     /// Only this run of every file; may be given several times
     #[arg(long, value_name = "ID")]
     run: Vec<String>,
+    /// Only rows with a slip ratio from LOW to HIGH, for example 0:1 without a wheel that brakes
+    #[arg(long, value_name = "LOW:HIGH", default_value_t = SlipRange::ALL, allow_negative_numbers = true)]
+    slip: SlipRange,
     #[command(flatten)]
     convention: Convention,
     /// Folder for figures: forces and sinkage against slip, measured and predicted
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+/// Slip ratios [-] of the rows that count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlipRange {
+    low: f64,
+    high: f64,
+}
+
+impl SlipRange {
+    /// All of them.
+    const ALL: Self = Self {
+        low: -1.0,
+        high: 1.0,
+    };
+
+    /// Whether rows at a `slip` count; without a range given, those out of it are refused later with their reason.
+    fn holds(&self, slip: f64) -> bool {
+        *self == Self::ALL || (self.low..=self.high).contains(&slip)
+    }
+}
+
+impl fmt::Display for SlipRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.low, self.high)
+    }
+}
+
+impl FromStr for SlipRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ends = text
+            .split_once(':')
+            .ok_or("write LOW:HIGH, for example 0:1")?;
+        let end = |text: &str| {
+            let slip = text
+                .trim()
+                .parse()
+                .map_err(|_| format!("{text:?} is no number"))?;
+            let slip = SlipRatio::new(slip).map_err(|error| error.to_string())?;
+            Ok::<f64, String>(slip.get())
+        };
+        let (low, high) = (end(ends.0)?, end(ends.1)?);
+        match low <= high {
+            true => Ok(Self { low, high }),
+            false => Err(format!("{low} is above {high}; write LOW:HIGH")),
+        }
+    }
 }
 
 /// How wheel and contact are taken.
@@ -78,6 +133,7 @@ Examples:
   lugwheel identify slip_01.h5 slip_02.h5 slip_04.h5
   lugwheel identify runs.h5 --class LEIS --run run_000003 --run run_000004
   lugwheel identify measured.h5 --known n0=1.10
+  lugwheel identify measured.h5 --slip 0:1
   lugwheel identify runs.h5 --cylinder lug-tips --out output/parameters --json
 
 Classes: ALCT (all lugs touch: c = K = 0), SLCT (some do: c = 0), LEIS (lugs enter soil: all
@@ -158,10 +214,10 @@ fn known(text: &str) -> Result<(Parameter, f64), String> {
 
 /// Files none of whose runs gives parameters.
 #[derive(Debug, thiserror::Error)]
-#[error("no terrain parameters from {files}; {}", text::reasons(left_out))]
+#[error("no terrain parameters from {files}; {}", text::reasons(unused))]
 pub struct NothingIdentified {
     files: String,
-    left_out: Vec<LeftOut>,
+    unused: Unused,
 }
 
 impl Identify {
@@ -176,19 +232,23 @@ impl Identify {
         let progress = Progress::of_runs(output, "identify", runs.len());
         for run in &runs {
             interrupt::check()?;
-            groups.add(run, &mut teller);
+            groups.add(run, &mut teller, self.slip);
             progress.advance(1.0);
         }
-        let (fits, left_out) = groups.fit(&self.convention);
+        let (fits, unused) = groups.fit(&self.convention);
         drop(progress);
         if fits.is_empty() {
             let files = self.file_names();
-            return Err(NothingIdentified { files, left_out }.into());
+            return Err(NothingIdentified { files, unused }.into());
         }
         let figures = self.out.as_deref().map(|folder| draw(folder, &fits));
-        let figures = figures.transpose()?.unwrap_or_default();
-        let reports = fits.iter().map(Report::of).collect();
-        output.print(&Summary::new(self.file_names(), reports, left_out, figures))
+        let mut figures = figures.transpose()?.unwrap_or_default().into_iter();
+        let report = |fit| Report {
+            figure: figures.next(),
+            ..Report::of(fit)
+        };
+        let reports = fits.iter().map(report).collect();
+        output.print(&Summary::new(self.file_names(), reports, unused))
     }
 
     /// The runs asked for, file after file.

@@ -7,6 +7,7 @@ use super::parameter::{Parameter, TerrainParameters};
 use super::stages::Staged;
 use super::warning::Warning;
 use crate::terrain::class::Wtic;
+use std::fmt;
 
 /// How a parameter came by its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +22,33 @@ pub enum Standing {
     Given,
 }
 
+/// Why the data do not fix a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Open {
+    /// What explains the rows as well has no end, or one of the search only.
+    Unbounded,
+    /// Its 95 % interval has ends, but is [wider](Parameter::uninformative) than is of use.
+    Wide,
+    /// The search ended at this end of its range, in the parameter's unit.
+    AtEnd(f64),
+    /// It goes with a parameter that ended at an end of its range.
+    With(Parameter),
+    /// The rows leave `k_s`, `n_0` and `n_1` open together: the value is that of the most usual `n_0`.
+    Ridge,
+}
+
+impl fmt::Display for Open {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unbounded => f.write_str("the rows set it no limits"),
+            Self::Wide => f.write_str("its interval is too wide to be of use"),
+            Self::AtEnd(end) => write!(f, "the search ended at {end}, an end of its range"),
+            Self::With(other) => write!(f, "goes with {}, which ended at its end", other.name()),
+            Self::Ridge => f.write_str("k_s, n0 and n1 make up for each other"),
+        }
+    }
+}
+
 /// One parameter of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Identified {
@@ -30,6 +58,8 @@ pub struct Identified {
     pub value: f64,
     /// How it came by it.
     pub standing: Standing,
+    /// Why the data do not fix it, where they do not.
+    pub open: Option<Open>,
     /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` [rad]);
     /// infinite where the data do not fix the parameter at all, 0 where the class does.
     pub standard_error: f64,
@@ -47,13 +77,23 @@ impl Identified {
         self.standing == Standing::Identified
     }
 
-    /// The 95 % interval to tell, in its unit: the profile's where there is one, which holds where
-    /// the model bends too; without ends where the data do not fix the parameter.
+    /// The 95 % interval to report, in its unit: the profile's where there is one, which holds where
+    /// the model bends too. Of a parameter that the data do not fix, its ends where it is merely too wide,
+    /// and how much cohesion there may be where the fit found none; else without ends.
     pub fn ci95(&self) -> [Option<f64>; 2] {
-        match self.standing {
-            Standing::NotIdentifiable => [None; 2],
-            _ => self.profile.unwrap_or(self.interval),
+        let ends = self.profile.unwrap_or(self.interval);
+        match self.open {
+            None => ends,
+            Some(Open::Wide) if ends.iter().all(Option::is_some) => ends,
+            Some(Open::AtEnd(_)) if ends[0] == Some(0.0) => ends,
+            Some(_) => [None; 2],
         }
+    }
+
+    /// Takes the parameter for one that the data do not fix.
+    pub(super) fn open_by(&mut self, reason: Open) {
+        self.standing = Standing::NotIdentifiable;
+        self.open = Some(reason);
     }
 }
 
@@ -89,6 +129,13 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Identifies none of the parameters that an end of their range holds.
+    pub(super) fn open_at_ends(&mut self, held: &[(Parameter, f64)]) {
+        for (parameter, end) in held {
+            self.parameters[*parameter as usize].open_by(Open::AtEnd(*end));
+        }
+    }
+
     /// What is known of one parameter.
     pub fn of(&self, parameter: Parameter) -> &Identified {
         &self.parameters[parameter as usize]

@@ -93,12 +93,16 @@ impl Model {
         self.moved_among(&Parameter::ALL)
     }
 
-    /// The parameters that a fit moved to an end of their range which holds them there.
-    pub fn held_at(&self, at: &Coordinates) -> Vec<Parameter> {
-        let coordinate = |parameter: Parameter| at[parameter as usize];
-        let mut held = self.moved();
-        held.retain(|p| p.is_at_bound(coordinate(*p)) && !p.is_as_good_as_zero(coordinate(*p)));
-        held
+    /// The parameters that a fit moved to an end of their range which holds them there, with that
+    /// end in their unit.
+    pub fn held_at(&self, at: &Coordinates) -> Vec<(Parameter, f64)> {
+        let held = |parameter: Parameter| {
+            let coordinate = at[parameter as usize];
+            let holds = !parameter.is_as_good_as_zero(coordinate);
+            let end = parameter.bound_at(coordinate).filter(|_| holds)?;
+            Some((parameter, end))
+        };
+        self.moved().into_iter().filter_map(held).collect()
     }
 
     /// Those of `parameters` that a fit moves.
@@ -108,12 +112,22 @@ impl Model {
         moved
     }
 
-    /// The rows that say something to a stage: on hard ground, a torque held by static friction
-    /// is not that of Eq. (75).
+    /// The rows that say something to a stage: those with a torque, which all three need; on hard
+    /// ground, one held by static friction is not that of Eq. (75).
     pub fn rows_of(&self, stage: Stage, rows: &[SteadyLoad]) -> Vec<SteadyLoad> {
+        let slips = |row: &SteadyLoad| !self.setting.holds(row, self.class);
         let used =
-            |row: &&SteadyLoad| stage != Stage::ShearStress || !self.setting.holds(row, self.class);
+            |row: &&SteadyLoad| row.has_torque() && (stage != Stage::ShearStress || slips(row));
         rows.iter().filter(used).copied().collect()
+    }
+
+    /// The first stage with fewer rows than it has parameters to find, how many it needs and has.
+    pub fn stage_without_rows(&self, rows: &[SteadyLoad]) -> Option<(Stage, [usize; 2])> {
+        Stage::ALL.into_iter().find_map(|stage| {
+            let given = self.rows_of(stage, rows).len();
+            let needed = self.moved_among(stage.parameters()).len();
+            (given < needed).then_some((stage, [needed, given]))
+        })
     }
 
     /// `row` with the torque that its pull and load leave, the peak being at `at` (Eq. 73).

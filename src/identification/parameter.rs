@@ -80,14 +80,16 @@ impl Parameter {
     }
 
     /// Half-width of a 95 % interval, in the fitted coordinate, beyond which data say nothing
-    /// useful of the parameter: a factor of ten either way for `k_s`, `c` and `K`, 15° for `φ`,
-    /// half of the contact for `c_1`, half a unit of slip's part in it for `c_2`, and 0.5 and 1
-    /// for `n_0` and `n_1`.
+    /// useful of the parameter: an interval whose ends differ by a factor of ten for `k_s`, `c` and `K`, as
+    /// the published values of one kind of soil do; 15° for `φ`, half of the contact for `c_1`, half a
+    /// unit of slip's part in it for `c_2`, and 0.5 and 1 for `n_0` and `n_1`.
     pub fn uninformative(self) -> f64 {
         match self {
             Self::StressAngle | Self::SinkageExponent => 0.5,
             Self::StressAngleSlip | Self::SinkageExponentSlip => 1.0,
-            Self::SinkageModulus | Self::Cohesion | Self::ShearModulus => std::f64::consts::LN_10,
+            Self::SinkageModulus | Self::Cohesion | Self::ShearModulus => {
+                0.5 * std::f64::consts::LN_10
+            }
             Self::FrictionAngle => 15.0_f64.to_radians(),
         }
     }
@@ -136,8 +138,18 @@ impl Parameter {
 
     /// Whether a coordinate is so near an end of the range that the end, not the data, holds it.
     pub(super) fn is_at_bound(self, coordinate: f64) -> bool {
+        self.bound_at(coordinate).is_some()
+    }
+
+    /// The end of the range, in its unit, that holds a coordinate so near to it.
+    pub(super) fn bound_at(self, coordinate: f64) -> Option<f64> {
         let [low, high] = self.bounds();
-        (coordinate - low).min(high - coordinate) < 1e-3 * (high - low)
+        let [least, most] = self.range();
+        let near = 1e-3 * (high - low);
+        let ends = [(coordinate - low, least), (high - coordinate, most)];
+        ends.into_iter()
+            .find(|(distance, _)| *distance < near)
+            .map(|(_, end)| end)
     }
 
     /// Whether a terrain of this class has its own value, or the switched model sets it

@@ -14,13 +14,12 @@ pub fn pool(rows: &mut [&mut SteadyLoad]) {
     let Some(own) = own.filter(|own| !own.is_empty()) else {
         return;
     };
-    let count = own.len() as f64;
     let pooled: [f64; 5] = std::array::from_fn(|channel| {
-        let squares: f64 = own
-            .iter()
-            .map(|parts| parts[channel] * parts[channel])
-            .sum();
-        libm::sqrt(squares / count)
+        // A row without a torque has none of its uncertainty.
+        let known = own.iter().map(|parts| parts[channel]);
+        let known = known.filter(|part| !part.is_nan());
+        let squares: f64 = known.clone().map(|part| part * part).sum();
+        libm::sqrt(squares / known.count() as f64)
     });
     for row in rows {
         let [slip, sinkage, pull, load, torque] = pooled;

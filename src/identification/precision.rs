@@ -3,7 +3,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 /// Probability below which chance is no explanation of a scatter.
-const UNLIKELY: f64 = 1e-3;
+pub(super) const UNLIKELY: f64 = 1e-3;
 
 /// Scatter of the weighted residuals and the quantile that goes with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +50,7 @@ impl Precision {
 }
 
 /// Probability of a sum of squares as large as this.
-fn by_chance(chi_square: f64, freedom: usize) -> f64 {
+pub(super) fn by_chance(chi_square: f64, freedom: usize) -> f64 {
     let distribution = ChiSquared::new(freedom as f64);
     distribution.map_or(1.0, |distribution| distribution.sf(chi_square))
 }

@@ -86,19 +86,17 @@ impl Predictor {
             .copied()
             .collect();
         // The parameters take their share of freedom from each force.
-        let forces = if rows.iter().all(SteadyLoad::has_torque) {
-            3.0
-        } else {
-            2.0
-        };
-        let freedom = rows.len() as f64 - directions.rank() as f64 / forces;
+        let torques = rows.iter().filter(|row| row.has_torque()).count() as f64;
+        let forces = 2.0 + torques / rows.len().max(1) as f64;
+        let taken = directions.rank() as f64 / forces;
+        let freedom = rows.len() as f64 - taken;
         Self {
             model,
             at,
             sigma: precision.sigma,
             directions,
             quantile: student(freedom),
-            scatter: scatter(&model, &at, &rows, freedom),
+            scatter: scatter(&model, &at, &rows, taken),
         }
     }
 
@@ -140,23 +138,29 @@ impl Predictor {
     }
 }
 
-/// Root mean square, per degree of freedom, of the rows' errors about what is predicted for them.
-fn scatter(model: &Model, at: &Coordinates, rows: &[SteadyLoad], freedom: f64) -> [f64; 3] {
+/// Root mean square, per degree of freedom, of the rows' errors about what is predicted for them; of the
+/// freedom of each quantity the parameters have `taken` a part.
+fn scatter(model: &Model, at: &Coordinates, rows: &[SteadyLoad], taken: f64) -> [f64; 3] {
     let mut squares = [0.0; 3];
+    let mut counts = [0.0; 3];
     for row in rows {
         let Some(solution) = solve(model, at, row.load, row.slip) else {
             return [f64::INFINITY; 3];
         };
         let measured = [row.sinkage, row.drawbar_pull, row.driving_torque];
-        for ((square, value), measured) in squares.iter_mut().zip(solution.values).zip(measured) {
-            *square += (value - measured) * (value - measured);
+        let channels = squares.iter_mut().zip(&mut counts);
+        for ((sums, value), measured) in channels.zip(solution.values).zip(measured) {
+            if !measured.is_nan() {
+                *sums.0 += (value - measured) * (value - measured);
+                *sums.1 += 1.0;
+            }
         }
     }
-    squares.map(|square| match square {
-        _ if freedom <= 0.0 => f64::INFINITY,
+    std::array::from_fn(|channel| match counts[channel] {
         // Not measured: no more is known than the parameters say.
-        square if square.is_nan() => 0.0,
-        square => libm::sqrt(square / freedom),
+        0.0 if !rows.is_empty() => 0.0,
+        count if count <= taken => f64::INFINITY,
+        count => libm::sqrt(squares[channel] / (count - taken)),
     })
 }
 

@@ -1,7 +1,7 @@
 //! Intervals from the profile of the likelihood: how far a parameter can go while the others make
 //! up for it.
 
-use super::estimate::{Identified, Standing};
+use super::estimate::{Identified, Open};
 use super::joint::Joint;
 use super::least_squares::{Minimum, minimise};
 use super::parameter::Parameter;
@@ -34,8 +34,13 @@ impl Profile<'_> {
         let ends = self.interval(identified);
         identified.profile = Some(ends.map(|end| end.map(|end| parameter.value(end))));
         let told = ends[0].zip(ends[1]);
-        if told.is_none_or(|(low, high)| high - low > 2.0 * parameter.uninformative()) {
-            identified.standing = Standing::NotIdentifiable;
+        let by_itself = matches!(identified.open, None | Some(Open::Wide));
+        match told {
+            None if by_itself => identified.open_by(Open::Unbounded),
+            Some((low, high)) if by_itself && high - low > 2.0 * parameter.uninformative() => {
+                identified.open_by(Open::Wide);
+            }
+            _ => {}
         }
     }
 
@@ -53,9 +58,6 @@ impl Profile<'_> {
         let [_, high] = parameter.bounds();
         let end = self.end(parameter, parameter.uninformative(), high);
         identified.profile = Some([Some(0.0), end.map(|end| parameter.value(end))]);
-        if end.is_none() || !self.limit.is_finite() {
-            identified.standing = Standing::NotIdentifiable;
-        }
     }
 
     /// Coordinates between which the sum of squares rises by less than the limit, `None` where it

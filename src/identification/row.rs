@@ -29,7 +29,7 @@ pub struct SteadyLoad {
     pub drawbar_pull: f64,
     /// Vertical load `W` [N].
     pub load: f64,
-    /// Driving torque `T_D` [N·m]; not a number in every row where the rig does not measure it.
+    /// Driving torque `T_D` [N·m]; not a number where it was not measured.
     pub driving_torque: f64,
     /// Standard uncertainties, where they are known.
     pub uncertainty: Option<Uncertainty>,
@@ -226,19 +226,18 @@ impl Setting {
         }
     }
 
-    /// Checks a row of a set in which torques are `measured` or not.
-    fn check_row(&self, row: &SteadyLoad, class: Wtic, measured: bool) -> Result<(), RangeError> {
+    fn check_row(&self, row: &SteadyLoad, class: Wtic) -> Result<(), RangeError> {
         RangeError::check("slip ratio", "-", row.slip, [-1.0, 1.0])?;
         if class == Wtic::Leis {
             self.check_sinkage(row.sinkage)?;
         }
         finite("drawbar pull", "N", row.drawbar_pull)?;
         RangeError::positive("load", "N", row.load)?;
-        if measured {
+        if row.has_torque() {
             finite("driving torque", "N·m", row.driving_torque)?;
         }
         let uncertainty = row.uncertainty.map(|u| u.of_seen(class));
-        uncertainty.map_or(Ok(()), |uncertainty| uncertainty.checked(measured))
+        uncertainty.map_or(Ok(()), |uncertainty| uncertainty.checked(row.has_torque()))
     }
 
     fn check_sinkage(&self, sinkage: f64) -> Result<(), RangeError> {
@@ -315,9 +314,8 @@ pub(super) fn seen(
     setting: &Setting,
 ) -> Result<Vec<SteadyLoad>, IdentifyError> {
     setting.checked().map_err(IdentifyError::Setting)?;
-    let measured = rows.iter().any(SteadyLoad::has_torque);
     let seen = rows.iter().enumerate().map(|(index, row)| {
-        let checked = setting.check_row(row, class, measured);
+        let checked = setting.check_row(row, class);
         checked.map_err(|reason| IdentifyError::Row {
             row: index + 1,
             reason,

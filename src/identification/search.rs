@@ -29,9 +29,10 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The paper's three stages, one after the other; `None` without torques.
+    /// The paper's three stages, one after the other; `None` with too few torques.
     pub fn staged(&self) -> Option<Staged> {
-        self.rows[0].has_torque().then(|| {
+        let can = self.model.stage_without_rows(self.rows).is_none();
+        can.then(|| {
             let mut at = self.start();
             let terminations = Stage::ALL.map(|stage| self.advance(stage, self.rows, &mut at));
             Staged {
@@ -126,8 +127,8 @@ impl Search<'_> {
     }
 
     /// Where the fit of all rows begins: at the stages' result, and at that of the later stages
-    /// with the usual angles, for noise may lead the first stage far astray. Without torques, at
-    /// the later stages' results for those torques that different angles leave.
+    /// with the usual angles, for noise may lead the first stage far astray. Where torques are
+    /// missing, at the later stages' results for those torques that different angles leave.
     fn starts(&self, staged: Option<&Staged>) -> Vec<Coordinates> {
         let usual = self.start();
         if let Some(staged) = staged {
@@ -142,7 +143,10 @@ impl Search<'_> {
             at
         });
         let begun = angles.into_iter().chain([usual]).map(|at| {
-            let torque = |row| self.model.with_torque(&at, row);
+            let torque = |row: &SteadyLoad| match row.has_torque() {
+                true => *row,
+                false => self.model.with_torque(&at, row),
+            };
             let rows: Vec<SteadyLoad> = self.rows.iter().map(torque).collect();
             self.later_stages(&rows, at)
         });

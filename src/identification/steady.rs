@@ -1,6 +1,7 @@
 //! Rows of loads cut from a run.
 
 use super::row::{SteadyLoad, Uncertainty};
+use super::slope::Slope;
 use crate::trace::{Channel, Trace};
 
 /// Why a run gives no rows.
@@ -26,6 +27,22 @@ pub enum SteadyError {
         /// The tolerance of slip, as it is told.
         tolerance: String,
     },
+    /// The wheel's own weight is in the forces of a sloping track, and nothing states its mass.
+    #[error(
+        "the track slopes by {0}°, and force sensors tared on the level then read a part of the wheel's own weight: \
+         state its mass in the campaign (wheel = {{ mass_kg = ... }}; 0 where the forces are the contact's \
+         alone) and import it again"
+    )]
+    SlopeWithoutMass(String),
+}
+
+/// A stretch of steady slip, and the row that it gives or why it gives none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// Its middle half [s], from which the row is taken.
+    pub interval: [f64; 2],
+    /// The row.
+    pub row: Result<SteadyLoad, SteadyError>,
 }
 
 /// Most parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
@@ -51,9 +68,28 @@ pub const CALIBRATION: f64 = 0.01;
 /// means, or of a mean's samples taken as independent, and the [`CALIBRATION`]'s of the forces.
 /// Sinkage and driving torque are not numbers where the run lacks them.
 ///
+/// A stretch without a quantity that is needed gives no row; the others do. Forces on a slope are those of the
+/// contact.
+///
 /// # Errors
-/// `Lifted`; `Missing` without drawbar pull or load; `NeverSteady`.
+/// `Lifted`; `NeverSteady`; where no stretch gives a row the reason of the first: `Missing` without
+/// drawbar pull or load, `SlopeWithoutMass`.
 pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
+    let rows = steady_stretches(trace)?
+        .into_iter()
+        .map(|stretch| stretch.row);
+    let (rows, refused): (Vec<_>, Vec<_>) = rows.partition(Result::is_ok);
+    match refused.into_iter().next() {
+        Some(reason) if rows.is_empty() => reason.map(|row| vec![row]),
+        _ => rows.into_iter().collect(),
+    }
+}
+
+/// The stretches of [`steady_loads`], with those that give no row.
+///
+/// # Errors
+/// `Lifted`; `NeverSteady`.
+pub fn steady_stretches(trace: &Trace) -> Result<Vec<Stretch>, SteadyError> {
     if trace.attributes.is_lifted() {
         return Err(SteadyError::Lifted);
     }
@@ -61,8 +97,11 @@ pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
         Some(slip) => plateaus(slip)?,
         None => vec![middle_half(0.0, trace.duration(), start(trace))],
     };
-    let rows = intervals.into_iter().map(|interval| row(trace, interval));
-    rows.collect()
+    let stretch = |interval| Stretch {
+        interval,
+        row: row(trace, interval),
+    };
+    Ok(intervals.into_iter().map(stretch).collect())
 }
 
 /// Time [s] at which the first channel starts.
@@ -86,11 +125,12 @@ fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     };
     let slip = known("slip_ratio").unwrap_or(commanded(trace.attributes.slip_ratio));
     let sinkage = known("sinkage").unwrap_or(commanded(f64::NAN));
-    let drawbar_pull = needed("drawbar_pull")?;
+    let slope = Slope::of(&trace.attributes)?;
+    let drawbar_pull = needed("drawbar_pull")?.map(|pull| slope.drawbar_pull(pull));
     let driving_torque = known("driving_torque").unwrap_or(commanded(f64::NAN));
     let load = match known("normal_force") {
-        Some(load) => load,
-        None if trace.attributes.load > 0.0 => commanded(trace.attributes.load),
+        Some(load) => load.map(|load| slope.normal_force(load)),
+        None if trace.attributes.load > 0.0 => commanded(slope.carried(trace.attributes.load)),
         None => return Err(unloaded(trace.attributes.load)),
     };
     let tenth = 0.1 * load.mean.abs();
@@ -131,6 +171,14 @@ struct Value {
 }
 
 impl Value {
+    /// The mean moved, as uncertain as it was.
+    fn map(self, change: impl Fn(f64) -> f64) -> Self {
+        Self {
+            mean: change(self.mean),
+            ..self
+        }
+    }
+
     /// Standard uncertainty of a force of this mean: a sensor that carries the load is calibrated
     /// no better for forces below `least`.
     fn as_force(self, least: f64) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::directions::Directions;
 use super::least_squares::{Minimum, Termination};
+use super::load_missed::LoadMissed;
 use super::model::{Model, peak_share};
 use super::parameter::{Coordinates, Parameter};
 use super::precision::Precision;
@@ -39,6 +40,9 @@ pub enum Warning {
         /// Sum of squares per degree of freedom [-].
         reduced_chi_square: f64,
     },
+    /// The rows' loads differ from those that the parameters carry at their sinkages by more than the
+    /// uncertainties explain.
+    LoadMissed(LoadMissed),
     /// Some rows state no uncertainty, so those of the others were not used.
     UncertaintiesIgnored,
     /// There are no more forces than parameters: nothing tells how sure these are.
@@ -85,6 +89,7 @@ impl fmt::Display for Warning {
                  ones or 1 % of each force where there are none (reduced chi square \
                  {reduced_chi_square:.3}); intervals are widened accordingly"
             ),
+            Self::LoadMissed(missed) => missed.fmt(f),
             Self::UncertaintiesIgnored => f.write_str(
                 "some rows state no uncertainty: none is used, the scatter about the model stands \
                  for them",
@@ -100,7 +105,7 @@ impl fmt::Display for Warning {
             Self::Braking { rows, slip } => write!(
                 f,
                 "{rows} rows brake (slip down to {slip:.3}): (62)-(69) are of a driven wheel, whose \
-                 shear has one direction; leave them out where the errors are theirs"
+                 shear has one direction"
             ),
             Self::NotAMinimum(termination) => {
                 write!(f, "the fit did not end at a minimum: {termination}")
@@ -120,6 +125,7 @@ pub(super) fn all(
     warnings.extend(peak_outside(model, rows, &best.at, (directions, precision)));
     let misfit = precision.misfit;
     warnings.extend(misfit.map(|reduced_chi_square| Warning::Misfit { reduced_chi_square }));
+    warnings.extend(LoadMissed::of(model, rows, &best.at).map(Warning::LoadMissed));
     let stated = rows.iter().filter(|row| row.uncertainty.is_some()).count();
     if stated > 0 && stated < rows.len() {
         warnings.push(Warning::UncertaintiesIgnored);
@@ -136,16 +142,9 @@ pub(super) fn all(
 }
 
 fn at_bounds(model: &Model, at: &Coordinates) -> Vec<Warning> {
-    let coordinate = |parameter: Parameter| at[parameter as usize];
-    let told = model.held_at(at).into_iter().map(|parameter| {
-        let ([low, high], [least, most]) = (parameter.bounds(), parameter.range());
-        let lower = coordinate(parameter) - low < high - coordinate(parameter);
-        Warning::AtBound {
-            parameter,
-            end: if lower { least } else { most },
-        }
-    });
-    told.collect()
+    let held = model.held_at(at).into_iter();
+    held.map(|(parameter, end)| Warning::AtBound { parameter, end })
+        .collect()
 }
 
 /// The row whose peak lies farthest outside the contact, by more than the estimate's own error.

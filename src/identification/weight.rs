@@ -16,8 +16,9 @@ impl Scale {
     /// were a tenth of the load and of the load a tenth of a metre off.
     pub fn of(rows: &[SteadyLoad]) -> Self {
         let rms = |channel: fn(&SteadyLoad) -> f64| {
-            let squares: f64 = rows.iter().map(|row| channel(row) * channel(row)).sum();
-            libm::sqrt(squares / rows.len() as f64)
+            let measured = rows.iter().map(channel).filter(|value| !value.is_nan());
+            let squares: f64 = measured.clone().map(|value| value * value).sum();
+            libm::sqrt(squares / measured.count() as f64)
         };
         let load = rms(|row| row.load);
         Self {

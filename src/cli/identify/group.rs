@@ -1,16 +1,16 @@
 //! Runs of one class and wheel, fitted together.
 
-use super::Convention;
 use super::class::{Teller, Told};
+use super::{Convention, SlipRange};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
-    Cylinder, Estimate, Identification, IdentifyError, Predictor, Setting, SteadyLoad, pool,
-    steady_loads,
+    Cylinder, Estimate, Identification, IdentifyError, Predictor, Scope, Setting, SteadyLoad,
+    Stretch, pool, steady_stretches,
 };
 use lugwheel::quantity::RangeError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::RunAttributes;
 use lugwheel::trace::wheel::Lugs;
+use lugwheel::trace::{RunAttributes, Trace};
 use serde::Serialize;
 use std::fmt;
 use std::rc::Rc;
@@ -33,6 +33,26 @@ pub struct LeftOut {
     pub run: String,
     /// Why.
     pub reason: String,
+}
+
+/// A stretch of a run that gives nothing, while others of the run do.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StretchLeftOut {
+    /// The run.
+    pub run: String,
+    /// Its middle half, which would have given the row [s].
+    pub interval_s: [f64; 2],
+    /// Why.
+    pub reason: String,
+}
+
+/// What is in no fit.
+#[derive(Debug, Clone, Default)]
+pub struct Unused {
+    /// Runs.
+    pub runs: Vec<LeftOut>,
+    /// Stretches of runs.
+    pub stretches: Vec<StretchLeftOut>,
 }
 
 /// The wheel of a run.
@@ -117,6 +137,15 @@ impl fmt::Display for WheelOfRun {
     }
 }
 
+/// A row and where it comes from.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// The loads.
+    pub load: SteadyLoad,
+    /// The middle half of its stretch [s]; from and to 0 in a run of means.
+    pub interval: [f64; 2],
+}
+
 /// A run and its rows.
 #[derive(Debug, Clone)]
 pub struct Rows {
@@ -127,7 +156,7 @@ pub struct Rows {
     /// Its ground, where the file says.
     pub terrain: Option<TerrainLabel>,
     /// One for each steady interval.
-    pub rows: Vec<SteadyLoad>,
+    pub rows: Vec<Row>,
     /// Whether they were cut from time series.
     sampled: bool,
 }
@@ -156,33 +185,43 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Why its parameters are effective ones; `None` where they may be the soil's.
+    pub fn scope(&self) -> Option<Scope> {
+        Scope::of(self.wheel.lugs(), &self.rows())
+    }
+
     /// The rows of all its runs.
     pub fn rows(&self) -> Vec<SteadyLoad> {
-        let rows = self.runs.iter().flat_map(|run| &run.rows);
-        rows.copied().collect()
+        loads(&self.runs)
     }
+}
+
+fn loads(runs: &[Rows]) -> Vec<SteadyLoad> {
+    let rows = runs.iter().flat_map(|run| &run.rows);
+    rows.map(|row| row.load).collect()
 }
 
 /// All runs of a file by class and wheel.
 #[derive(Debug, Default)]
 pub struct Groups {
     groups: Vec<Group>,
-    left_out: Vec<LeftOut>,
+    unused: Unused,
 }
 
 impl Groups {
-    /// Takes a run. One that cannot be read, classed or cut into rows is left out with its reason.
-    pub fn add(&mut self, run: &Run, teller: &mut Teller) {
-        if let Err(reason) = self.take(run, teller) {
+    /// Takes a run, those of its rows with a slip in `slips` [-]. One that cannot be read, classed or cut into
+    /// rows is left out with its reason, and so is a stretch that gives no row.
+    pub fn add(&mut self, run: &Run, teller: &mut Teller, slips: SlipRange) {
+        if let Err(reason) = self.take(run, teller, slips) {
             let run = run.name.clone();
-            self.left_out.push(LeftOut { run, reason });
+            self.unused.runs.push(LeftOut { run, reason });
         }
     }
 
-    fn take(&mut self, run: &Run, teller: &mut Teller) -> Result<(), String> {
+    fn take(&mut self, run: &Run, teller: &mut Teller, slips: SlipRange) -> Result<(), String> {
         let trace = run.file.read(&run.id);
         let trace = trace.map_err(|error| error.to_string())?;
-        let rows = steady_loads(&trace).map_err(|error| error.to_string())?;
+        let rows = self.rows(&run.name, &trace, slips)?;
         let told = teller.tell(&trace)?;
         let wheel = WheelOfRun::of(&trace.attributes);
         let class = told.class;
@@ -205,17 +244,48 @@ impl Groups {
         Ok(())
     }
 
-    /// Fits every group; what came of them, and the runs that are in none.
-    pub fn fit(mut self, convention: &Convention) -> (Vec<Fit>, Vec<LeftOut>) {
-        let left_out = &mut self.left_out;
+    /// The rows of a run.
+    ///
+    /// # Errors
+    /// Why there is none.
+    fn rows(&mut self, run: &str, trace: &Trace, slips: SlipRange) -> Result<Vec<Row>, String> {
+        let stretches = steady_stretches(trace).map_err(|error| error.to_string())?;
+        let mut rows = Vec::new();
+        let mut refused = Vec::new();
+        for Stretch { interval, row } in stretches {
+            match row {
+                Ok(load) => rows.push(Row { load, interval }),
+                Err(reason) => refused.push(StretchLeftOut {
+                    run: run.to_owned(),
+                    interval_s: interval,
+                    reason: reason.to_string(),
+                }),
+            }
+        }
+        if rows.is_empty() {
+            let first = refused.into_iter().next();
+            return Err(first.map_or_else(String::new, |stretch| stretch.reason));
+        }
+        self.unused.stretches.extend(refused);
+        // What is no number is refused with its reason, not by the range.
+        rows.retain(|row| row.load.slip.is_nan() || slips.holds(row.load.slip));
+        match rows.is_empty() {
+            true => Err(format!("no row has a slip in --slip {slips}")),
+            false => Ok(rows),
+        }
+    }
+
+    /// Fits every group; what came of them, and what is in none.
+    pub fn fit(mut self, convention: &Convention) -> (Vec<Fit>, Unused) {
+        let unused = &mut self.unused;
         let fits = self.groups.into_iter();
         let fits = fits
             .filter_map(|mut group| {
                 group.pool();
-                group.fit(convention, left_out)
+                group.fit(convention, unused)
             })
             .collect();
-        (fits, self.left_out)
+        (fits, self.unused)
     }
 }
 
@@ -223,20 +293,18 @@ impl Group {
     /// Rows from time series have their uncertainties in common.
     fn pool(&mut self) {
         let sampled = self.runs.iter_mut().filter(|run| run.sampled);
-        let mut rows: Vec<&mut SteadyLoad> = sampled.flat_map(|run| &mut run.rows).collect();
-        pool(&mut rows);
+        let rows = sampled.flat_map(|run| &mut run.rows);
+        pool(&mut rows.map(|row| &mut row.load).collect::<Vec<_>>());
     }
 
-    /// The parameters of the runs whose rows are all in their ranges; the others are left out.
-    fn fit(mut self, convention: &Convention, left_out: &mut Vec<LeftOut>) -> Option<Fit> {
+    /// The parameters of the rows that are in their ranges; the others are left out.
+    fn fit(mut self, convention: &Convention, unused: &mut Unused) -> Option<Fit> {
         let setting = self.wheel.setting(convention);
+        if let Some(reason) = self.upward_sinkage() {
+            self.leave_out(&reason, unused);
+        }
         while !self.runs.is_empty() {
-            let rows: Vec<SteadyLoad> = self
-                .runs
-                .iter()
-                .flat_map(|run| &run.rows)
-                .copied()
-                .collect();
+            let rows = loads(&self.runs);
             match identified(&rows, self.class, &setting) {
                 Ok((estimate, predictor)) => {
                     return Some(Fit {
@@ -248,39 +316,83 @@ impl Group {
                     });
                 }
                 Err(IdentifyError::Row { row, reason }) => {
-                    left_out.push(self.without(row, &reason, &setting));
+                    self.without(row, &faulty(&reason, &setting), unused);
                 }
                 Err(error) => {
                     let reason = self.refusal(&error);
-                    left_out.extend(self.runs.drain(..).map(|Rows { run, .. }| LeftOut {
-                        run,
-                        reason: reason.clone(),
-                    }));
+                    self.leave_out(&reason, unused);
                 }
             }
         }
         None
     }
 
-    /// Takes out the run with the faulty `row`, counted from 1 over all runs.
-    fn without(&mut self, row: usize, fault: &RangeError, setting: &Setting) -> LeftOut {
+    /// Leaves out all runs.
+    fn leave_out(&mut self, reason: &str, unused: &mut Unused) {
+        let left_out = self.runs.drain(..).map(|Rows { run, .. }| LeftOut {
+            run,
+            reason: reason.to_owned(),
+        });
+        unused.runs.extend(left_out);
+    }
+
+    /// Takes out the faulty `row`, counted from 1 over all runs, and its run where it has no other.
+    fn without(&mut self, row: usize, fault: &str, unused: &mut Unused) {
         let mut row = row;
         let mut at = 0;
         while row > self.runs[at].rows.len() {
             row -= self.runs[at].rows.len();
             at += 1;
         }
-        LeftOut {
-            reason: format!("row {row}: {fault}; {}", way_out(fault, setting)),
-            run: self.runs.remove(at).run,
+        if self.runs[at].rows.len() > 1 {
+            let run = &mut self.runs[at];
+            unused.stretches.push(StretchLeftOut {
+                run: run.run.clone(),
+                interval_s: run.rows.remove(row - 1).interval,
+                reason: fault.to_owned(),
+            });
+            return;
         }
+        unused.runs.push(LeftOut {
+            reason: format!("row {row}: {fault}"),
+            run: self.runs.remove(at).run,
+        });
+    }
+
+    /// Why the sinkages seem to be counted upward: all are below 0 and fall as slip grows, while a wheel that slips
+    /// more sinks deeper.
+    fn upward_sinkage(&self) -> Option<String> {
+        let mut points: Vec<[f64; 2]> = loads(&self.runs)
+            .iter()
+            .map(|row| [row.slip, row.sinkage])
+            .filter(|point| point.iter().all(|x| x.is_finite()))
+            .collect();
+        points.sort_by(|one, other| one[0].total_cmp(&other[0]));
+        let [first, .., last] = points[..] else {
+            return None;
+        };
+        let is_upward = points.iter().all(|[_, sinkage]| *sinkage < 0.0)
+            && points.windows(2).all(|pair| pair[1][1] <= pair[0][1])
+            && last[1] < first[1];
+        let in_mm = |sinkage: f64| 1.0e3 * sinkage;
+        (self.class == Wtic::Leis && is_upward).then(|| {
+            format!(
+                "sinkage is below 0 and falls as slip grows, from {:.1} mm at slip {:.2} to {:.1} mm at {:.2}, but a wheel \
+                 that slips more sinks deeper: it seems to be counted upward; import it with scale = -1.0",
+                in_mm(first[1]),
+                first[0],
+                in_mm(last[1]),
+                last[0]
+            )
+        })
     }
 
     fn refusal(&self, error: &IdentifyError) -> String {
         let way_out = match error {
             IdentifyError::Setting(_) => "; state the wheel in the campaign and import it again",
             IdentifyError::TooFewRows { .. } | IdentifyError::TooFewPulls { .. } => {
-                "; a row is a stretch of steady slip: add runs at other slips or loads"
+                "; a row is a stretch of steady slip: add runs at other slips or loads, or give parameters known \
+                 otherwise with --known"
             }
             _ => "",
         };
@@ -299,6 +411,11 @@ fn identified(
     identification.profile(&mut estimate);
     let predictor = Predictor::new(&identification, &estimate);
     Ok((estimate, predictor))
+}
+
+/// What is wrong with a row, and what to do about it.
+fn faulty(fault: &RangeError, setting: &Setting) -> String {
+    format!("{fault}; {}", way_out(fault, setting))
 }
 
 /// What to do about a number out of its range.

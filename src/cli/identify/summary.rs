@@ -1,10 +1,10 @@
 //! What was identified, for machines.
 
 use super::class::ToldBy;
-use super::group::{Fit, LeftOut, WheelOfRun};
+use super::group::{Fit, LeftOut, Row, StretchLeftOut, Unused, WheelOfRun};
 use lugwheel::identification::{
-    Combination, Cylinder, Estimate, Identified, Parameter, Predicted, Prediction,
-    PredictionErrors, Standing, SteadyLoad, Termination, TerrainParameters, Warning,
+    Combination, Cylinder, Estimate, Identified, Open, Parameter, Predicted, Prediction,
+    PredictionErrors, Scope, Standing, Termination, TerrainParameters, Warning,
 };
 use lugwheel::soil::wheel_load::WheelLoad;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -33,29 +33,21 @@ pub struct Summary {
     pub files: String,
     /// One for each class and wheel.
     pub reports: Vec<Report>,
-    /// Runs that gave nothing, and why.
-    pub left_out: Vec<LeftOut>,
+    /// What gave nothing, and why.
+    pub unused: Unused,
 }
 
 impl Summary {
-    /// What came of files; `figures` in the order of the reports, or none.
-    pub fn new(
-        files: String,
-        reports: Vec<Report>,
-        left_out: Vec<LeftOut>,
-        figures: Vec<String>,
-    ) -> Self {
-        let mut reports = reports;
-        for (report, figure) in reports.iter_mut().zip(figures) {
-            report.figure = Some(figure);
-        }
+    /// What came of files.
+    pub fn new(files: String, mut reports: Vec<Report>, unused: Unused) -> Self {
         for report in &mut reports {
-            report.left_out.clone_from(&left_out);
+            report.left_out.clone_from(&unused.runs);
+            report.stretches_left_out.clone_from(&unused.stretches);
         }
         Self {
             files,
             reports,
-            left_out,
+            unused,
         }
     }
 }
@@ -84,6 +76,8 @@ pub struct Report {
     pub rows: Vec<RowTold>,
     /// What to know before using a number.
     pub warnings: Vec<WarningTold>,
+    /// Why the parameters are effective ones, of this wheel and load; none where they may be the soil's.
+    pub effective: Option<String>,
     /// The parameters by name.
     #[serde(serialize_with = "by_name")]
     pub parameters: Vec<(Parameter, ParameterTold)>,
@@ -105,6 +99,8 @@ pub struct Report {
     pub degrees_of_freedom: usize,
     /// Runs that are in no fit.
     pub left_out: Vec<LeftOut>,
+    /// Stretches of runs in a fit that are not in it.
+    pub stretches_left_out: Vec<StretchLeftOut>,
     /// The drawing, where one was asked for.
     pub figure: Option<String>,
 }
@@ -146,6 +142,8 @@ pub struct Forces<T> {
 pub struct RowTold {
     /// Its run.
     pub run: String,
+    /// When it was measured [s]; none in a run of means.
+    pub interval_s: Option<[f64; 2]>,
     /// Slip ratio [-].
     pub slip: f64,
     /// Sinkage [m] of the rim; none where it was not measured.
@@ -233,6 +231,10 @@ pub struct ParameterTold {
     pub identifiable: bool,
     /// How it came by its value.
     pub standing: &'static str,
+    /// Why the data do not fix it; none where they do, or were not asked.
+    pub reason: Option<String>,
+    /// Whether it is of this wheel and load only.
+    pub effective: bool,
 }
 
 /// A combination of parameters.
@@ -292,6 +294,7 @@ impl Report {
             let rows = run.rows.iter();
             rows.map(|row| row_told(&run.run, row, fit))
         });
+        let scope = fit.scope();
         let runs = fit.runs.iter().map(|run| RunTold {
             run: run.run.clone(),
             terrain: run.terrain,
@@ -313,8 +316,12 @@ impl Report {
             },
             rows: rows.collect(),
             warnings,
+            effective: scope.as_ref().map(Scope::to_string),
             parameters: ORDER
-                .map(|parameter| (parameter, parameter_told(estimate.of(parameter))))
+                .map(|parameter| {
+                    let told = parameter_told(estimate.of(parameter), scope.is_some());
+                    (parameter, told)
+                })
                 .into(),
             combinations: estimate.combinations.iter().map(combination).collect(),
             correlation: Correlation {
@@ -335,15 +342,21 @@ impl Report {
             chi_square: estimate.chi_square,
             degrees_of_freedom: estimate.degrees_of_freedom,
             left_out: Vec::new(),
+            stretches_left_out: Vec::new(),
             figure: None,
             runs,
         }
     }
 }
 
-fn row_told(run: &str, row: &SteadyLoad, fit: &Fit) -> RowTold {
+fn row_told(run: &str, row: &Row, fit: &Fit) -> RowTold {
+    let Row {
+        load: row,
+        interval,
+    } = row;
     RowTold {
         run: run.to_owned(),
+        interval_s: (interval[1] > interval[0]).then_some(*interval),
         slip: row.slip,
         sinkage: row.sinkage,
         measured: Forces {
@@ -373,7 +386,7 @@ fn forces(load: WheelLoad) -> Forces<f64> {
     }
 }
 
-fn parameter_told(identified: &Identified) -> ParameterTold {
+fn parameter_told(identified: &Identified, effective: bool) -> ParameterTold {
     ParameterTold {
         value: identified.value,
         ci95: identified.ci95(),
@@ -385,6 +398,8 @@ fn parameter_told(identified: &Identified) -> ParameterTold {
             Standing::SetByClass => "set_by_class",
             Standing::Given => "given",
         },
+        reason: identified.open.as_ref().map(Open::to_string),
+        effective: effective && identified.is_identifiable(),
     }
 }
 
@@ -440,6 +455,10 @@ fn warning(warning: &Warning) -> WarningTold {
             "the model does not describe these loads: no parameter is known as well as its \
              interval says, however narrow it is; trust the force errors instead",
         ),
+        Warning::LoadMissed(_) => (
+            "load_missed",
+            "what carries this wheel is not what these parameters say: use them for no other wheel or load",
+        ),
         Warning::UncertaintiesIgnored => (
             "uncertainties_ignored",
             "rows of great and of small uncertainty count alike",
@@ -451,11 +470,13 @@ fn warning(warning: &Warning) -> WarningTold {
         ),
         Warning::LoadsDiffer { .. } => (
             "loads_differ",
-            "k_s and what is told of k_s z^n0 belong to none of the loads",
+            "k_s and what is told of k_s z^n0 belong to none of the loads; choose the runs of one load with \
+             --run",
         ),
         Warning::Braking { .. } => (
             "braking",
-            "these rows pull the parameters to where a driven wheel's forces would have to be theirs",
+            "these rows pull the parameters to where a driven wheel's forces would have to be theirs; \
+             --slip 0:1 leaves them out",
         ),
         Warning::NotAMinimum(_) => (
             "not_a_minimum",

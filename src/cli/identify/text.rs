@@ -1,7 +1,7 @@
 //! What was identified, for people.
 
 use super::class::ToldBy;
-use super::group::LeftOut;
+use super::group::{LeftOut, StretchLeftOut, Unused};
 use super::summary::{Origin, ParameterTold, Report, RunTold, Summary, by_origin};
 use lugwheel::recognition::known::Source;
 use lugwheel::report::page::four_digits;
@@ -25,19 +25,24 @@ fn published(class: Wtic) -> Option<(&'static str, [f64; 3])> {
     }
 }
 
-/// The runs left out, those of one reason together.
-pub fn reasons(left_out: &[LeftOut]) -> String {
+/// What was left out: runs, those of one reason together, and stretches.
+pub fn reasons(unused: &Unused) -> String {
     let mut together: Vec<(&str, Vec<&str>)> = Vec::new();
-    for LeftOut { run, reason } in left_out {
+    for LeftOut { run, reason } in &unused.runs {
         match together.iter_mut().find(|(known, _)| known == reason) {
             Some((_, runs)) => runs.push(run),
             None => together.push((reason, vec![run])),
         }
     }
-    let told = together
+    let runs = together
         .iter()
         .map(|(reason, runs)| format!("{}: {reason}", named(runs)));
-    told.collect::<Vec<_>>().join("\n")
+    let stretches = unused.stretches.iter().map(|stretch| {
+        let [from, to] = stretch.interval_s;
+        let StretchLeftOut { run, reason, .. } = stretch;
+        format!("run {run} from {from:.1} to {to:.1} s: {reason}")
+    });
+    runs.chain(stretches).collect::<Vec<_>>().join("\n")
 }
 
 /// Runs by name; the first and last of many.
@@ -54,13 +59,13 @@ fn named(runs: &[&str]) -> String {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.files)?;
-        if !self.left_out.is_empty() {
-            let count = counted(self.left_out.len(), "run");
-            writeln!(
-                f,
-                "\nWARNING, {count} left out\n{}",
-                reasons(&self.left_out)
-            )?;
+        let Unused { runs, stretches } = &self.unused;
+        let counts = [(runs.len(), "run"), (stretches.len(), "stretch")];
+        let some = counts.into_iter().filter(|(count, _)| *count > 0);
+        let counts: Vec<String> = some.map(|(count, what)| counted(count, what)).collect();
+        if !counts.is_empty() {
+            let counts = counts.join(" and ");
+            writeln!(f, "\nWARNING, {counts} left out\n{}", reasons(&self.unused))?;
         }
         for report in &self.reports {
             writeln!(f, "\n{report}")?;
@@ -131,11 +136,18 @@ impl Report {
             let (name, value) = (parameter.name(), four_digits(told.value));
             let unit = shown_unit(told.unit);
             let interval = interval(told);
-            let standing = told.standing.replace('_', " ");
+            let standing = match &told.reason {
+                _ if told.effective => "effective".to_owned(),
+                Some(reason) => format!("not identifiable: {reason}"),
+                None => told.standing.replace('_', " "),
+            };
             writeln!(
                 f,
                 "{name:<10}{value:>12}  {interval:<26}{unit:<12}{standing}"
             )?;
+        }
+        if let Some(effective) = &self.effective {
+            write_item(f, "", effective)?;
         }
         for combination in &self.combinations {
             let value = four_digits(combination.value);
@@ -274,6 +286,7 @@ fn range(values: impl Iterator<Item = f64> + Clone, decimals: usize) -> String {
 fn counted(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
+        count if what.ends_with("ch") => format!("{count} {what}es"),
         count => format!("{count} {what}s"),
     }
 }

@@ -1,0 +1,111 @@
+//! Whether the parameters carry the loads of the rows that they were fitted to.
+
+use super::forces::{Force, forces};
+use super::model::Model;
+use super::observation::variances;
+use super::parameter::Coordinates;
+use super::precision::{UNLIKELY, by_chance};
+use super::row::SteadyLoad;
+use super::weight::Scale;
+use std::fmt;
+
+/// Mean error [%] of the load above which it is missed also where errors of slip and sinkage would explain it: the
+/// largest that the closed form leaves on the paper's grounds (Table 7).
+const LARGEST_PUBLISHED: f64 = 11.68;
+
+/// By how much the loads that parameters carry differ from those measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadMissed {
+    /// Mean size of the difference over the mean load [%].
+    pub percent: f64,
+    /// Standard uncertainty of a load over the mean load [%], as root mean square.
+    pub own_percent: f64,
+    /// The same with what the errors of slip and sinkage add to it [%].
+    pub carried_percent: f64,
+    /// Slip ratio [-] of the row with the largest difference.
+    pub worst_slip: f64,
+    /// That difference over the row's load [%]: above 0 where more is predicted than measured.
+    pub worst_percent: f64,
+}
+
+/// A row's load.
+struct Load {
+    slip: f64,
+    measured: f64,
+    /// Predicted less measured [N].
+    difference: f64,
+    /// Standard uncertainty of the load measured [N].
+    own: f64,
+    /// The same with what the errors of slip and sinkage add to it [N].
+    carried: f64,
+}
+
+impl LoadMissed {
+    /// `None` where rows state no uncertainties, and where chance explains the differences more often than once in a
+    /// thousand: by the uncertainties of the loads alone, or by those of slip and sinkage too if the mean
+    /// error is no larger than any published.
+    pub(super) fn of(model: &Model, rows: &[SteadyLoad], at: &Coordinates) -> Option<Self> {
+        let scale = Scale::of(rows);
+        let loads: Vec<Load> = rows
+            .iter()
+            .filter_map(|row| Load::of(model, row, at, &scale))
+            .collect();
+        let mean =
+            |of: &dyn Fn(&Load) -> f64| loads.iter().map(of).sum::<f64>() / loads.len() as f64;
+        let size = mean(&|load| load.measured);
+        let percent = 100.0 * mean(&|load| load.difference.abs()) / size;
+        let is_beyond = |sd: fn(&Load) -> f64| {
+            let squares = loads.iter().map(|load| load.difference / sd(load));
+            by_chance(squares.map(|z| z * z).sum(), loads.len()) < UNLIKELY
+        };
+        let is_missed = is_beyond(|load| load.carried)
+            || percent > LARGEST_PUBLISHED && is_beyond(|load| load.own);
+        if !scale.known || !is_missed {
+            return None;
+        }
+        let size_of = |load: &&Load| (load.difference / load.measured).abs();
+        let worst = loads
+            .iter()
+            .max_by(|one, other| size_of(one).total_cmp(&size_of(other)))?;
+        let rms =
+            |of: fn(&Load) -> f64| 100.0 * libm::sqrt(mean(&|load| of(load) * of(load))) / size;
+        Some(Self {
+            percent,
+            own_percent: rms(|load| load.own),
+            carried_percent: rms(|load| load.carried),
+            worst_slip: worst.slip,
+            worst_percent: 100.0 * worst.difference / worst.measured,
+        })
+    }
+}
+
+impl Load {
+    fn of(model: &Model, row: &SteadyLoad, at: &Coordinates, scale: &Scale) -> Option<Self> {
+        let load = forces(model, at, row).find(|predicted| predicted.force == Force::Load)?;
+        let sd = scale.of_row(row);
+        let variance = variances(model, at, row, sd).normal_force;
+        Some(Self {
+            slip: row.slip,
+            measured: load.measured,
+            difference: load.predicted - load.measured,
+            own: sd.load,
+            carried: libm::sqrt(variance),
+        })
+    }
+}
+
+impl fmt::Display for LoadMissed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the load itself is missed: at the slip and sinkage measured the parameters carry {:.0} % more or less than the \
+             load measured, {:+.0} % at slip {:.2}; the load is known to {:.1} %, with the errors of slip and sinkage \
+             to {:.0} %",
+            self.percent,
+            self.worst_percent,
+            self.worst_slip,
+            self.own_percent,
+            self.carried_percent,
+        )
+    }
+}

@@ -1,0 +1,81 @@
+//! What identified parameters are parameters of.
+
+use super::row::SteadyLoad;
+use crate::trace::wheel::Lugs;
+use std::fmt;
+
+/// Ratio of the greatest to the least load [-] below which rows are of one load: under half as much again a wheel
+/// sinks a fifth deeper on most soils (`z ∝ W^(2/(2 n + 1))`, n about 1), which scatter hides.
+const ONE_LOAD: f64 = 1.5;
+
+/// Why parameters by the closed form are effective ones, of the wheel and load that they were fitted to, and not
+/// the soil's own.
+///
+/// Eq. (62)-(66) are of a smooth cylinder: under a lugged wheel their parameters hold what lugs carry, push
+/// and dig. Under one load, pressure and sinkage go together only along one curve over slip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scope {
+    /// The wheel's lugs, where it has any or may have.
+    pub lugs: Option<Lugs>,
+    /// Least and greatest load [N], where they are one load.
+    pub one_load: Option<[f64; 2]>,
+}
+
+impl Scope {
+    /// Why the parameters of these rows are effective; `None` where they may be the soil's: of a wheel known to be
+    /// smooth under several loads.
+    pub fn of(lugs: Lugs, rows: &[SteadyLoad]) -> Option<Self> {
+        let loads = || rows.iter().map(|row| row.load);
+        let least = loads().fold(f64::INFINITY, f64::min);
+        let most = loads().fold(0.0, f64::max);
+        let scope = Self {
+            lugs: (!lugs.are_none()).then_some(lugs),
+            one_load: (most < ONE_LOAD * least).then_some([least, most]),
+        };
+        (scope.lugs.is_some() || scope.one_load.is_some()).then_some(scope)
+    }
+}
+
+impl fmt::Display for Scope {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("effective, of this wheel and load: ")?;
+        if let Some(lugs) = self.lugs {
+            write!(f, "(62)-(66) are of a smooth wheel ({lugs})")?;
+        }
+        if self.lugs.is_some() && self.one_load.is_some() {
+            f.write_str("; ")?;
+        }
+        match self.one_load {
+            Some([least, most]) if most - least < 0.05 => {
+                write!(f, "rows of one load ({least:.1} N)")
+            }
+            Some([least, most]) => write!(f, "rows of one load ({least:.1} to {most:.1} N)"),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(loads: &[f64]) -> Vec<SteadyLoad> {
+        let row = |load: &f64| SteadyLoad {
+            load: *load,
+            ..SteadyLoad::at(0.1, 0.01)
+        };
+        loads.iter().map(row).collect()
+    }
+
+    #[test]
+    fn only_a_smooth_wheel_under_several_loads_may_have_the_soils_own_parameters() {
+        let lugged = Lugs::stated(Some(28), 0.015);
+        let unknown = Lugs::stated(None, f64::NAN);
+        let [several, one] = [rows(&[60.0, 100.0]), rows(&[99.0, 101.0])];
+        assert_eq!(Scope::of(Lugs::NONE, &several), None);
+        assert!(Scope::of(Lugs::NONE, &one).unwrap().one_load.is_some());
+        assert!(Scope::of(lugged, &several).unwrap().one_load.is_none());
+        let words = Scope::of(unknown, &several).unwrap().to_string();
+        assert!(words.contains("smooth wheel (lugs not given)"), "{words}");
+    }
+}
