@@ -85,7 +85,7 @@ pub(crate) fn folder(runs: &[(String, Trace)]) -> TempDir {
     folder
 }
 
-fn write(path: &Path, runs: &[(String, Trace)]) {
+pub(crate) fn write(path: &Path, runs: &[(String, Trace)]) {
     let mut file = RunFileWriter::create(path, &Provenance::measured()).unwrap();
     for (id, trace) in runs {
         file.add(id, trace).unwrap();
@@ -333,7 +333,7 @@ fn the_commands_of_the_readme_work() {
         let (name, words) = words.split_once(' ').unwrap();
         done(lugwheel(&folder, name, words));
     }
-    assert_eq!(commands.lines().count(), 3);
+    assert_eq!(commands.lines().count(), 5);
     assert!(folder.path().join("figures/forces_LEIS_2.svg").exists());
 }
 

@@ -2,13 +2,14 @@
 //! where a row or a count is missing.
 
 use crate::identify::{
-    campaign, done, folder, identify, json, lugwheel, mean, refused, run, warned,
+    campaign, done, folder, identify, json, lugwheel, mean, refused, run, warned, write,
 };
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::effects::Application;
 use lugwheel::identification::steady_loads;
 use lugwheel::quantity::{GRAVITY, Seed};
 use lugwheel::scenario::Scenario;
+use lugwheel::trace::wheel::Plate;
 use lugwheel::trace::{Channel, RunAttributes, Trace};
 use serde_json::Value;
 use std::ops::ControlFlow;
@@ -442,6 +443,126 @@ fn a_simulated_slope_is_an_attribute_and_its_steady_load_the_contacts() {
         .push("slope=5".parse::<Application>().unwrap());
     let trace = hidden.run(Seed(1), 0, go_on).unwrap();
     assert_eq!(trace.attributes.slope_deg, 0.0);
+}
+
+// Plates.
+
+#[test]
+fn the_plates_of_carnegie_mellon_give_exponent_and_moduli_for_their_wheel() {
+    let plates = imported("cmu-single-wheel/plates.toml");
+    let found = json(&plates, "");
+    assert_eq!(found["class"], Value::Null);
+    let n = &found["parameters"]["n0"];
+    let [low, high] = [0, 1].map(|end| n["ci95"][end].as_f64().unwrap());
+    assert!(low < 1.46 && 1.46 < high && high - low < 0.3, "{n}");
+    let sizes = found["plates"].as_array().unwrap();
+    let sizes: Vec<f64> = sizes
+        .iter()
+        .map(|size| size["diameter_m"].as_f64().unwrap())
+        .collect();
+    assert_eq!(sizes, [0.06, 0.08, 0.1]);
+    assert_eq!(found["known"][0]["option"], "n0=1.459");
+    // Passed on as it is printed, to the wheel of the same testbed.
+    let wheel = imported("claims/grousers.toml");
+    let fitted = json(&wheel, "--slip 0:1 --known n0=1.459");
+    assert_eq!(fitted["parameters"]["n0"]["standing"], "given");
+    let said = done(identify(&plates, ""));
+    assert!(said.contains("\n  --known n0=1.459\n"), "{said}");
+}
+
+#[test]
+fn sides_of_plates_and_means_row_by_row_part_the_moduli_of_the_wheels_beside_them() {
+    let law = |z: f64, b: f64| (2.0e4 / b + 1.5e6) * z.powf(1.1);
+    let mut csv = "length,width,sinkage_mm,force_n\n".to_owned();
+    for [length, width] in [[0.2, 0.05], [0.1, 0.3]] {
+        for millimetres in [5.0, 10.0, 20.0, 30.0] {
+            let force = law(1.0e-3 * millimetres, f64::min(length, width)) * length * width;
+            csv.push_str(&format!("{length},{width},{millimetres},{force}\n"));
+        }
+    }
+    let plates = written(
+        "version = 1\n[table]\nfile = \"means.csv\"\nplate_length_m = { column = \"length\" }\n\
+         plate_width_m = { column = \"width\" }\nterrain = \"ST\"\n\
+         columns = { sinkage = { column = \"sinkage_mm\", unit = \"mm\" }, normal_force = \"force_n\" }\n",
+        &csv,
+    );
+    let found = json(&plates, "");
+    for (name, expected) in [("n0", 1.1), ("k_c", 2.0e4), ("k_phi", 1.5e6)] {
+        let found = value(&found, name);
+        assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found}");
+    }
+    write(&plates.path().join("wheels.h5"), &campaign());
+    let together = json(&plates, "wheels.h5");
+    let [wheel, of_plates] = &together.as_array().unwrap()[..] else {
+        panic!("{together}");
+    };
+    assert_eq!(
+        (&wheel["class"], &of_plates["class"]),
+        (&"LEIS".into(), &Value::Null)
+    );
+    let k_s = &of_plates["known"][1];
+    assert_eq!(k_s["wheel_width_m"], wheel["wheel"]["width_m"]);
+    // 2e4/0.15 + 1.5e6.
+    assert_eq!(k_s["option"], "k_s=1.633e6");
+}
+
+#[test]
+fn a_plate_of_one_size_gives_its_modulus_and_a_plate_without_force_its_reason() {
+    let trace = |sinkages: &[f64], sign: f64| {
+        let force: Vec<f64> = sinkages.iter().map(|z| sign * 8.0e3 * z).collect();
+        let channel = |name: &str, samples: Vec<f64>| Channel {
+            name: name.to_owned(),
+            unit: lugwheel::trace::unit_of(name).unwrap().to_owned(),
+            sample_rate: 10.0,
+            start: 0.0,
+            samples,
+        };
+        Trace {
+            attributes: RunAttributes {
+                plate: Some(Plate::Disc { diameter: 0.1 }),
+                ..RunAttributes::default()
+            },
+            channels: vec![
+                channel("sinkage", sinkages.to_vec()),
+                channel("normal_force", force),
+            ],
+            ..Trace::default()
+        }
+    };
+    let down: Vec<f64> = (1..80).map(|i| 5.0e-4 * f64::from(i)).collect();
+    let found = json(&folder(&[("p".to_owned(), trace(&down, 1.0))]), "");
+    // Channels are stored in single precision.
+    assert!((value(&found, "n0") - 1.0).abs() < 1e-6);
+    assert_eq!(found["intervals_from"], "parts");
+    let area = 0.25 * std::f64::consts::PI * 0.01;
+    let k = found["plates"][0]["k"]["value"].as_f64().unwrap();
+    assert!((k / (8.0e3 / area) - 1.0).abs() < 1e-5, "{k}");
+    let turned = folder(&[("p".to_owned(), trace(&down, -1.0))]);
+    refused(
+        &turned,
+        "",
+        3,
+        &["each with sinkage and pressure above 0", "signs"],
+    );
+    let mut wheelless = trace(&down, 1.0);
+    wheelless.channels.remove(1);
+    refused(
+        &folder(&[("p".to_owned(), wheelless)]),
+        "",
+        3,
+        &["normal_force is missing"],
+    );
+    let mut unstated = trace(&down, 1.0);
+    (unstated.attributes.plate, unstated.attributes.load) = (None, f64::NAN);
+    refused(
+        &folder(&[("p".to_owned(), unstated)]),
+        "",
+        3,
+        &[
+            "drawbar_pull is missing",
+            "plate test, state plate_diameter_m",
+        ],
+    );
 }
 
 // How many lugs.

@@ -9,13 +9,12 @@
 use lugwheel::dataset::csv::Campaign;
 use lugwheel::identification::{
     Cylinder, Estimate, Identification, Known, Parameter, PlateFit, Predicted, Prediction,
-    Predictor, Setting, Standing, SteadyLoad, Uncertainty, identify, steady_loads,
+    Predictor, Pressing, Setting, Standing, SteadyLoad, Uncertainty, identify, steady_loads,
 };
 use lugwheel::soil::closed_form::Rim;
 use lugwheel::terrain::class::Wtic;
 use lugwheel::trace::Trace;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 use std::path::Path;
 
 fn campaign(name: &str) -> Vec<Trace> {
@@ -369,20 +368,8 @@ fn a_shear_modulus_from_the_ring_is_several_times_that_of_the_wheels() {
 fn plates() -> Vec<(f64, Vec<[f64; 2]>)> {
     let traces = campaign("cmu-single-wheel/plates.toml");
     let plate = |trace: &Trace| {
-        let notes = &trace.attributes.notes;
-        let millimetres: f64 = notes
-            .split_whitespace()
-            .find_map(|word| word.parse().ok())
-            .unwrap();
-        let diameter = 1e-3 * millimetres;
-        let samples = |name: &str| &trace.channel(name).unwrap().samples;
-        let (sinkage, force) = (samples("sinkage"), samples("normal_force"));
-        let peak = (0..force.len())
-            .max_by(|a, b| force[*a].total_cmp(&force[*b]))
-            .unwrap();
-        let area = 0.25 * PI * diameter * diameter;
-        let points = (0..=peak).map(|i| [sinkage[i], force[i] / area]);
-        (diameter, points.collect())
+        let Pressing { plate, points } = Pressing::of(trace).unwrap();
+        (2.0 * plate.smaller_dimension(), points)
     };
     traces.iter().map(plate).collect()
 }

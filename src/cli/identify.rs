@@ -2,6 +2,7 @@
 
 mod class;
 mod group;
+mod plates;
 mod summary;
 mod text;
 
@@ -28,7 +29,8 @@ use summary::{Report, Summary};
 /// Every run gives a row for each stretch of steady slip, from time series or means of
 /// drawbar_pull, driving_torque, normal_force (or the commanded load), slip_ratio (or the commanded
 /// one) and, where lugs enter soil, sinkage. Runs of one class and wheel are fitted together; slip
-/// has to differ among them. Simulated and measured runs alike.
+/// has to differ among them. Simulated and measured runs alike. Runs of a plate in place of a wheel
+/// give k and n of p = k z^n.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Identify {
@@ -132,6 +134,7 @@ Examples:
   lugwheel identify measured.h5
   lugwheel identify slip_01.h5 slip_02.h5 slip_04.h5
   lugwheel identify runs.h5 --class LEIS --run run_000003 --run run_000004
+  lugwheel identify plates.h5
   lugwheel identify measured.h5 --known n0=1.10
   lugwheel identify measured.h5 --slip 0:1
   lugwheel identify runs.h5 --cylinder lug-tips --out output/parameters --json
@@ -235,9 +238,9 @@ impl Identify {
             groups.add(run, &mut teller, self.slip);
             progress.advance(1.0);
         }
-        let (fits, unused) = groups.fit(&self.convention);
+        let (fits, plates, unused) = groups.fit(&self.convention);
         drop(progress);
-        if fits.is_empty() {
+        if fits.is_empty() && plates.is_empty() {
             let files = self.file_names();
             return Err(NothingIdentified { files, unused }.into());
         }
@@ -248,7 +251,7 @@ impl Identify {
             ..Report::of(fit)
         };
         let reports = fits.iter().map(report).collect();
-        output.print(&Summary::new(self.file_names(), reports, unused))
+        output.print(&Summary::new(self.file_names(), reports, plates, unused))
     }
 
     /// The runs asked for, file after file.

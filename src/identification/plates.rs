@@ -1,4 +1,4 @@
-//! Pressure-sinkage parameters from plates pressed into the soil.
+//! Modulus and exponent of pressure and sinkage from points under plates.
 
 use crate::quantity::RangeError;
 
@@ -16,6 +16,12 @@ pub struct PlateFit {
 /// Why points give no pressure-sinkage law.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlateError {
+    /// A run of a wheel.
+    #[error("the run has no plate: state plate_diameter_m, or plate_length_m and plate_width_m")]
+    NoPlate,
+    /// A quantity is neither a channel nor a mean.
+    #[error("{0} is missing or holds no number: a plate test needs sinkage and normal_force")]
+    Missing(&'static str),
     /// A number is no sinkage or no pressure.
     #[error("point {point}: {reason}")]
     Point {
@@ -25,7 +31,10 @@ pub enum PlateError {
         reason: RangeError,
     },
     /// Fewer than two sinkages under pressure.
-    #[error("points at two sinkages or more are needed, each with sinkage and pressure above 0")]
+    #[error(
+        "points at two sinkages or more are needed, each with sinkage and pressure above 0: check the signs of \
+         sinkage and normal_force"
+    )]
     TooFew,
 }
 
@@ -39,7 +48,34 @@ impl PlateFit {
     /// # Errors
     /// `Point` for a number that is not finite, `TooFew`.
     pub fn of(points: &[[f64; 2]]) -> Result<Self, PlateError> {
-        for (index, [sinkage, pressure]) in points.iter().enumerate() {
+        let sums = LogSums::of(points)?;
+        let exponent = common_exponent([&sums]).ok_or(PlateError::TooFew)?;
+        Ok(Self {
+            modulus: sums.modulus(exponent),
+            exponent,
+            points: sums.points,
+        })
+    }
+}
+
+/// Weighted sums over the logarithms of points, from which laws follow.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct LogSums {
+    /// Points that count.
+    pub points: usize,
+    weight: f64,
+    /// Of the logarithms of sinkage and pressure.
+    sums: [f64; 2],
+    /// Of squares of the sinkage's, and of products of both.
+    products: [f64; 2],
+}
+
+impl LogSums {
+    /// # Errors
+    /// `Point` for a number that is not finite.
+    pub fn of(points: &[[f64; 2]]) -> Result<Self, PlateError> {
+        let mut sums = Self::default();
+        for (index, point) in points.iter().enumerate() {
             let finite = |name, unit, value| {
                 RangeError::check(name, unit, value, [-f64::MAX, f64::MAX]).map_err(|reason| {
                     PlateError::Point {
@@ -48,32 +84,62 @@ impl PlateFit {
                     }
                 })
             };
-            finite("sinkage", "m", *sinkage)?;
-            finite("pressure", "Pa", *pressure)?;
+            finite("sinkage", "m", point[0])?;
+            finite("pressure", "Pa", point[1])?;
+            if is_pressed(point) {
+                sums = sums.and(&Self::of_point(*point));
+            }
         }
-        let under: Vec<[f64; 2]> = points.iter().copied().filter(is_pressed).collect();
-        let weight: f64 = under.iter().map(|[_, p]| p * p).sum();
-        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| {
-            under
-                .iter()
-                .map(|point| point[1] * point[1] * of(point))
-                .sum::<f64>()
-                / weight
-        };
-        let [x, y] = [mean(&|p| libm::log(p[0])), mean(&|p| libm::log(p[1]))];
-        let spread = mean(&|p| (libm::log(p[0]) - x) * (libm::log(p[0]) - x));
-        let shared = mean(&|p| (libm::log(p[0]) - x) * (libm::log(p[1]) - y));
-        // Rounding alone leaves 1e-30 of one sinkage.
-        if under.len() < 2 || spread < 1e-20 {
-            return Err(PlateError::TooFew);
-        }
-        let exponent = shared / spread;
-        Ok(Self {
-            modulus: libm::exp(y - exponent * x),
-            exponent,
-            points: under.len(),
-        })
+        Ok(sums)
     }
+
+    fn of_point([sinkage, pressure]: [f64; 2]) -> Self {
+        let weight = pressure * pressure;
+        let [x, y] = [libm::log(sinkage), libm::log(pressure)];
+        Self {
+            points: 1,
+            weight,
+            sums: [weight * x, weight * y],
+            products: [weight * x * x, weight * x * y],
+        }
+    }
+
+    /// With the points of another.
+    pub fn and(&self, other: &Self) -> Self {
+        let sum = |one: [f64; 2], other: [f64; 2]| [one[0] + other[0], one[1] + other[1]];
+        Self {
+            points: self.points + other.points,
+            weight: self.weight + other.weight,
+            sums: sum(self.sums, other.sums),
+            products: sum(self.products, other.products),
+        }
+    }
+
+    /// Weighted means of the logarithms of sinkage and pressure.
+    fn means(&self) -> [f64; 2] {
+        self.sums.map(|sum| sum / self.weight)
+    }
+
+    /// Modulus of the law of this exponent through the points' mean.
+    pub fn modulus(&self, exponent: f64) -> f64 {
+        let [x, y] = self.means();
+        libm::exp(y - exponent * x)
+    }
+}
+
+/// The exponent that points of several sizes share, each with a modulus of its own; `None` where no size has
+/// points at two sinkages.
+pub(super) fn common_exponent<'a>(sizes: impl IntoIterator<Item = &'a LogSums>) -> Option<f64> {
+    let mut spread = [0.0; 2];
+    let mut weight = 0.0;
+    for size in sizes.into_iter().filter(|size| size.points > 0) {
+        let [x, y] = size.means();
+        spread[0] += size.products[0] - size.weight * x * x;
+        spread[1] += size.products[1] - size.weight * x * y;
+        weight += size.weight;
+    }
+    // Rounding alone leaves 1e-14 of the logarithms' squares at one sinkage.
+    (spread[0] > 1e-12 * weight).then(|| spread[1] / spread[0])
 }
 
 fn is_pressed([sinkage, pressure]: &[f64; 2]) -> bool {

@@ -1,6 +1,7 @@
 //! Runs of one class and wheel, fitted together.
 
 use super::class::{Teller, Told};
+use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
@@ -205,6 +206,7 @@ fn loads(runs: &[Rows]) -> Vec<SteadyLoad> {
 #[derive(Debug, Default)]
 pub struct Groups {
     groups: Vec<Group>,
+    plates: PlateTests,
     unused: Unused,
 }
 
@@ -221,6 +223,9 @@ impl Groups {
     fn take(&mut self, run: &Run, teller: &mut Teller, slips: SlipRange) -> Result<(), String> {
         let trace = run.file.read(&run.id);
         let trace = trace.map_err(|error| error.to_string())?;
+        if trace.attributes.plate.is_some() {
+            return self.plates.add(&run.name, &trace);
+        }
         let rows = self.rows(&run.name, &trace, slips)?;
         let told = teller.tell(&trace)?;
         let wheel = WheelOfRun::of(&trace.attributes);
@@ -264,7 +269,8 @@ impl Groups {
         }
         if rows.is_empty() {
             let first = refused.into_iter().next();
-            return Err(first.map_or_else(String::new, |stretch| stretch.reason));
+            let reason = first.map_or_else(String::new, |stretch| stretch.reason);
+            return Err(reason + plates::way_out(trace));
         }
         self.unused.stretches.extend(refused);
         // What is no number is refused with its reason, not by the range.
@@ -276,8 +282,13 @@ impl Groups {
     }
 
     /// Fits every group; what came of them, and what is in none.
-    pub fn fit(mut self, convention: &Convention) -> (Vec<Fit>, Unused) {
+    pub fn fit(mut self, convention: &Convention) -> (Vec<Fit>, Vec<PlateReport>, Unused) {
         let unused = &mut self.unused;
+        let widths: Vec<f64> = self
+            .groups
+            .iter()
+            .map(|group| group.wheel.width_m)
+            .collect();
         let fits = self.groups.into_iter();
         let fits = fits
             .filter_map(|mut group| {
@@ -285,7 +296,8 @@ impl Groups {
                 group.fit(convention, unused)
             })
             .collect();
-        (fits, self.unused)
+        let plates = self.plates.fit(&widths, &mut unused.runs);
+        (fits, plates, self.unused)
     }
 }
 

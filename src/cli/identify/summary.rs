@@ -2,6 +2,7 @@
 
 use super::class::ToldBy;
 use super::group::{Fit, LeftOut, Row, StretchLeftOut, Unused, WheelOfRun};
+use super::plates::PlateReport;
 use lugwheel::identification::{
     Combination, Cylinder, Estimate, Identified, Open, Parameter, Predicted, Prediction,
     PredictionErrors, Scope, Standing, Termination, TerrainParameters, Warning,
@@ -33,20 +34,31 @@ pub struct Summary {
     pub files: String,
     /// One for each class and wheel.
     pub reports: Vec<Report>,
+    /// One for each ground that plates were pressed into.
+    pub plates: Vec<PlateReport>,
     /// What gave nothing, and why.
     pub unused: Unused,
 }
 
 impl Summary {
     /// What came of files.
-    pub fn new(files: String, mut reports: Vec<Report>, unused: Unused) -> Self {
+    pub fn new(
+        files: String,
+        mut reports: Vec<Report>,
+        mut plates: Vec<PlateReport>,
+        unused: Unused,
+    ) -> Self {
         for report in &mut reports {
             report.left_out.clone_from(&unused.runs);
             report.stretches_left_out.clone_from(&unused.stretches);
         }
+        for report in &mut plates {
+            report.left_out.clone_from(&unused.runs);
+        }
         Self {
             files,
             reports,
+            plates,
             unused,
         }
     }
@@ -54,11 +66,23 @@ impl Summary {
 
 impl Serialize for Summary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match &self.reports[..] {
-            [one] => one.serialize(serializer),
-            several => several.serialize(serializer),
+        match (&self.reports[..], &self.plates[..]) {
+            ([one], []) => one.serialize(serializer),
+            ([], [one]) => one.serialize(serializer),
+            (reports, plates) => {
+                let reports = reports.iter().map(Either::Wheel);
+                serializer.collect_seq(reports.chain(plates.iter().map(Either::Plates)))
+            }
         }
     }
+}
+
+/// What a wheel or plates gave.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Either<'a> {
+    Wheel(&'a Report),
+    Plates(&'a PlateReport),
 }
 
 /// What one class and wheel gave.

@@ -70,6 +70,9 @@ impl fmt::Display for Summary {
         for report in &self.reports {
             writeln!(f, "\n{report}")?;
         }
+        for report in &self.plates {
+            writeln!(f, "\n{report}")?;
+        }
         Ok(())
     }
 }
@@ -283,7 +286,7 @@ fn range(values: impl Iterator<Item = f64> + Clone, decimals: usize) -> String {
     }
 }
 
-fn counted(count: usize, what: &str) -> String {
+pub fn counted(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
         count if what.ends_with("ch") => format!("{count} {what}es"),
@@ -319,7 +322,7 @@ fn value_of(correlation: f64) -> String {
 }
 
 /// A point of a list: lines after the first stand below its text.
-fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Result {
+pub fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Result {
     let width = lead.chars().count();
     let lines = wrapped(text, LINE - width);
     let indented = lines.join(&format!("\n{:width$}", ""));
