@@ -562,12 +562,18 @@ fn unlabelled_runs_are_grouped_by_the_class_that_their_vibration_shows() {
 fn a_run_whose_vibration_tells_nothing_has_the_class_of_its_label_or_none() {
     let [hard, _] = &*SIMULATED;
     let mut runs = at_slips(hard, "r");
+    // Without an angle the commanded slip gives the turning, with which these pulses do not keep step.
+    runs.retain(|(id, _)| id != "r_0.1");
     for (_, trace) in &mut runs {
         trace
             .channels
             .retain(|channel: &Channel| channel.name != "wheel_angle");
     }
-    let parts = ["read as UWTIC in 1 of 1 windows", "wheel_angle", "--class"];
+    let parts = [
+        "read as UWTIC in 1 of 1 windows",
+        "pulses come every",
+        "--class",
+    ];
     refused(&folder(&runs), "", 3, &parts);
     for (_, trace) in &mut runs {
         trace.attributes.class = Some(Wtic::Alct);
