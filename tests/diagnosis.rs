@@ -23,9 +23,9 @@ fn scenario(name: &str) -> Scenario {
     Scenario::load(format!("{folder}/scenarios/{name}.toml")).unwrap()
 }
 
-/// A second on sand.
+/// A second on sand, from when the wheel is set down.
 fn short() -> Scenario {
-    let short = ["duration=1.0", "physics_rate=8000"];
+    let short = ["duration=1.0", "lead_in=0.0", "physics_rate=8000"];
     scenario("quick").with_all(&short).unwrap()
 }
 
