@@ -1,21 +1,25 @@
 //! The motion of the wheel: an iterator of [`WheelState`].
 //!
-//! Each step the fixed ground, the load and the leg push the wheel's body, the engine moves it
-//! under the constraints of carriage and motor, and the loads are read as a rig would read them:
-//! from the momentum the wheel gained and from the reaction of carriage and motor. On stones the
-//! engine solves a step several times and keeps of carriage and motor the last solution only;
-//! there pull and torque are the sum of the contacts, and the motor's follows from its momentum.
+//! Each step the fixed ground, the load, the leg, the carriage and the motor act on the wheel's body, and rapier
+//! moves it: by its integrator alone on fixed ground, by its whole pipeline among stones. The ground's loads are
+//! the sum of its contacts; what a transducer in the hub reads follows from them and from the wheel's inertia.
 
+#[cfg(test)]
+mod balance;
 mod contact;
 mod engine;
+mod free_body;
 mod ground_force;
 mod hard_contact;
+mod motion;
+mod mount;
 pub mod rig;
 #[cfg(test)]
 mod rolling;
 mod soil_track;
 mod stone_bearing;
 mod stone_bed;
+mod stone_world;
 mod world;
 
 use crate::quantity::{RangeError, SampleRate};
@@ -24,9 +28,12 @@ use crate::terrain::class::TerrainLabel;
 use crate::wheel::Wheel;
 use contact::WheelGeometry;
 use ground_force::GroundForce;
+use motion::{WheelMotion, Wrench};
+use mount::{AtLimits, Mount};
 use rig::flaws::GuideFriction;
-use rig::{Command, Leg, Rig};
-use world::{Guide, WheelBody, WheelMotion, World};
+use rig::{Command, Commanded, Leg, Rig};
+use stone_world::StoneWorld;
+use world::{WheelBody, World};
 
 /// Loads on the wheel in the plane of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -75,6 +82,8 @@ pub struct WheelState {
     pub lugs_touching: u64,
     /// Bit `i` is set while the edge of lug `i` lies more than 1 mm below the undisturbed soil.
     pub lugs_entered: u64,
+    /// Drives that give all they have.
+    pub at_limits: AtLimits,
 }
 
 /// Why a run could not go on.
@@ -116,12 +125,13 @@ const LET_DOWN: f64 = 1.0;
 /// The same on stones, which its first touch moves.
 const LET_DOWN_ON_STONES: f64 = 2.0;
 
-/// Damping [N·s/m] of the hand that lets the wheel down, per kilogram of moving mass.
+/// Damping [N·s/m] of the let-down, per kilogram of moving mass.
 const LET_DOWN_DAMPING: f64 = 150.0;
 
 /// A wheel on its way, state by state; it never ends by itself.
 pub struct Simulation {
     world: World,
+    mount: Mount,
     ground: GroundForce,
     wheel: Wheel,
     geometry: WheelGeometry,
@@ -152,24 +162,24 @@ impl Simulation {
         rate: SampleRate,
     ) -> Result<Self, SimulationError> {
         let command = Command::new(rig.drive(), wheel.radius)?;
+        let mount = Mount::new(rig, wheel, rate)?;
         let geometry = WheelGeometry::new(wheel, rig.load());
-        let guide = if rig.clearance() > 0.0 {
-            Guide::ClampedCarriage
-        } else {
-            Guide::Carriage
-        };
         let mass = rig.moving_mass(wheel);
         let body = WheelBody {
             mass,
+            carriage_mass: mount.carriage_mass(),
             inertia: wheel.inertia,
+            clamped: rig.clearance() > 0.0,
         };
-        let mut world = World::new(body, guide, rig.gravity(), rate);
         let heading = rig.drive().forward_speed;
-        let mut ground = GroundForce::new(terrain, wheel, heading, &mut world.physics);
-        if ground.has_stones() {
-            world.meet_stones(wheel, rate);
-            ground.follow(&mut world.physics, 0.0, rate.period());
-        }
+        let mut physics = stone_world::engine(rig.gravity(), rate);
+        let mut ground = GroundForce::new(terrain, wheel, heading, &mut physics);
+        let mut world = if ground.has_stones() {
+            ground.follow(&mut physics, 0.0, rate.period());
+            World::among_stones(StoneWorld::new(physics, wheel, &body), rate)
+        } else {
+            World::on_fixed_ground(&body, rate)
+        };
         let [_, rim] = wheel.flaws.rim_centre(1.0, 0.0);
         let start = ground.resting_height(&geometry) - rim + rig.clearance();
         world.place(start);
@@ -180,6 +190,7 @@ impl Simulation {
         let load = rig.normal_load();
         let mut simulation = Self {
             world,
+            mount,
             has_stones: ground.has_stones(),
             ground,
             wheel,
@@ -201,7 +212,7 @@ impl Simulation {
 
     /// Label of the ground under the axle.
     pub fn label(&mut self) -> TerrainLabel {
-        let x = self.world.wheel_motion().x;
+        let x = self.world.motion().x;
         self.ground.label(x)
     }
 
@@ -227,59 +238,68 @@ impl Simulation {
         };
         let steps = (seconds * self.rate.hertz()) as u64;
         for step in 0..steps {
-            // The hand lets go over the second half.
+            // The damping fades over the second half.
             let hold = (2.0 - 2.0 * step as f64 / steps as f64).min(1.0);
-            let state = self.advance([0.0, 0.0], hold * LET_DOWN_DAMPING)?;
+            let state = self.advance(&Commanded::REST, hold * LET_DOWN_DAMPING)?;
             self.check_sinkage(&state)?;
         }
         Ok(())
     }
 
-    /// One step at these speeds [m/s, rad/s], the hand on the axle.
+    /// One step under this command; `damping` [1/s] of the moving mass slows the let-down.
     fn advance(
         &mut self,
-        [forward_speed, wheel_speed]: [f64; 2],
-        hand: f64,
+        commanded: &Commanded,
+        damping: f64,
     ) -> Result<WheelState, SimulationError> {
         let dt = self.rate.period();
-        let before = self.world.wheel_motion();
+        let before = self.world.motion();
         let rim = self.geometry.rim_centre(&before);
         let mut reach = self.ground.push(&self.geometry, &before.at(rim), dt);
         reach.wrench = reach.wrench.acting_at(rim);
-        if self.has_stones {
-            self.ground.follow(&mut self.world.physics, before.x, dt);
+        if let Some(stones) = self.world.stones() {
+            self.ground.follow(stones.physics(), before.x, dt);
         }
-        let spring = self.push_leg(&before, hand);
-        let frame = self.rig.frame();
-        let friction = self.guide.push(frame, before.vy, self.pull, dt);
-        let transfer = frame.load_transfer * self.pull;
-        let weight = if self.world.has_leg() {
-            self.rig.unsprung_weight(&self.wheel)
-        } else {
-            self.load
-        } + transfer
-            - friction;
+        let spring = self.push_leg(&before, damping);
         let mut wrench = reach.wrench;
-        wrench.fy += spring - weight - hand * self.mass * before.vy;
-        self.world.command(forward_speed, wheel_speed);
-        self.world.push_wheel(wrench);
-        self.world.step();
-        let after = self.world.wheel_motion();
+        wrench.fy += spring - self.weight(&before) - damping * self.mass * before.vy;
+        let actions = self.mount.act(commanded, &before);
+        self.world.step(wrench, &actions);
+        let after = self.world.motion();
         self.check(&after)?;
-        let state = self.read(&before, &after, weight - spring, reach);
+        if let Some(stones) = self.world.stones() {
+            let (load, touched) = stones.load(self.geometry.touch_force);
+            reach.wrench += load;
+            reach.touching |= touched;
+        }
+        let state = self.read(&before, &after, reach);
         self.pull = state.ground.drawbar_pull;
         Ok(state)
     }
 
+    /// All that presses the wheel down [N] but the leg's spring: weight, what the linkage adds, friction of the guide.
+    fn weight(&mut self, motion: &WheelMotion) -> f64 {
+        let frame = self.rig.frame();
+        let friction = self
+            .guide
+            .push(frame, motion.vy, self.pull, self.rate.period());
+        let own = if self.world.has_leg() {
+            self.rig.unsprung_weight(&self.wheel)
+        } else {
+            self.load
+        };
+        own + frame.load_transfer * self.pull - friction
+    }
+
     /// Loads the leg's body; returns the force [N] of its spring and damper on the wheel.
-    fn push_leg(&mut self, wheel: &WheelMotion, hand: f64) -> f64 {
+    fn push_leg(&mut self, wheel: &WheelMotion, damping: f64) -> f64 {
         let (Some([stretch, rate]), Some(leg)) = (self.world.leg_stretch(wheel), &self.leg) else {
             return 0.0;
         };
         let body_weight = self.load - self.rig.unsprung_weight(&self.wheel);
         // At rest the spring carries the body; stretch counts from there.
         let spring = leg.spring_force(stretch, rate) - body_weight;
-        self.world.push_leg(-spring - body_weight, hand);
+        self.world.push_leg(-spring - body_weight, damping);
         spring
     }
 
@@ -297,7 +317,7 @@ impl Simulation {
 
     fn check(&self, motion: &WheelMotion) -> Result<(), SimulationError> {
         let time = self.step as f64 * self.rate.period();
-        if !(motion.x.is_finite() && motion.y.is_finite() && motion.omega.is_finite()) {
+        if !motion.is_finite() {
             return Err(SimulationError::NotFinite {
                 time,
                 rate: self.rate.hertz(),
@@ -306,41 +326,21 @@ impl Simulation {
         Ok(())
     }
 
-    /// The state after a step, `weight` [N] being all that pressed the wheel down.
+    /// The state after a step in which the ground pressed on the wheel as `reach` says.
     fn read(
         &mut self,
         before: &WheelMotion,
         after: &WheelMotion,
-        weight: f64,
         reach: contact::Reach,
     ) -> WheelState {
         let rate = self.rate.hertz();
         let (ax, ay) = ((after.vx - before.vx) * rate, (after.vy - before.vy) * rate);
         let spin_up = self.wheel.inertia * (after.omega - before.omega) * rate;
-        let clamped = self.rig.clearance() > 0.0;
-        let normal_force = if clamped {
-            reach.wrench.fy
-        } else {
-            self.mass * ay + weight
-        };
-        let mut touching = reach.touching;
-        let ground = match self.world.stone_load(self.geometry.touch_force) {
-            Some((stones, touched)) => {
-                touching |= touched;
-                Loads {
-                    normal_force,
-                    drawbar_pull: reach.wrench.fx + stones.fx,
-                    driving_torque: -(reach.wrench.torque + stones.torque),
-                }
-            }
-            None => {
-                let drive = self.world.drive_wrench();
-                Loads {
-                    normal_force,
-                    drawbar_pull: self.mass * ax - drive.fx,
-                    driving_torque: drive.torque - spin_up,
-                }
-            }
+        let Wrench { fx, fy, torque } = reach.wrench;
+        let ground = Loads {
+            normal_force: fy,
+            drawbar_pull: fx,
+            driving_torque: -torque,
         };
         let [gained, carried] = self.rig.wheel_weight(&self.wheel);
         let hub = Loads {
@@ -364,8 +364,9 @@ impl Simulation {
             hub,
             sinkage: undisturbed - (after.y + rim - self.wheel.radius),
             on_soil,
-            lugs_touching: touching,
+            lugs_touching: reach.touching,
             lugs_entered: reach.entered,
+            at_limits: self.mount.at_limits(),
         }
     }
 }
@@ -378,12 +379,8 @@ impl Iterator for Simulation {
             return None;
         }
         self.step += 1;
-        let speeds = {
-            let angle = self.world.wheel_motion().angle;
-            self.command
-                .at(self.step as f64 * self.rate.period(), angle)
-        };
-        let result = self.advance(speeds, 0.0).and_then(|state| {
+        let commanded = self.command.at(self.step as f64 * self.rate.period());
+        let result = self.advance(&commanded, 0.0).and_then(|state| {
             self.check_sinkage(&state)?;
             Ok(state)
         });

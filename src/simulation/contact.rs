@@ -1,6 +1,6 @@
 //! The wheel as the ground meets it: edges of its lowest lugs, and what the ground answers.
 
-use super::world::{WheelMotion, Wrench};
+use super::motion::{WheelMotion, Wrench};
 use crate::wheel::Wheel;
 use crate::wheel::flaws::Flaws;
 use libm::{cos, sin};

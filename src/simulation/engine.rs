@@ -36,15 +36,6 @@ const PREDICTION: f64 = 1e-5;
 /// Friction is not affected, as it acts on velocities alone in the unbiased pass.
 const RECYCLING: f64 = 1e-5;
 
-/// The engine's parameters at a physics `rate` where nothing collides: one exact solution of the
-/// joint a step.
-pub fn joint_parameters(rate: SampleRate) -> IntegrationParameters {
-    IntegrationParameters {
-        num_solver_iterations: 1,
-        ..parameters(rate)
-    }
-}
-
 /// The engine's parameters at a physics `rate`, for stones.
 pub fn parameters(rate: SampleRate) -> IntegrationParameters {
     let softness = |frequency| SpringCoefficients::new(frequency, CONTACT_DAMPING);

@@ -2,10 +2,10 @@
 
 use super::contact::{Reach, WheelGeometry};
 use super::hard_contact::{HardGround, RAMP_LENGTH};
+use super::motion::WheelMotion;
 use super::soil_track::SoilTrack;
 use super::stone_bearing::StoneBearing;
 use super::stone_bed::{BedRecipe, Floor, Laying, StoneBed};
-use super::world::WheelMotion;
 use crate::terrain::class::TerrainLabel;
 use crate::terrain::profile::Profile;
 use crate::terrain::{Stones, Stretch, Terrain, TerrainSpec};

@@ -14,7 +14,7 @@
 //! grains are left, so dust bears nothing here; it makes the ground slippery.
 
 use super::contact::{Edge, Reach, WheelGeometry};
-use super::world::{WheelMotion, Wrench};
+use super::motion::{WheelMotion, Wrench};
 use crate::terrain::HardContact;
 use crate::terrain::profile::{Profile, Surface};
 use crate::wheel::Wheel;

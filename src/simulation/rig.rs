@@ -1,12 +1,16 @@
 //! What holds, loads and drives the wheel.
 
+pub mod carriage;
 pub mod flaws;
+pub mod motor;
 
 use crate::quantity::GRAVITY;
-use crate::quantity::{RangeError, SlipRatio};
+use crate::quantity::{RangeError, SampleRate, SlipRatio};
 use crate::wheel::Wheel;
+use carriage::Carriage;
 use flaws::{DriveFlaws, FrameFlaws};
 use libm::{cos, sin};
+use motor::Motor;
 use serde::{Deserialize, Serialize};
 
 /// How the carriage moves and the motor turns.
@@ -25,6 +29,12 @@ pub struct Drive {
     /// Time [s] at which the motors stop over one `start_up`; never if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_at: Option<f64>,
+    /// The motor that turns the wheel; rigid if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motor: Option<Motor>,
+    /// The carriage that moves it along the track, on a rover the chassis that pushes the leg; rigid if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carriage: Option<Carriage>,
     /// Departures from the motion commanded.
     #[serde(rename = "drive_flaws", skip_serializing_if = "DriveFlaws::is_none")]
     pub flaws: DriveFlaws,
@@ -141,6 +151,8 @@ pub(crate) struct SingleWheelTable {
     wheel_speed: Option<f64>,
     start_up: f64,
     stop_at: Option<f64>,
+    motor: Option<Motor>,
+    carriage: Option<Carriage>,
     load: f64,
     moving_mass: f64,
     lifted: Option<f64>,
@@ -160,6 +172,8 @@ pub(crate) struct RoverLegTable {
     wheel_speed: Option<f64>,
     start_up: f64,
     stop_at: Option<f64>,
+    motor: Option<Motor>,
+    carriage: Option<Carriage>,
     load: f64,
     stiffness: f64,
     damping: f64,
@@ -206,6 +220,8 @@ impl From<SingleWheelTable> for SingleWheel {
                 wheel_speed: table.wheel_speed,
                 start_up: table.start_up,
                 stop_at: table.stop_at,
+                motor: table.motor,
+                carriage: table.carriage,
                 flaws: table.drive_flaws,
             },
             load: table.load,
@@ -226,6 +242,8 @@ impl From<RoverLegTable> for RoverLeg {
                 wheel_speed: table.wheel_speed,
                 start_up: table.start_up,
                 stop_at: table.stop_at,
+                motor: table.motor,
+                carriage: table.carriage,
                 flaws: table.drive_flaws,
             },
             load: table.load,
@@ -305,6 +323,16 @@ impl Rig {
             Self::SingleWheel(rig) => &mut rig.drive,
             Self::RoverLeg(rig) => &mut rig.drive,
         }
+    }
+
+    /// The carriage, or the chassis of a rover; `None` is rigid.
+    pub fn carriage(&self) -> Option<Carriage> {
+        self.drive().carriage
+    }
+
+    /// The motor; `None` is rigid.
+    pub fn motor(&self) -> Option<Motor> {
+        self.drive().motor
     }
 
     /// Departures of guide and load.
@@ -478,7 +506,29 @@ pub struct Command {
     full: [f64; 2],
     start_up: f64,
     stop_at: Option<f64>,
-    flaws: DriveFlaws,
+}
+
+/// What is commanded at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Commanded {
+    /// When [s].
+    pub time: f64,
+    /// Forward speed [m/s].
+    pub forward_speed: f64,
+    /// Wheel speed [rad/s].
+    pub wheel_speed: f64,
+    /// Both as a share of the full speeds [-].
+    pub share: f64,
+}
+
+impl Commanded {
+    /// The wheel stands.
+    pub(super) const REST: Self = Self {
+        time: 0.0,
+        forward_speed: 0.0,
+        wheel_speed: 0.0,
+        share: 0.0,
+    };
 }
 
 impl Command {
@@ -497,16 +547,15 @@ impl Command {
             drive.full_wheel_speed(radius)? * wheel_scale,
         ];
         Ok(Self {
-            flaws: drive.flaws,
             full,
             start_up: drive.start_up,
             stop_at: drive.stop_at,
         })
     }
 
-    /// Forward speed [m/s] and wheel speed [rad/s] at `time` [s], the wheel having turned by `angle`
-    /// [rad]: both rise and fall together, smoothly, so that slip holds from the first motion on.
-    pub fn at(&self, time: f64, angle: f64) -> [f64; 2] {
+    /// What is commanded at `time` [s]: both speeds rise and fall together, smoothly, so that slip holds from the
+    /// first motion on.
+    pub fn at(&self, time: f64) -> Commanded {
         let rise = |since: f64| {
             if since >= self.start_up {
                 1.0
@@ -520,11 +569,12 @@ impl Command {
                 |stop| if time > stop { rise(time - stop) } else { 0.0 },
             );
         let [forward_speed, wheel_speed] = self.full.map(|speed| speed * share);
-        let at = [time, angle];
-        [
+        Commanded {
+            time,
             forward_speed,
-            self.flaws.wheel_speed(wheel_speed, share, at),
-        ]
+            wheel_speed,
+            share,
+        }
     }
 }
 
@@ -544,7 +594,8 @@ impl Drive {
             self.stop_at.unwrap_or(earliest),
             [earliest, 1.0e6],
         )?;
-        Ok(())
+        self.motor.map_or(Ok(()), |motor| motor.check())?;
+        self.carriage.map_or(Ok(()), |carriage| carriage.check())
     }
 
     /// Commanded slip ratio [-] on a rim of `radius` [m].
@@ -572,6 +623,31 @@ impl Drive {
             value: self.slip.map_or(f64::NAN, SlipRatio::get),
         })
     }
+}
+
+/// Whether steps of this rate resolve the oscillation of an inertia on a spring of this stiffness: at most half a
+/// radian a step.
+fn resolved(
+    quantity: &'static str,
+    unit: &'static str,
+    stiffness: f64,
+    inertia: f64,
+    rate: SampleRate,
+) -> Result<(), RangeError> {
+    let per_step = 0.5 * rate.hertz();
+    let most = per_step * per_step * inertia;
+    if stiffness <= most {
+        return Ok(());
+    }
+    Err(RangeError {
+        quantity,
+        unit,
+        range: format!(
+            "at most {most:.3e} at a physics rate of {} Hz, or inf for a rigid one",
+            rate.hertz()
+        ),
+        value: stiffness,
+    })
 }
 
 #[cfg(test)]

@@ -2,8 +2,10 @@
 
 use super::contact::WheelGeometry;
 use super::hard_contact::HardGround;
+use super::motion::{WheelMotion, Wrench};
+use super::mount::Actions;
 use super::rig::{Drive, Rig, RoverLeg};
-use super::world::{Guide, WheelBody, WheelMotion, World, Wrench};
+use super::world::{WheelBody, World};
 use crate::quantity::GRAVITY;
 use crate::quantity::{SampleRate, Seed};
 use crate::terrain::HardContact;
@@ -40,23 +42,20 @@ fn roll(
     let start = wheel.tip_radius() - indentation;
     let body = WheelBody {
         mass: wheel.mass,
+        carriage_mass: 0.0,
         inertia: wheel.inertia,
+        clamped: false,
     };
-    let mut world = World::new(
-        body,
-        Guide::Free,
-        [0.0, 0.0],
-        SampleRate::new(RATE).unwrap(),
-    );
+    let mut world = World::on_fixed_ground(&body, SampleRate::new(RATE).unwrap());
     world.place(start);
-    world.launch(speed, 0.0, speed / wheel.tip_radius());
+    let turning = speed / wheel.tip_radius();
+    world.free_body().launch(speed, 0.0, turning);
     for _ in 0..(seconds / DT) as usize {
-        let motion = world.wheel_motion();
+        let motion = world.motion();
         see(&motion);
         let mut wrench = ground.push(&geometry, &motion, DT).wrench;
         wrench.fy -= weight;
-        world.push_wheel(wrench);
-        world.step();
+        world.step(wrench, &Actions::NONE);
     }
 }
 
@@ -139,6 +138,8 @@ fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
         wheel_speed: Some(0.0),
         start_up: 0.0,
         stop_at: None,
+        motor: None,
+        carriage: None,
         flaws: Default::default(),
     };
     let leg = RoverLeg {
@@ -156,36 +157,33 @@ fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
         // An axle so heavy that the leg does not move it.
         let axle = WheelBody {
             mass: 1.0e9,
+            carriage_mass: 0.0,
             inertia: 1.0,
+            clamped: false,
         };
-        let mut world = World::new(
-            axle,
-            Guide::Free,
-            [0.0, 0.0],
-            SampleRate::new(rate).unwrap(),
-        );
+        let mut world = World::on_fixed_ground(&axle, SampleRate::new(rate).unwrap());
         world.add_leg(mass, 0.0);
-        world.launch(0.0, amplitude * omega, 0.0);
+        world.free_body().launch(0.0, amplitude * omega, 0.0);
         let (mut in_phase, mut quadrature) = (0.0, 0.0);
         // Two seconds for the start to die away, then whole periods.
         let steps = (3.0 * rate) as usize;
         for step in 0..steps {
             let time = step as f64 / rate;
-            let axle = world.wheel_motion();
+            let axle = world.motion();
             let [stretch, closing] = world.leg_stretch(&axle).unwrap();
             let spring = spring_and_damper.spring_force(stretch, closing);
             world.push_leg(-spring, 0.0);
             let fy = -1.0e9 * omega * omega * amplitude * (omega * time).sin();
-            world.push_wheel(Wrench {
+            let shaking = Wrench {
                 fy,
                 ..Wrench::default()
-            });
+            };
             if time >= 2.0 {
                 let body = axle.y + stretch;
                 in_phase += body * (omega * time).sin();
                 quadrature += body * (omega * time).cos();
             }
-            world.step();
+            world.step(shaking, &Actions::NONE);
         }
         let found = 2.0 / rate * (in_phase * in_phase + quadrature * quadrature).sqrt() / amplitude;
         let expected = transmissibility(&leg, mass, frequency);

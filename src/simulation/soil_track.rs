@@ -25,8 +25,8 @@ mod lug_bite;
 mod rim_shear;
 
 use super::contact::{Reach, WheelGeometry};
+use super::motion::{WheelMotion, Wrench};
 use super::stone_bearing::StoneOutline;
-use super::world::{WheelMotion, Wrench};
 use crate::quantity::SlipRatio;
 use crate::soil::contact::{ContactAngles, EffectiveDepth};
 use crate::soil::lug_action::shear_radius;

@@ -47,6 +47,8 @@ pub fn drive(speed: f64, slip: f64) -> Drive {
         wheel_speed: None,
         start_up: 0.5,
         stop_at: None,
+        motor: None,
+        carriage: None,
         flaws: DriveFlaws::default(),
     }
 }

@@ -1,5 +1,6 @@
 //! What a real drive and a real frame have and ideal ones have not.
 
+use super::Commanded;
 use crate::quantity::RangeError;
 use libm::{cos, sin};
 use serde::{Deserialize, Serialize};
@@ -74,11 +75,29 @@ impl DriveFlaws {
         Ok(())
     }
 
-    /// Speed [rad/s] of a wheel that is commanded `speed`, a `share` [-] of its full one, at `time`
-    /// [s], having turned by `angle` [rad].
-    pub(super) fn wheel_speed(&self, speed: f64, share: f64, [time, angle]: [f64; 2]) -> f64 {
+    /// Speed [rad/s] behind gear and motor whose own speed is `speed` under this command, the wheel having turned by
+    /// `angle` [rad].
+    pub(in crate::simulation) fn wheel_speed(
+        &self,
+        speed: f64,
+        commanded: &Commanded,
+        angle: f64,
+    ) -> f64 {
+        if self.has_no_ripple() {
+            return speed;
+        }
         let tooth = cos(self.cogging_order * angle);
-        speed * (1.0 + self.swing(time, tooth)) + share * self.cogging_speed * tooth
+        speed * (1.0 + self.swing(commanded.time, tooth))
+            + commanded.share * self.cogging_speed * tooth
+    }
+
+    fn has_no_ripple(&self) -> bool {
+        [
+            self.cogging,
+            self.cogging_speed,
+            self.hunting,
+            self.sawtooth,
+        ] == [0.0; 4]
     }
 
     /// Part [-] by which the wheel is faster than commanded.

@@ -2,7 +2,7 @@
 
 use super::Pressed;
 use crate::simulation::contact::WheelGeometry;
-use crate::simulation::world::WheelMotion;
+use crate::simulation::motion::WheelMotion;
 use crate::soil::Soil;
 use crate::terrain::profile::Profile;
 use libm::{asin, sqrt, tan};

@@ -2,7 +2,7 @@
 
 use super::{Contact, Field, STANDING};
 use crate::simulation::contact::WheelGeometry;
-use crate::simulation::world::Wrench;
+use crate::simulation::motion::Wrench;
 use crate::soil::bulldozing::{Heap, resistance};
 
 /// The heap that travels with the wheel.

@@ -12,7 +12,7 @@
 use super::columns::Columns;
 use super::{Contact, Field, Pressed};
 use crate::simulation::contact::{Edge, WheelGeometry};
-use crate::simulation::world::{WheelMotion, Wrench};
+use crate::simulation::motion::{WheelMotion, Wrench};
 use crate::soil::Soil;
 use crate::soil::contact::{ContactAngles, EffectiveDepth, entry_angle};
 use crate::soil::lug_action::last_lug_push;

@@ -114,7 +114,10 @@ impl Ground {
     /// Where the axle stands at `time` [s], along the track [m].
     fn position(&self, time: f64) -> f64 {
         let steps = (time / STEP).round().max(0.0) as u32;
-        let speed = |step: u32| self.command.at((f64::from(step) + 0.5) * STEP, 0.0)[0];
+        let speed = |step: u32| {
+            let middle = (f64::from(step) + 0.5) * STEP;
+            self.command.at(middle).forward_speed
+        };
         (0..steps).map(|step| speed(step) * STEP).sum()
     }
 
