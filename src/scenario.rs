@@ -226,6 +226,9 @@ impl Scenario {
         self.check_window().map_err(at("window"))?;
         self.check_physics_rate().map_err(at("physics_rate"))?;
         self.check_steps().map_err(at("duration"))?;
+        self.rig
+            .check_rate(&self.wheel, self.physics_rate())
+            .map_err(at(self.rig.path()))?;
         self.check_mass().map_err(at(self.rig.path()))?;
         let drive = self.rig.path();
         self.check_way()

@@ -47,16 +47,9 @@ impl Mount {
     /// # Errors
     /// `RangeError` for a stiffness that steps at `rate` cannot resolve.
     pub fn new(rig: &Rig, wheel: &Wheel, rate: SampleRate) -> Result<Self, RangeError> {
-        let mass = rig.moving_mass(wheel);
-        let carriage = rig.carriage().filter(|carriage| !carriage.is_rigid());
-        let motor = rig.motor().filter(|motor| !motor.is_rigid());
         Ok(Self {
-            carriage: carriage
-                .map(|carriage| CarriageDrive::new(carriage, mass, rate))
-                .transpose()?,
-            motor: motor
-                .map(|motor| MotorDrive::new(motor, wheel.inertia, rate))
-                .transpose()?,
+            carriage: rig.carriage_drive(wheel, rate)?,
+            motor: rig.motor_drive(wheel, rate)?,
             flaws: rig.drive().flaws,
             dt: rate.period(),
         })

@@ -7,10 +7,10 @@ pub mod motor;
 use crate::quantity::GRAVITY;
 use crate::quantity::{RangeError, SampleRate, SlipRatio};
 use crate::wheel::Wheel;
-use carriage::Carriage;
+use carriage::{Carriage, CarriageDrive};
 use flaws::{DriveFlaws, FrameFlaws};
 use libm::{cos, sin};
-use motor::Motor;
+use motor::{Motor, MotorDrive};
 use serde::{Deserialize, Serialize};
 
 /// How the carriage moves and the motor turns.
@@ -301,6 +301,38 @@ impl Rig {
         Ok(())
     }
 
+    /// Whether steps of this rate resolve the oscillations of carriage and gear with this wheel.
+    ///
+    /// # Errors
+    /// `RangeError` for a stiffness that they do not.
+    pub fn check_rate(&self, wheel: &Wheel, rate: SampleRate) -> Result<(), RangeError> {
+        self.carriage_drive(wheel, rate)?;
+        self.motor_drive(wheel, rate).map(drop)
+    }
+
+    /// The carriage at work, at steps of this rate; `None` where it is rigid.
+    pub(super) fn carriage_drive(
+        &self,
+        wheel: &Wheel,
+        rate: SampleRate,
+    ) -> Result<Option<CarriageDrive>, RangeError> {
+        let carriage = self.drive().carriage.filter(|c| !c.is_rigid());
+        let mass = self.moving_mass(wheel);
+        let drive = carriage.map(|carriage| CarriageDrive::new(carriage, mass, rate));
+        drive.transpose()
+    }
+
+    /// The motor at work, at steps of this rate; `None` where it is rigid.
+    pub(super) fn motor_drive(
+        &self,
+        wheel: &Wheel,
+        rate: SampleRate,
+    ) -> Result<Option<MotorDrive>, RangeError> {
+        let motor = self.drive().motor.filter(|m| !m.is_rigid());
+        let drive = motor.map(|motor| MotorDrive::new(motor, wheel.inertia, rate));
+        drive.transpose()
+    }
+
     /// Where the rig's keys stand in a scenario, for example `rig.single_wheel`.
     pub fn path(&self) -> &'static str {
         match self {
@@ -323,16 +355,6 @@ impl Rig {
             Self::SingleWheel(rig) => &mut rig.drive,
             Self::RoverLeg(rig) => &mut rig.drive,
         }
-    }
-
-    /// The carriage, or the chassis of a rover; `None` is rigid.
-    pub fn carriage(&self) -> Option<Carriage> {
-        self.drive().carriage
-    }
-
-    /// The motor; `None` is rigid.
-    pub fn motor(&self) -> Option<Motor> {
-        self.drive().motor
     }
 
     /// Departures of guide and load.
@@ -683,7 +705,9 @@ mod tests {
 
     #[test]
     fn a_rig_comes_back_from_its_own_file() {
-        let rig = read("slip = 0.2\nstop_at = 9.0\nlifted = 0.01\nslope_deg = 5.0").unwrap();
+        let keys = "slip = 0.2\nstop_at = 9.0\nlifted = 0.01\nslope_deg = 5.0\n\
+                    carriage = { mass = 30.0, stiffness = 5e5, damping_ratio = 0.05, force_limit = 1e3 }";
+        let rig = read(keys).unwrap();
         let again: Rig = toml::from_str(&toml::to_string(&rig).unwrap()).unwrap();
         assert_eq!(again, rig);
     }

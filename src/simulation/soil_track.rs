@@ -9,6 +9,12 @@
 //! column's own memory. The alternative, to integrate the convention over the wheel's present
 //! sinkage, has no memory; plain columns have memory and no slip-sinkage.
 //!
+//! Slip changes sinkage and stress through soil that has flowed: `N = n_0 + n_1 s` and `θ_m = (c_1 + c_2 s) θ_1` are of
+//! steady rolling. So the slip in them follows the momentary one over half a contact length of rolling, the way over
+//! which the wheel replaces the soil that it stands on; shear displacement, which has its own length `K`, is worked out
+//! from the momentary speeds. With the momentary slip in the exponent a speed loop that hunts by 5 % at 2.3 Hz shakes
+//! the axle 24 times louder than the lugs.
+//!
 //! A wheel that is let down presses the soil alike ahead and behind; the flow that moves the
 //! stress forward develops over half a contact length of rolling, and again after a reversal.
 //! Pressure falls steeply (unloading stiffness) when the wheel lifts off what it has pressed, and
@@ -67,6 +73,8 @@ struct Facing {
     direction: f64,
     /// Way rolled since the let-down or the last reversal [m].
     rolled: f64,
+    /// Slip [-] over that way, the last half of a contact length counting most; `None` before it has rolled.
+    slip: Option<f64>,
 }
 
 /// What every point of one evaluation of the field shares; speeds and angles face the travel.
@@ -113,6 +121,7 @@ impl SoilTrack {
             facing: Facing {
                 direction: 1.0,
                 rolled: 0.0,
+                slip: None,
             },
             field: Field::default(),
             since_field: f64::INFINITY,
@@ -236,10 +245,15 @@ impl SoilTrack {
         let contact_length = wheel.radius * entry.max(0.05);
         let developed = 1.0 - exp(-2.0 * self.facing.rolled / contact_length);
         // Slip weakens soil as the flow develops, not at the first jerk.
+        let way = rolling_speed(wheel, motion) * elapsed;
         let slip = if standing(wheel, motion) {
             0.0
         } else {
-            developed * SlipRatio::from_motion(wheel.radius, motion.omega, motion.vx).get()
+            let momentary = SlipRatio::from_motion(wheel.radius, motion.omega, motion.vx).get();
+            developed
+                * self
+                    .facing
+                    .slip_over(momentary, way / (0.5 * contact_length))
         };
         let angles = ContactAngles::from_entry(&soil, entry, slip).developed(developed);
         Contact {
@@ -387,7 +401,12 @@ impl Contact {
 
 /// Whether the wheel neither rolls nor slides.
 fn standing(wheel: &WheelGeometry, motion: &WheelMotion) -> bool {
-    motion.vx.abs().max((wheel.radius * motion.omega).abs()) < STANDING
+    rolling_speed(wheel, motion) < STANDING
+}
+
+/// Speed [m/s] of the rim or of the axle, whichever is faster.
+fn rolling_speed(wheel: &WheelGeometry, motion: &WheelMotion) -> f64 {
+    motion.vx.abs().max((wheel.radius * motion.omega).abs())
 }
 
 impl Facing {
@@ -406,9 +425,18 @@ impl Facing {
             *self = Self {
                 direction,
                 rolled: 0.0,
+                slip: None,
             };
         }
-        self.rolled += rim_speed.abs().max(motion.vx.abs()) * elapsed;
+        self.rolled += rolling_speed(wheel, motion) * elapsed;
+    }
+
+    /// The slip [-] that soil has flowed with, after a way of so many half contact lengths at the `momentary` one.
+    fn slip_over(&mut self, momentary: f64, way: f64) -> f64 {
+        let before = self.slip.unwrap_or(momentary);
+        let slip = momentary + (before - momentary) * exp(-way);
+        self.slip = Some(slip);
+        slip
     }
 }
 
