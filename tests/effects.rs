@@ -464,9 +464,9 @@ fn a_saturated_channel_stops_at_its_rail_and_a_soft_one_before_it() {
             .fold(0.0_f64, |m, x| m.max(x.abs()))
     };
     assert!(peak(&ideal(&SLATE)) > 0.5);
-    // The down-sampling filter rings behind the rail: by some 15 %.
+    // The down-sampling filter rings behind the rail, by 9 % of a step from rail to rail (Gibbs) and more behind two.
     let hard = peak(&seen(&SLATE, "clipping.acceleration_y=0.2", Form::Own));
-    assert!((0.15..0.24).contains(&hard), "{hard}");
+    assert!((0.15..0.26).contains(&hard), "{hard}");
     let soft = peak(&seen(&SLATE, "clipping.acceleration_y=0.2", Form::Other));
     assert!((0.1..0.24).contains(&soft), "{soft}");
 }
@@ -493,7 +493,8 @@ fn a_slow_clock_sees_all_motion_faster_and_a_delayed_channel_all_of_it_later() {
     let (before, slow) = (ideal(&SAND), seen(&SAND, "clock_error=0.01", Form::Own));
     let turned =
         |trace: &Trace| samples(trace, "wheel_angle")[3000] - samples(trace, "wheel_angle")[0];
-    near(turned(&slow), 1.01 * turned(&before), 1e-6);
+    // The wheel turns evenly but for what the motor yields to a lug: 0.1 mrad in 0.6 rad.
+    near(turned(&slow), 1.01 * turned(&before), 1e-4);
     let late = seen(&SAND, "channel_delay.normal_force=0.01", Form::Own);
     let (now, then) = (
         samples(&late, "normal_force"),

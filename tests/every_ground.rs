@@ -5,6 +5,7 @@ use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::Wtic;
 use lugwheel::trace::Trace;
+use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::ops::ControlFlow;
 
@@ -111,7 +112,7 @@ fn run_3_is_the_same_alone_or_beside_others() {
     assert_ne!(alone.channels, beside[0].channels);
 }
 
-/// Mean pull [N] over runs on gravel at slip 0.6.
+/// Median of the mean pulls [N] of runs on gravel at slip 0.6.
 fn pull_on_gravel(physics_rate: u32) -> f64 {
     let rate = format!("physics_rate={physics_rate}");
     let set = [
@@ -121,20 +122,21 @@ fn pull_on_gravel(physics_rate: u32) -> f64 {
         &rate,
     ];
     let scenario = scenario("single_wheel_gt", &set);
-    mean((0..2).map(|number| {
-        mean(
-            late(&run(&scenario, number), "drawbar_pull", 1.5)
-                .iter()
-                .copied(),
-        )
-    }))
+    let pull = |number: u64| {
+        let trace = run(&scenario, number);
+        mean(late(&trace, "drawbar_pull", 1.5).iter().copied())
+    };
+    let mut pulls: Vec<f64> = (0..7).into_par_iter().map(pull).collect();
+    pulls.sort_by(f64::total_cmp);
+    pulls[3]
 }
 
 #[test]
 fn a_wheel_that_slips_on_gravel_pulls_with_the_friction_of_stones_at_any_rate() {
     for rate in [8_000, 16_000] {
         let pull = pull_on_gravel(rate);
-        // Friction 0.6 of 100 N; two beds scatter by some 15 N.
+        // Friction 0.6 of 100 N. Beds scatter from 10 to 120 N, and in one of ten a stone jams under a lug, which
+        // the rig holds against with some 300 N.
         assert!((25.0..95.0).contains(&pull), "{rate} Hz: {pull} N");
     }
 }
