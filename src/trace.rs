@@ -10,6 +10,7 @@ pub mod wheel;
 pub use turning::unwrapped;
 
 use crate::terrain::class::{TerrainLabel, Wtic};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wheel::{Lugs, Plate};
 
@@ -164,6 +165,24 @@ pub struct Truth {
     pub parameters: BTreeMap<String, f64>,
     /// The ground before the wheel came: position [m], height [m].
     pub profile: Vec<[f64; 2]>,
+    /// How much of the run the drives were at their limits.
+    pub at_limit: AtLimit,
+}
+
+/// Shares of a run [-] in which a drive gave all it has, so that the wheel did not move as commanded.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct AtLimit {
+    /// The carriage, at its force.
+    pub carriage: f64,
+    /// The motor, at its torque.
+    pub motor: f64,
+}
+
+impl AtLimit {
+    /// Whether a drive ever was at its limit.
+    pub fn any(&self) -> bool {
+        self.carriage > 0.0 || self.motor > 0.0
+    }
 }
 
 /// What a run's file says of it besides its channels. Numbers that nobody knows are NaN.

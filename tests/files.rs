@@ -6,7 +6,7 @@ use lugwheel::quantity::Seed;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::wheel::{Lugs, Plate};
 use lugwheel::trace::{
-    CHANNELS, Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth,
+    AtLimit, CHANNELS, Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth,
 };
 use proptest::collection::{btree_map, vec};
 use proptest::option;
@@ -153,6 +153,7 @@ prop_compose! {
         windows in vec((number(), number(), class(), label()), 0..5),
         parameters in btree_map("[a-z_]{1,12}", number(), 0..6),
         profile in vec([number(), number()], 0..30),
+        limited in [0.01..1.0_f64, 0.0..1.0],
     ) -> Truth {
         let contact = |(lug, start, end, entered)| Contact { lug, start, end, entered };
         let window = |(start, end, class, terrain)| ClassWindow { start, end, class, terrain, lugs: None };
@@ -161,6 +162,7 @@ prop_compose! {
             class_windows: windows.into_iter().map(window).collect(),
             parameters,
             profile,
+            at_limit: AtLimit { carriage: limited[0], motor: limited[1] },
         }
     }
 }
@@ -335,6 +337,7 @@ fn the_same_runs_give_the_same_bytes_a_second_later() {
         }],
         parameters: [("c".to_owned(), 300.0)].into(),
         profile: vec![[0.0, 0.0], [0.1, 0.002]],
+        at_limit: AtLimit::default(),
     });
     write(&first, &[("a", &trace), ("b", &noisy(10))]).unwrap();
     // HDF5 would note seconds.

@@ -5,7 +5,7 @@ use lugwheel::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
 use lugwheel::dataset::inspection::{Severity, inspect};
 use lugwheel::quantity::Seed;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::{Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
+use lugwheel::trace::{AtLimit, Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
 use std::path::Path;
 use std::process::Command;
 
@@ -94,6 +94,10 @@ fn truth() -> Truth {
         class_windows: vec![window],
         parameters: [("cohesion".to_owned(), 300.0)].into(),
         profile: vec![[0.0, 0.0], [0.1, 0.002]],
+        at_limit: AtLimit {
+            carriage: 0.25,
+            motor: 0.0,
+        },
     }
 }
 

@@ -12,7 +12,7 @@ use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::scenario::experiment::ExperimentError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::Trace;
+use lugwheel::trace::{AtLimit, Trace};
 use rayon::{ScopeFifo, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -68,6 +68,9 @@ pub struct Outcome {
     pub class: Option<Wtic>,
     /// Steady values in the order of [`QUANTITIES`].
     pub steady: [Option<Reading>; QUANTITIES.len()],
+    /// How much of the run the drives were at their limits.
+    #[serde(default)]
+    pub at_limit: AtLimit,
 }
 
 impl Outcome {
@@ -76,6 +79,10 @@ impl Outcome {
             terrain: trace.attributes.terrain,
             class: trace.attributes.class,
             steady: QUANTITIES.map(|quantity| quantity.of(trace)),
+            at_limit: trace
+                .truth
+                .as_ref()
+                .map_or(AtLimit::default(), |truth| truth.at_limit),
         }
     }
 }

@@ -7,7 +7,9 @@ use super::series::{Jobs, Series};
 use super::steady::{QUANTITIES, Reading};
 use clap::Args;
 use lugwheel::learning::run_id;
+use lugwheel::report::page::four_digits;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use lugwheel::trace::AtLimit;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -54,6 +56,8 @@ struct Summary {
     computing_s: f64,
     real_time_factor: f64,
     steady: BTreeMap<&'static str, Value>,
+    /// Shares of the run in which a drive of the rig gave all it has.
+    at_limit: AtLimit,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -105,6 +109,7 @@ impl Simulate {
                     Some((quantity.key, value))
                 })
                 .collect(),
+            at_limit: outcome.at_limit,
         })
     }
 }
@@ -136,6 +141,18 @@ impl fmt::Display for Summary {
                 let line = format!("{name:<28}{value:>12} {unit:<6}");
                 let remark = quantity.remark(reading.steadiness);
                 writeln!(f, "{}", format!("{line}{remark}").trim_end())?;
+            }
+        }
+        for (drive, share) in [
+            ("carriage was at its force limit", self.at_limit.carriage),
+            ("motor was at its torque limit", self.at_limit.motor),
+        ] {
+            if share > 0.0 {
+                let percent = four_digits(100.0 * share);
+                writeln!(
+                    f,
+                    "the {drive} for {percent} % of the run: the wheel did not move as commanded"
+                )?;
             }
         }
         writeln!(f, "\nwritten to {}", self.file)

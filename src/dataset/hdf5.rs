@@ -14,7 +14,8 @@
 //! /runs/<id>/means/<name>      one number; unit, sd, n
 //! /runs/<id>/truth/            where simulated: contacts (lug, start_s, end_s, entered),
 //!                              class_windows (start_s, end_s, class, terrain),
-//!                              parameters (attributes), profile (x, height)
+//!                              parameters (attributes), profile (x, height); where a drive of the rig was at its
+//!                              limit, carriage_at_limit and motor_at_limit: shares of the run
 //! ```
 //!
 //! Known channels are stored in single precision: 6e-8 of the value, 0.01 mN on 100 N and 1 nm on

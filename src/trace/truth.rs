@@ -5,7 +5,7 @@
 //! when it carried load at any time of it, and *entered* when its edge was in the soil while it
 //! did. A passage counts in the window in which the lug was at the bottom.
 
-use super::{ClassWindow, Contact, LugTally, Truth};
+use super::{AtLimit, ClassWindow, Contact, LugTally, Truth};
 use crate::simulation::WheelState;
 use crate::terrain::class::{LABELS, TerrainLabel, Wtic};
 use crate::wheel::Wheel;
@@ -33,6 +33,10 @@ pub struct TruthRecorder {
     contacts: Contacts,
     passages: Option<Passages>,
     windows: Windows,
+    /// States, and those of them with the carriage, and with the motor, at its limit.
+    states: u64,
+    carriage_limited: u64,
+    motor_limited: u64,
 }
 
 impl TruthRecorder {
@@ -44,6 +48,9 @@ impl TruthRecorder {
                 .lug_angle()
                 .map(|alpha| Passages::new(wheel.lug_count(), alpha)),
             windows: Windows::new(window),
+            states: 0,
+            carriage_limited: 0,
+            motor_limited: 0,
         }
     }
 
@@ -51,6 +58,9 @@ impl TruthRecorder {
     #[inline]
     pub fn push(&mut self, state: &WheelState, terrain: TerrainLabel) {
         self.windows.push(state.time, terrain);
+        self.states += 1;
+        self.carriage_limited += u64::from(state.at_limits.carriage);
+        self.motor_limited += u64::from(state.at_limits.motor);
         let entered = state.lugs_touching & state.lugs_entered;
         if state.lugs_touching != self.contacts.touching
             || entered & !self.contacts.entered_now != 0
@@ -82,7 +92,12 @@ impl TruthRecorder {
         if let Some(passages) = &mut self.passages {
             passages.conclude(&mut self.windows.tally);
         }
+        let share = |limited: u64| limited as f64 / self.states.max(1) as f64;
         Truth {
+            at_limit: AtLimit {
+                carriage: share(self.carriage_limited),
+                motor: share(self.motor_limited),
+            },
             class_windows: self.windows.classify(self.contacts.last_time),
             contacts: self.contacts.finish(),
             ..Truth::default()

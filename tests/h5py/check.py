@@ -77,6 +77,7 @@ def check_simulated(run):
 
     truth = run["truth"]
     equal("truth", sorted(truth), ["class_windows", "contacts", "parameters", "profile"])
+    equal("share at the force limit", truth.attrs["carriage_at_limit"], 0.25)
     contacts = truth["contacts"]
     equal("columns of contacts", contacts.dtype.names, ("lug", "start_s", "end_s", "entered"))
     equal("contacts", contacts[0].item(), (3, 0.5, 1.25, 1))

@@ -9,7 +9,9 @@ use crate::dataset::Provenance;
 use crate::quantity::Seed;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::wheel::{Lugs, Plate};
-use crate::trace::{Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth};
+use crate::trace::{
+    AtLimit, Channel, ClassWindow, Contact, LugTally, Mean, RunAttributes, Trace, Truth,
+};
 use ::hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use ::hdf5::{Attribute, Container, Dataset, File, Group, H5Type, Location, MinorErrorCode};
 use ::hdf5::{IndexType, IterationOrder};
@@ -176,6 +178,10 @@ impl RunFile {
                 .into_iter()
                 .map(|row: ProfileRow| [row.x, row.height])
                 .collect(),
+            at_limit: AtLimit {
+                carriage: place.optional("carriage_at_limit")?.unwrap_or(0.0),
+                motor: place.optional("motor_at_limit")?.unwrap_or(0.0),
+            },
         })
     }
 

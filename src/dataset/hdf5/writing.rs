@@ -370,6 +370,10 @@ fn write_truth(location: &Group, truth: &Truth) -> Result<()> {
     write_table(location, "contacts", &contacts.collect::<Vec<_>>())?;
     write_class_windows(location, &truth.class_windows)?;
     write_table(location, "profile", &profile.collect::<Vec<_>>())?;
+    if truth.at_limit.any() {
+        set(location, "carriage_at_limit", truth.at_limit.carriage)?;
+        set(location, "motor_at_limit", truth.at_limit.motor)?;
+    }
     let parameters = group(location, "parameters")?;
     for (name, value) in &truth.parameters {
         set(&parameters, name, *value)?;
