@@ -27,8 +27,8 @@ fn rig(slip: f64) -> Rig {
         stop_at: None,
         motor: Some(Motor {
             rotor_inertia: 0.12,
-            gear_stiffness: 1.6e4,
-            gear_damping_ratio: 0.05,
+            stiffness: 1.6e4,
+            damping_ratio: 0.05,
             torque_limit: 54.0,
             bandwidth: 30.0,
         }),

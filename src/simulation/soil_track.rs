@@ -21,9 +21,10 @@
 //! grows along the virgin curve when it goes deeper.
 //!
 //! # Cost
-//! The stress field changes with the wheel's advance, not with its vibration. Above
-//! [`FULL_RATE`] it is worked out every few steps (5 µm of advance at 20 mm/s) and follows the wheel's height in between by
-//! its own stiffness.
+//! The stress field changes with the wheel's advance, not with its vibration. It is worked out anew after [`ADVANCE`]
+//! of rolling or [`HEAVE`] of vertical motion, at most [`FULL_RATE`] times a second. In between it follows the wheel's
+//! height by its own stiffness, and its advance by the rate of change since the last time: held constant instead, the
+//! field would shake the axle at the rate of its evaluation.
 
 mod columns;
 mod front_heap;
@@ -48,8 +49,17 @@ use libm::{asin, exp, sqrt};
 use lug_bite::LugBites;
 use rim_shear::RimShear;
 
-/// The stress field is worked out at least this often [Hz].
+/// The stress field is worked out at most this often [Hz].
 pub(super) const FULL_RATE: f64 = 4_000.0;
+
+/// And at least this often [Hz].
+const LEAST_RATE: f64 = 250.0;
+
+/// Rolling [m] after which it is worked out anew.
+const ADVANCE: f64 = 1.0e-5;
+
+/// Vertical motion [m] after which it is worked out anew.
+const HEAVE: f64 = 1.0e-5;
 
 /// Slower than this the wheel stands [m/s]: a hundredth of the slowest rover.
 const STANDING: f64 = 3.0e-5;
@@ -64,6 +74,8 @@ struct Field {
     stiffness: [f64; 2],
     /// Damping [N·s/m].
     damping: f64,
+    /// Change of the load per metre rolled [N/m, N].
+    change: Wrench,
 }
 
 /// Which way the wheel faces and how far its soil flow has developed.
@@ -105,7 +117,9 @@ pub(super) struct SoilTrack {
     heap: FrontHeap,
     facing: Facing,
     field: Field,
+    /// Time [s] and way rolled [m] since the field was worked out.
     since_field: f64,
+    way: f64,
 }
 
 impl SoilTrack {
@@ -125,6 +139,7 @@ impl SoilTrack {
             },
             field: Field::default(),
             since_field: f64::INFINITY,
+            way: 0.0,
         }
     }
 
@@ -209,16 +224,27 @@ impl SoilTrack {
     /// Load of the soil on the wheel over one step of `dt` [s].
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
         self.since_field += dt;
-        if self.since_field >= (1.0 - 1.0e-9) / FULL_RATE {
-            let elapsed = if self.since_field.is_finite() {
-                self.since_field
+        self.way += rolling_speed(wheel, motion) * dt;
+        if self.is_due(motion) {
+            let first = !self.since_field.is_finite();
+            let elapsed = if first { dt } else { self.since_field };
+            let field = self.stress_field(wheel, motion, elapsed);
+            let change = if first {
+                Wrench::default()
             } else {
-                dt
+                field.change_since(&self.field, motion, self.way)
             };
-            self.since_field = 0.0;
-            self.field = self.stress_field(wheel, motion, elapsed);
+            self.field = Field { change, ..field };
+            (self.since_field, self.way) = (0.0, 0.0);
         }
-        self.field.at(motion)
+        self.field.at(motion, self.way)
+    }
+
+    /// Whether the field has to be worked out anew.
+    fn is_due(&self, motion: &WheelMotion) -> bool {
+        const EARLY: f64 = 1.0 - 1.0e-9;
+        let moved = self.way >= ADVANCE || (motion.y - self.field.height).abs() >= HEAVE;
+        self.since_field >= EARLY / FULL_RATE && (moved || self.since_field >= EARLY / LEAST_RATE)
     }
 
     /// Works the whole stress field out; `elapsed` [s] since the last time.
@@ -448,8 +474,33 @@ impl Field {
         self.damping += area * soil.damping;
     }
 
-    /// The load at a height that has changed a little since the field was worked out.
-    fn at(&self, motion: &WheelMotion) -> Reach {
+    /// The load per metre rolled by which this field differs from what `before` follows to, `way` [m] later.
+    fn change_since(&self, before: &Self, motion: &WheelMotion, way: f64) -> Wrench {
+        if way < 0.1 * ADVANCE {
+            return Wrench::default();
+        }
+        let (now, then) = (self.reach.wrench, before.following(motion));
+        Wrench {
+            fx: (now.fx - then.fx) / way,
+            fy: (now.fy - then.fy) / way,
+            torque: (now.torque - then.torque) / way,
+        }
+    }
+
+    /// The load at a height that has changed a little, `way` [m] after the field was worked out.
+    fn at(&self, motion: &WheelMotion, way: f64) -> Reach {
+        let mut wrench = self.following(motion);
+        wrench.fx += way * self.change.fx;
+        wrench.fy = (wrench.fy + way * self.change.fy).max(0.0);
+        wrench.torque += way * self.change.torque;
+        Reach {
+            wrench,
+            ..self.reach
+        }
+    }
+
+    /// The load at a height that has changed a little, without the way rolled since.
+    fn following(&self, motion: &WheelMotion) -> Wrench {
         let deeper = self.height - motion.y;
         let stiffness = if deeper > 0.0 {
             self.stiffness[0]
@@ -457,9 +508,10 @@ impl Field {
             self.stiffness[1]
         };
         let change = stiffness * deeper - self.damping * (motion.vy - self.vertical_speed);
-        let mut reach = self.reach;
-        reach.wrench.fy = (reach.wrench.fy + change).max(0.0);
-        reach
+        Wrench {
+            fy: self.reach.wrench.fy + change,
+            ..self.reach.wrench
+        }
     }
 }
 
