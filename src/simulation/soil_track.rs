@@ -22,9 +22,10 @@
 //!
 //! # Cost
 //! The stress field changes with the wheel's advance, not with its vibration. It is worked out anew after [`ADVANCE`]
-//! of rolling or [`HEAVE`] of vertical motion, at most [`FULL_RATE`] times a second. In between it follows the wheel's
-//! height by its own stiffness, and its advance by the rate of change since the last time: held constant instead, the
-//! field would shake the axle at the rate of its evaluation.
+//! of rolling or [`HEAVE`] of vertical motion, at most [`FULL_RATE`] times a second, and follows the wheel's height in
+//! between by its own stiffness. At 14 mm/s and slip 0.1 loads and vibration below 1 kHz are those of an evaluation every
+//! 1/4000 s (pull within 0.01 %, levels within 3 % in every band); after 20 µm instead its steps reach 400 Hz, and to
+//! extrapolate the field with the advance moves them to lower bands.
 
 mod columns;
 mod front_heap;
@@ -74,8 +75,6 @@ struct Field {
     stiffness: [f64; 2],
     /// Damping [N·s/m].
     damping: f64,
-    /// Change of the load per metre rolled [N/m, N].
-    change: Wrench,
 }
 
 /// Which way the wheel faces and how far its soil flow has developed.
@@ -228,16 +227,10 @@ impl SoilTrack {
         if self.is_due(motion) {
             let first = !self.since_field.is_finite();
             let elapsed = if first { dt } else { self.since_field };
-            let field = self.stress_field(wheel, motion, elapsed);
-            let change = if first {
-                Wrench::default()
-            } else {
-                field.change_since(&self.field, motion, self.way)
-            };
-            self.field = Field { change, ..field };
+            self.field = self.stress_field(wheel, motion, elapsed);
             (self.since_field, self.way) = (0.0, 0.0);
         }
-        self.field.at(motion, self.way)
+        self.field.at(motion)
     }
 
     /// Whether the field has to be worked out anew.
@@ -474,33 +467,8 @@ impl Field {
         self.damping += area * soil.damping;
     }
 
-    /// The load per metre rolled by which this field differs from what `before` follows to, `way` [m] later.
-    fn change_since(&self, before: &Self, motion: &WheelMotion, way: f64) -> Wrench {
-        if way < 0.1 * ADVANCE {
-            return Wrench::default();
-        }
-        let (now, then) = (self.reach.wrench, before.following(motion));
-        Wrench {
-            fx: (now.fx - then.fx) / way,
-            fy: (now.fy - then.fy) / way,
-            torque: (now.torque - then.torque) / way,
-        }
-    }
-
-    /// The load at a height that has changed a little, `way` [m] after the field was worked out.
-    fn at(&self, motion: &WheelMotion, way: f64) -> Reach {
-        let mut wrench = self.following(motion);
-        wrench.fx += way * self.change.fx;
-        wrench.fy = (wrench.fy + way * self.change.fy).max(0.0);
-        wrench.torque += way * self.change.torque;
-        Reach {
-            wrench,
-            ..self.reach
-        }
-    }
-
-    /// The load at a height that has changed a little, without the way rolled since.
-    fn following(&self, motion: &WheelMotion) -> Wrench {
+    /// The load at a height that has changed a little since the field was worked out.
+    fn at(&self, motion: &WheelMotion) -> Reach {
         let deeper = self.height - motion.y;
         let stiffness = if deeper > 0.0 {
             self.stiffness[0]
@@ -508,10 +476,9 @@ impl Field {
             self.stiffness[1]
         };
         let change = stiffness * deeper - self.damping * (motion.vy - self.vertical_speed);
-        Wrench {
-            fy: self.reach.wrench.fy + change,
-            ..self.reach.wrench
-        }
+        let mut reach = self.reach;
+        reach.wrench.fy = (reach.wrench.fy + change).max(0.0);
+        reach
     }
 }
 
