@@ -33,6 +33,7 @@ pub mod departures;
 pub mod hard_base;
 pub mod lug_action;
 pub mod penetration_rate;
+pub(crate) mod power;
 pub mod pressure_sinkage;
 pub mod shear;
 pub mod table_6;

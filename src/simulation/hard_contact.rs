@@ -15,10 +15,11 @@
 
 use super::contact::{Edge, Reach, WheelGeometry};
 use super::motion::{WheelMotion, Wrench};
+use crate::soil::power::power;
 use crate::terrain::HardContact;
 use crate::terrain::profile::{Profile, Surface};
 use crate::wheel::Wheel;
-use libm::{expm1, pow, sqrt};
+use libm::{expm1, sqrt};
 
 /// Tangential over normal stiffness of a contact (Mindlin 1949, ν = 0.3).
 const MINDLIN: f64 = 0.82;
@@ -170,7 +171,7 @@ impl HardGround {
             dissipation,
             dust: _,
         } = self.contact;
-        let elastic = reference_load * pow(indentation / reference_indentation, exponent);
+        let elastic = reference_load * power(indentation / reference_indentation, exponent);
         let normal = elastic * (1.0 + dissipation * rate).max(0.0);
         let stiffness = MINDLIN * exponent * reference_load / reference_indentation;
         let friction = self.friction_of(normal, sliding, stiffness, dt, stretch);

@@ -46,7 +46,7 @@ use crate::terrain::profile::Profile;
 use crate::wheel::Wheel;
 use columns::{COLUMN, Columns};
 use front_heap::FrontHeap;
-use libm::{asin, exp, sqrt};
+use libm::{asin, exp};
 use lug_bite::LugBites;
 use rim_shear::RimShear;
 
@@ -324,7 +324,7 @@ impl SoilTrack {
             if u.abs() >= r {
                 continue;
             }
-            let down = sqrt(r * r - u * u);
+            let down = (r * r - u * u).sqrt();
             let angle = asin(u / r);
             // Behind straight down the ground springs back along the rim as far as θ_2; a base
             // does not.

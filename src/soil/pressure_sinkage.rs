@@ -2,6 +2,7 @@
 
 use crate::soil::Soil;
 use crate::soil::hard_base::HardBase;
+use crate::soil::power::power;
 
 /// `p = k_s zᴺ` of one soil under one width at one slip, and what the soil has beyond that.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +78,7 @@ impl PressureSinkage {
         }
         let former = self.precompression * self.taken_up(depth);
         let felt = (counted + former) * self.base.stretch(depth);
-        self.modulus * libm::pow(felt, self.exponent)
+        self.modulus * power(felt, self.exponent)
     }
 
     /// Slope `dp/dz = N p/z` [Pa/m] of the loading curve at `sinkage` [m], 0 above the soil.

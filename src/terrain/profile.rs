@@ -42,6 +42,8 @@ pub struct Profile {
     spacing: f64,
     first: i64,
     heights: VecDeque<f64>,
+    /// From where to where [m] it can be asked for.
+    made: [f64; 2],
 }
 
 /// Height [m] and slope [-] at one place.
@@ -74,11 +76,16 @@ impl Profile {
             spacing,
             first: 0,
             heights: VecDeque::new(),
+            made: [f64::INFINITY, f64::NEG_INFINITY],
         }
     }
 
     /// Makes sure that `[low, high]` [m] can be asked for.
     pub fn extend(&mut self, low: f64, high: f64) {
+        let [from, to] = self.made;
+        if low >= from && high <= to {
+            return;
+        }
         let wanted = [
             (low / self.spacing).floor() as i64 - 2,
             (high / self.spacing).ceil() as i64 + 3,
@@ -100,14 +107,15 @@ impl Profile {
                     .push_back(self.generator.height(next as f64 * self.spacing));
             }
         }
+        let last = self.first + self.heights.len() as i64;
+        self.made = [self.first + 3, last - 4].map(|node| node as f64 * self.spacing);
     }
 
     /// Height and slope at `x` [m], which [`Profile::extend`] must have reached.
     pub fn at(&self, x: f64) -> Surface {
         let place = x / self.spacing - self.first as f64;
-        let node = place.floor();
-        let u = place - node;
-        let i = node as usize;
+        let i = place as usize;
+        let u = place - i as f64;
         let [a, b, c, d] = [
             self.heights[i - 1],
             self.heights[i],
