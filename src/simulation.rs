@@ -163,8 +163,9 @@ impl Simulation {
     ) -> Result<Self, SimulationError> {
         let command = Command::new(rig.drive(), wheel.radius)?;
         let mount = Mount::new(rig, wheel, rate)?;
-        let geometry = WheelGeometry::new(wheel, rig.load());
         let mass = rig.moving_mass(wheel);
+        let mut geometry = WheelGeometry::new(wheel, rig.load());
+        geometry.mobility = mount.mobility(mass, wheel.inertia);
         let body = WheelBody {
             mass,
             carriage_mass: mount.carriage_mass(),

@@ -31,6 +31,27 @@ pub(super) struct Reach {
     pub entered: u64,
 }
 
+/// How much a force moves the wheel: reciprocals of what moves, 0 where a drive imposes the motion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Mobility {
+    /// Along the track [1/kg].
+    pub along: f64,
+    /// Away from the track [1/kg].
+    pub vertical: f64,
+    /// About the axle [1/(kg·m²)].
+    pub turning: f64,
+}
+
+impl Mobility {
+    /// That of the wheel's point at `arm` [m] from the axle in `direction`, a unit vector [1/kg].
+    pub fn at(&self, arm: [f64; 2], direction: [f64; 2]) -> f64 {
+        let lever = arm[0] * direction[1] - arm[1] * direction[0];
+        self.along * direction[0] * direction[0]
+            + self.vertical * direction[1] * direction[1]
+            + self.turning * lever * lever
+    }
+}
+
 /// Geometry of the wheel, with what every step needs worked out once.
 pub(super) struct WheelGeometry {
     /// Rim radius [m].
@@ -41,6 +62,8 @@ pub(super) struct WheelGeometry {
     pub width: f64,
     /// Force [N] above which a lug counts as touching.
     pub touch_force: f64,
+    /// How much a force moves it.
+    pub mobility: Mobility,
     /// Angle between lugs [rad]; 0 on a smooth wheel.
     lug_angle: f64,
     /// Cosine and sine of every lug's place on the rim.
@@ -73,6 +96,7 @@ impl WheelGeometry {
             tip_radius: wheel.tip_radius(),
             width: wheel.width,
             touch_force: 0.01 * load,
+            mobility: Mobility::default(),
             lug_angle,
             lugs,
             tips: (0..wheel.lug_count())

@@ -13,7 +13,7 @@
 //! A lug is its edge: flanks meet no bricks. It presses dust out from under itself until single
 //! grains are left, so dust bears nothing here; it makes the ground slippery.
 
-use super::contact::{Edge, Reach, WheelGeometry};
+use super::contact::{Edge, Mobility, Reach, WheelGeometry};
 use super::motion::{WheelMotion, Wrench};
 use crate::soil::power::power;
 use crate::terrain::HardContact;
@@ -35,6 +35,28 @@ pub(super) struct HardGround {
     rim_stretch: f64,
     /// Highest ground near the wheel and where that was looked up [m].
     ceiling: [f64; 2],
+}
+
+/// A step of the wheel in contact.
+struct Step<'m> {
+    motion: &'m WheelMotion,
+    mobility: Mobility,
+    /// Its length [s].
+    dt: f64,
+}
+
+impl Step<'_> {
+    /// The damping [N·s/m] that a contact at `point` may have along `direction`: what stops the approach within the
+    /// step. More would return it and make the contact oscillate at the rate of the steps, where these are coarse for the
+    /// little that moves at the end of a long lever.
+    fn damped(&self, damping: f64, point: &Edge, direction: [f64; 2]) -> f64 {
+        let most = self.dt * self.mobility.at(point.arm, direction);
+        if damping * most > 1.0 {
+            1.0 / most
+        } else {
+            damping
+        }
+    }
 }
 
 /// Slope at which hard ground dives under its neighbours [-]: 15°.
@@ -95,6 +117,11 @@ impl HardGround {
     /// Load of the ground on the wheel over one step of `dt` [s].
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
         let ceiling = self.ceiling(wheel, motion.x);
+        let step = Step {
+            motion,
+            mobility: wheel.mobility,
+            dt,
+        };
         let mut reach = Reach::default();
         for edge in wheel.lowest_edges(motion) {
             if edge.y >= ceiling || !self.reaches(edge.x) {
@@ -102,7 +129,7 @@ impl HardGround {
                 continue;
             }
             let mut stretch = self.stretch[edge.lug];
-            let wrench = self.press(&edge, motion, dt, &mut stretch);
+            let wrench = self.press(&edge, &step, &mut stretch);
             self.stretch[edge.lug] = stretch;
             if wrench.force() > wheel.touch_force {
                 reach.touching |= 1 << edge.lug;
@@ -110,7 +137,7 @@ impl HardGround {
             reach.wrench += wrench;
         }
         if motion.y - wheel.radius < ceiling {
-            reach.wrench += self.push_rim(wheel, motion, dt);
+            reach.wrench += self.push_rim(wheel, &step);
         } else {
             self.rim_stretch = 0.0;
         }
@@ -152,7 +179,8 @@ impl HardGround {
     }
 
     /// Normal force and friction at one point of the wheel.
-    fn press(&self, point: &Edge, motion: &WheelMotion, dt: f64, stretch: &mut f64) -> Wrench {
+    fn press(&self, point: &Edge, step: &Step<'_>, stretch: &mut f64) -> Wrench {
+        let motion = step.motion;
         let surface = self.surface(point.x);
         let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
         let indentation = (surface.height - point.y) * scale;
@@ -172,9 +200,14 @@ impl HardGround {
             dust: _,
         } = self.contact;
         let elastic = reference_load * power(indentation / reference_indentation, exponent);
-        let normal = elastic * (1.0 + dissipation * rate).max(0.0);
-        let stiffness = MINDLIN * exponent * reference_load / reference_indentation;
-        let friction = self.friction_of(normal, sliding, stiffness, dt, stretch);
+        let damping = |along| step.damped(dissipation * elastic, point, along);
+        let normal = (elastic + damping([-surface.slope * scale, scale]) * rate).max(0.0);
+        let tangential = Tangential {
+            stiffness: MINDLIN * exponent * reference_load / reference_indentation,
+            damping: MINDLIN * damping([scale, surface.slope * scale]),
+            limit: self.friction * normal,
+        };
+        let friction = tangential.friction(sliding, step.dt, stretch);
         let fx = (friction - normal * surface.slope) * scale;
         let fy = (normal + friction * surface.slope) * scale;
         Wrench {
@@ -184,24 +217,9 @@ impl HardGround {
         }
     }
 
-    /// Friction [N] along the ground from the stretch of the tangential spring.
-    fn friction_of(
-        &self,
-        normal: f64,
-        sliding: f64,
-        stiffness: f64,
-        dt: f64,
-        stretch: &mut f64,
-    ) -> f64 {
-        let limit = self.friction * normal;
-        *stretch = (*stretch + sliding * dt).clamp(-limit / stiffness, limit / stiffness);
-        // The same loss as along the normal, kept under the limit.
-        let viscous = self.contact.dissipation * normal * MINDLIN * sliding;
-        (-stiffness * *stretch - viscous).clamp(-limit, limit)
-    }
-
     /// The rim against every summit that reaches into it.
-    fn push_rim(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Wrench {
+    fn push_rim(&mut self, wheel: &WheelGeometry, step: &Step<'_>) -> Wrench {
+        let motion = step.motion;
         let mut points: Vec<Edge> = Vec::new();
         let r = wheel.radius;
         let half = sqrt(
@@ -250,7 +268,7 @@ impl HardGround {
         self.rim_stretch = 0.0;
         for point in &points {
             let mut stretch = before;
-            let wrench = self.press(point, motion, dt, &mut stretch);
+            let wrench = self.press(point, step, &mut stretch);
             if wrench.force() > most {
                 most = wrench.force();
                 self.rim_stretch = stretch;
@@ -258,6 +276,26 @@ impl HardGround {
             sum += wrench;
         }
         sum
+    }
+}
+
+/// What resists sliding at a contact.
+struct Tangential {
+    /// Stiffness [N/m] up to the limit.
+    stiffness: f64,
+    /// The same loss as along the normal [N·s/m], kept under the limit.
+    damping: f64,
+    /// Coulomb's limit [N].
+    limit: f64,
+}
+
+impl Tangential {
+    /// Friction [N] along the ground against `sliding` [m/s] over `dt` [s], from the `stretch` [m] of the spring.
+    fn friction(&self, sliding: f64, dt: f64, stretch: &mut f64) -> f64 {
+        let farthest = self.limit / self.stiffness;
+        *stretch = (*stretch + sliding * dt).clamp(-farthest, farthest);
+        let force = -self.stiffness * *stretch - self.damping * sliding;
+        force.clamp(-self.limit, self.limit)
     }
 }
 
@@ -308,7 +346,12 @@ mod tests {
                 arm: [0.0, 0.0],
                 radius: 0.0,
             };
-            let wrench = ground.press(&edge, &motion, dt, &mut stretch);
+            let step = Step {
+                motion: &motion,
+                mobility: Mobility::default(),
+                dt,
+            };
+            let wrench = ground.press(&edge, &step, &mut stretch);
             motion.vy += (wrench.fy - load) / mass * dt;
             motion.y += motion.vy * dt;
             motion.x += speed * dt;

@@ -1,5 +1,6 @@
 //! What carriage and motor do to the wheel, step by step.
 
+use super::contact::Mobility;
 use super::motion::WheelMotion;
 use super::rig::carriage::CarriageDrive;
 use super::rig::flaws::DriveFlaws;
@@ -77,6 +78,16 @@ impl Mount {
     /// Mass [kg] of a carriage that yields.
     pub fn carriage_mass(&self) -> f64 {
         self.carriage.as_ref().map_or(0.0, CarriageDrive::mass)
+    }
+
+    /// How much a force moves a wheel of this mass [kg] and inertia [kg·m²] on this mount.
+    pub fn mobility(&self, mass: f64, inertia: f64) -> Mobility {
+        let carried = |carriage: &CarriageDrive| 1.0 / (mass + carriage.mass());
+        Mobility {
+            along: self.carriage.as_ref().map_or(0.0, carried),
+            vertical: 1.0 / mass,
+            turning: self.motor.as_ref().map_or(0.0, |_| 1.0 / inertia),
+        }
     }
 
     /// Energy and powers now, for balances.
