@@ -196,9 +196,9 @@ mod tests {
     fn a_drift_is_written_with_its_way_and_unit() {
         let remark =
             |index: usize, rate| QUANTITIES[index].remark(Some(Steadiness::Drifting { rate }));
-        assert_eq!(remark(1, 3.0), "not steady yet: rises by 3 N/s");
-        assert_eq!(remark(3, -0.002), "not steady yet: falls by 2 mm/s");
-        assert_eq!(remark(4, 0.02), "not steady yet: rises by 0.02 per second");
+        assert_eq!(remark(1, 3.0), "not steady yet: rises by 3.000 N/s");
+        assert_eq!(remark(3, -0.002), "not steady yet: falls by 2.000 mm/s");
+        assert_eq!(remark(4, 0.02), "not steady yet: rises by 0.02000 per second");
         assert_eq!(QUANTITIES[1].remark(Some(Steadiness::Steady)), "");
     }
 
