@@ -71,7 +71,7 @@ pub use pressure_sinkage::{Interval, Moduli, PlateSize, PressureSinkage, Resampl
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use scope::Scope;
 pub use stages::{Stage, Staged};
-pub use steady::{CALIBRATION, SteadyError, Stretch, steady_loads, steady_stretches};
+pub use steady::{CALIBRATION, Drift, SteadyError, Stretch, steady_loads, steady_stretches};
 pub use warning::Warning;
 
 use crate::quantity::RangeError;

@@ -56,6 +56,28 @@ fn the_ready_quick_study_has_no_drifting_values() {
     assert!(!runs.contains("drifting"), "{runs}");
 }
 
+#[test]
+fn identification_from_runs_that_still_sink_says_so() {
+    let folder = TempDir::new().unwrap();
+    for slip in [0.1, 0.2, 0.3, 0.4] {
+        let sand = "simulate single_wheel_st --set duration=4 --set lead_in=0 --set slip_ratio";
+        done(run(
+            folder.path(),
+            &format!("{sand}={slip} --out {slip}.h5"),
+        ));
+    }
+    let said = done(run(
+        folder.path(),
+        "identify 0.1.h5 0.2.h5 0.3.h5 0.4.h5 --class LEIS --json",
+    ));
+    let found: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let warnings = found["warnings"].as_array().unwrap();
+    let warning = warnings.iter().find(|told| told["kind"] == "not_steady");
+    let message = warning.unwrap()["message"].as_str().unwrap();
+    assert!(message.contains("of 4 rows are not steady"), "{message}");
+    assert!(message.contains("drawbar_pull changes by "), "{message}");
+}
+
 /// Runs of a ground after this lead-in [s], at 30 mm/s.
 fn runs(ground: &str, count: u64, lead_in: f64, duration: f64) -> Vec<Trace> {
     let path = format!(

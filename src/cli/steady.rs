@@ -111,11 +111,9 @@ fn per_second(unit: &str) -> String {
 fn vibration(trace: &Trace) -> Option<Reading> {
     let channel = trace.channel("acceleration_y")?;
     let value = rms(channel.steady())?;
-    let squares: Vec<f64> = channel.steady().iter().map(|a| a * a).collect();
-    let steadiness = trace.steadiness_of("acceleration_y_rms", &squares, channel.sample_rate);
     Some(Reading {
         value,
-        steadiness: Some(match steadiness {
+        steadiness: Some(match trace.steadiness_of_square(channel) {
             // Of a square by that of its root.
             Steadiness::Drifting { rate } => Steadiness::Drifting {
                 rate: rate / (2.0 * value),
@@ -198,7 +196,10 @@ mod tests {
             |index: usize, rate| QUANTITIES[index].remark(Some(Steadiness::Drifting { rate }));
         assert_eq!(remark(1, 3.0), "not steady yet: rises by 3.000 N/s");
         assert_eq!(remark(3, -0.002), "not steady yet: falls by 2.000 mm/s");
-        assert_eq!(remark(4, 0.02), "not steady yet: rises by 0.02000 per second");
+        assert_eq!(
+            remark(4, 0.02),
+            "not steady yet: rises by 0.02000 per second"
+        );
         assert_eq!(QUANTITIES[1].remark(Some(Steadiness::Steady)), "");
     }
 

@@ -43,6 +43,51 @@ pub struct Stretch {
     pub interval: [f64; 2],
     /// The row.
     pub row: Result<SteadyLoad, SteadyError>,
+    /// What still changes in it.
+    pub drifts: Vec<Drift>,
+}
+
+/// A quantity that still changes within the interval of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Its channel.
+    pub channel: &'static str,
+    /// Rate of change, in the channel's unit per second.
+    pub rate: f64,
+    /// Length of the interval [s].
+    pub duration: f64,
+}
+
+impl Drift {
+    /// Those of the channels of a row.
+    fn within(trace: &Trace, interval: [f64; 2]) -> Vec<Self> {
+        const CHANNELS: [&str; 4] = ["drawbar_pull", "normal_force", "driving_torque", "sinkage"];
+        let drift = |channel| {
+            let steadiness = trace.steadiness_between(channel, interval)?;
+            Some(Self {
+                channel,
+                rate: steadiness.rate()?,
+                duration: interval[1] - interval[0],
+            })
+        };
+        CHANNELS.into_iter().filter_map(drift).collect()
+    }
+
+    /// Adds the change over the interval to the uncertainty of the row: a mean that still changes lies about so
+    /// far off its steady value at least; how much farther, the interval cannot show.
+    pub fn widen(&self, row: &mut SteadyLoad) {
+        let change = (self.rate * self.duration).abs();
+        let Some(uncertainty) = &mut row.uncertainty else {
+            return;
+        };
+        let sd = match self.channel {
+            "drawbar_pull" => &mut uncertainty.drawbar_pull,
+            "normal_force" => &mut uncertainty.load,
+            "driving_torque" => &mut uncertainty.driving_torque,
+            _ => &mut uncertainty.sinkage,
+        };
+        *sd = libm::hypot(*sd, change);
+    }
 }
 
 /// Most parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
@@ -100,6 +145,7 @@ pub fn steady_stretches(trace: &Trace) -> Result<Vec<Stretch>, SteadyError> {
     let stretch = |interval| Stretch {
         interval,
         row: row(trace, interval),
+        drifts: Drift::within(trace, interval),
     };
     Ok(intervals.into_iter().map(stretch).collect())
 }
@@ -367,6 +413,25 @@ mod tests {
         for row in rows {
             assert!((row.drawbar_pull - 100.0 * row.slip).abs() < 0.3, "{row:?}");
         }
+    }
+
+    #[test]
+    fn a_sinkage_that_still_grows_is_told_and_its_growth_is_in_the_uncertainty() {
+        let mut trace = run(|_| 0.2);
+        trace.channels[1] = channel("sinkage", |t| 0.01 + 1.0e-4 * t);
+        let stretch = steady_stretches(&trace).unwrap().remove(0);
+        let [drift] = stretch.drifts[..] else {
+            panic!("{:?}", stretch.drifts);
+        };
+        assert_eq!(drift.channel, "sinkage");
+        assert!((drift.rate / 1.0e-4 - 1.0).abs() < 0.01, "{drift:?}");
+        let mut row = stretch.row.unwrap();
+        let before = row.uncertainty.unwrap();
+        drift.widen(&mut row);
+        let after = row.uncertainty.unwrap();
+        // 30 s of 0.1 mm/s.
+        assert!((after.sinkage / 3.0e-3 - 1.0).abs() < 0.05, "{after:?}");
+        assert_eq!(after.load, before.load);
     }
 
     #[test]

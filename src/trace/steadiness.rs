@@ -117,25 +117,39 @@ impl Trace {
         if ["acceleration_y", "wheel_angle"].contains(&name) {
             return None;
         }
-        let channel = self.channel(name)?;
-        channel.steady_mean()?;
-        Some(self.steadiness_of(name, channel.steady(), channel.sample_rate))
+        self.steadiness_between(name, steady_interval(self.channel(name)?))
     }
 
-    /// Whether the mean of these `samples` of the quantity `name`, at `sample_rate` [Hz], is a steady value.
-    pub fn steadiness_of(&self, name: &str, samples: &[f64], sample_rate: f64) -> Steadiness {
-        Stretch {
+    /// Whether the mean of the quantity `name` over an interval [s] is a steady value; `None` where there is no
+    /// time series of it or one without numbers.
+    pub fn steadiness_between(&self, name: &str, interval: [f64; 2]) -> Option<Steadiness> {
+        let channel = self.channel(name)?;
+        let samples = channel.between(interval[0], interval[1]);
+        super::finite_mean(samples)?;
+        let stretch = Stretch {
             samples,
-            sample_rate,
-            pass: self.lug_pass(),
+            sample_rate: channel.sample_rate,
+            pass: self.lug_pass(interval),
             least_change: least_change(name, &self.attributes),
+        };
+        Some(stretch.steadiness())
+    }
+
+    /// Whether the mean square of a channel over its middle half is a steady value.
+    pub fn steadiness_of_square(&self, channel: &Channel) -> Steadiness {
+        let squares: Vec<f64> = channel.steady().iter().map(|x| x * x).collect();
+        Stretch {
+            samples: &squares,
+            sample_rate: channel.sample_rate,
+            pass: self.lug_pass(steady_interval(channel)),
+            least_change: 0.0,
         }
         .steadiness()
     }
 
-    /// Period of the lug passes [s] over the steady part, by the wheel's turning or else by the command; `None`
+    /// Period of the lug passes [s] over an interval [s], by the wheel's turning or else by the command; `None`
     /// without lugs, or where their number or the turning is unknown.
-    fn lug_pass(&self) -> Option<f64> {
+    fn lug_pass(&self, interval: [f64; 2]) -> Option<f64> {
         let RunAttributes {
             lug_count,
             wheel_radius,
@@ -148,15 +162,22 @@ impl Trace {
                 .ok()?
                 .wheel_speed(wheel_radius, speed)
         };
-        let turning = self.channel("wheel_angle").and_then(wheel_speed);
+        let angle = self.channel("wheel_angle");
+        let turning = angle.and_then(|angle| wheel_speed(angle, interval));
         let pass = TAU / f64::from(lug_count?) / turning.or_else(commanded)?.abs();
         pass.is_finite().then_some(pass)
     }
 }
 
-/// Mean wheel speed [rad/s] over the steady part.
-fn wheel_speed(wheel_angle: &Channel) -> Option<f64> {
-    let angles = unwrapped(wheel_angle.steady());
+/// Begin and end [s] of the middle half of a channel.
+fn steady_interval(channel: &Channel) -> [f64; 2] {
+    let quarter = channel.samples.len() / 4;
+    [quarter, channel.samples.len() - quarter].map(|index| channel.time(index))
+}
+
+/// Mean wheel speed [rad/s] over an interval [s].
+fn wheel_speed(wheel_angle: &Channel, interval: [f64; 2]) -> Option<f64> {
+    let angles = unwrapped(wheel_angle.between(interval[0], interval[1]));
     let known = || (0..angles.len()).filter(|&index| angles[index].is_finite());
     let (first, last) = (known().next()?, known().next_back()?);
     let turned = angles[last] - angles[first];

@@ -5,8 +5,8 @@ use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
-    Cylinder, Estimate, Identification, IdentifyError, Predictor, Scope, Setting, SteadyLoad,
-    Stretch, pool, steady_stretches,
+    Cylinder, Drift, Estimate, Identification, IdentifyError, Predictor, Scope, Setting,
+    SteadyLoad, pool, steady_stretches,
 };
 use lugwheel::quantity::RangeError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -139,10 +139,12 @@ impl fmt::Display for WheelOfRun {
 }
 
 /// A row and where it comes from.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Row {
     /// The loads.
     pub load: SteadyLoad,
+    /// What still changes in its interval.
+    pub drifts: Vec<Drift>,
     /// The middle half of its stretch [s]; from and to 0 in a run of means.
     pub interval: [f64; 2],
 }
@@ -257,9 +259,14 @@ impl Groups {
         let stretches = steady_stretches(trace).map_err(|error| error.to_string())?;
         let mut rows = Vec::new();
         let mut refused = Vec::new();
-        for Stretch { interval, row } in stretches {
-            match row {
-                Ok(load) => rows.push(Row { load, interval }),
+        for stretch in stretches {
+            let interval = stretch.interval;
+            match stretch.row {
+                Ok(load) => rows.push(Row {
+                    load,
+                    drifts: stretch.drifts,
+                    interval,
+                }),
                 Err(reason) => refused.push(StretchLeftOut {
                     run: run.to_owned(),
                     interval_s: interval,
@@ -302,11 +309,14 @@ impl Groups {
 }
 
 impl Group {
-    /// Rows from time series have their uncertainties in common.
+    /// Rows from time series have their uncertainties in common, but for what still changes in some.
     fn pool(&mut self) {
         let sampled = self.runs.iter_mut().filter(|run| run.sampled);
         let rows = sampled.flat_map(|run| &mut run.rows);
         pool(&mut rows.map(|row| &mut row.load).collect::<Vec<_>>());
+        for Row { load, drifts, .. } in self.runs.iter_mut().flat_map(|run| &mut run.rows) {
+            drifts.iter().for_each(|drift| drift.widen(load));
+        }
     }
 
     /// The parameters of the rows that are in their ranges; the others are left out.

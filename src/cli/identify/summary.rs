@@ -1,10 +1,10 @@
 //! What was identified, for machines.
 
 use super::class::ToldBy;
-use super::group::{Fit, LeftOut, Row, StretchLeftOut, Unused, WheelOfRun};
+use super::group::{Fit, LeftOut, Row, Rows, StretchLeftOut, Unused, WheelOfRun};
 use super::plates::PlateReport;
 use lugwheel::identification::{
-    Combination, Cylinder, Estimate, Identified, Open, Parameter, Predicted, Prediction,
+    Combination, Cylinder, Drift, Estimate, Identified, Open, Parameter, Predicted, Prediction,
     PredictionErrors, Scope, Standing, Termination, TerrainParameters, Warning,
 };
 use lugwheel::soil::wheel_load::WheelLoad;
@@ -327,6 +327,7 @@ impl Report {
         let runs: Vec<RunTold> = runs.collect();
         let mut warnings: Vec<WarningTold> = estimate.warnings.iter().map(warning).collect();
         warnings.extend(mixed(&runs));
+        warnings.extend(not_steady(fit));
         warnings.extend(unused(fit));
         Self {
             class: estimate.class,
@@ -377,6 +378,7 @@ fn row_told(run: &str, row: &Row, fit: &Fit) -> RowTold {
     let Row {
         load: row,
         interval,
+        ..
     } = row;
     RowTold {
         run: run.to_owned(),
@@ -512,6 +514,42 @@ fn warning(warning: &Warning) -> WarningTold {
         message: warning.to_string(),
         meaning,
     }
+}
+
+/// Rows of values that still change.
+fn not_steady(fit: &Fit) -> Option<WarningTold> {
+    const SHOWN: usize = 3;
+    let of_run = |run: &'_ Rows| {
+        let drifting = run.rows.iter().filter(|row| !row.drifts.is_empty());
+        drifting
+            .map(|row| drifting_row(&run.run, row))
+            .collect::<Vec<String>>()
+    };
+    let drifting: Vec<String> = fit.runs.iter().flat_map(of_run).collect();
+    let all: usize = fit.runs.iter().map(|run| run.rows.len()).sum();
+    let more = if drifting.len() > SHOWN { "; ..." } else { "" };
+    let shown = drifting[..drifting.len().min(SHOWN)].join("; ");
+    (!drifting.is_empty()).then(|| WarningTold {
+        kind: "not_steady",
+        message: format!(
+            "{} of {all} rows are not steady ({shown}{more})",
+            drifting.len()
+        ),
+        meaning: "their means depend on how long the wheel had been rolling; the change over each interval is in \
+                  its uncertainty: record longer, or leave these runs out with --run",
+    })
+}
+
+/// A row that is not steady, with its rates of change.
+fn drifting_row(run: &str, row: &Row) -> String {
+    let rate = |drift: &Drift| {
+        let Drift { channel, rate, .. } = drift;
+        let unit = lugwheel::trace::unit_of(channel).unwrap_or_default();
+        format!("{channel} changes by {rate:.2e} {unit}/s")
+    };
+    let rates: Vec<String> = row.drifts.iter().map(rate).collect();
+    let [from, to] = row.interval;
+    format!("{run} from {from:.1} to {to:.1} s: {}", rates.join(", "))
 }
 
 /// Runs that may not be of one ground.
