@@ -1,6 +1,7 @@
 //! `lugwheel identify` claims what the rows know and no more: of which wheel and load, where, on which slope, and
 //! where a row or a count is missing.
 
+use crate::common::opened_for_editing;
 use crate::identify::{
     campaign, done, folder, identify, json, lugwheel, mean, refused, run, warned, write,
 };
@@ -622,7 +623,7 @@ fn a_file_of_an_earlier_version_has_0_lugs_of_some_height_where_it_is_unknown() 
     ) = (None, 0.005);
     let folder = folder(&runs);
     let path = folder.path().join("runs.h5");
-    let file = hdf5::File::open_rw(&path).unwrap();
+    let file = opened_for_editing(&path);
     let group = file.group("runs/p00").unwrap();
     assert!(group.attr("lug_count").is_err());
     let attribute = group.new_attr::<u32>().create("lug_count").unwrap();

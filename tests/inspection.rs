@@ -1,6 +1,7 @@
 //! What `inspect` doubts in logs as people have them, and what it must not doubt.
 
 use crate::cli::{done, run};
+use crate::common::opened_for_editing;
 use crate::import::{doubts, imported};
 use lugwheel::dataset::Provenance;
 use lugwheel::dataset::hdf5::{RunFile, RunFileWriter};
@@ -216,7 +217,7 @@ fn a_run_that_cannot_be_read_exits_with_3_after_the_others_were_inspected() {
         writer.add(id, &file.read(id).unwrap()).unwrap();
     }
     writer.finish().unwrap();
-    let spoilt = hdf5::File::open_rw(&path).unwrap();
+    let spoilt = opened_for_editing(&path);
     let run = spoilt.group(&format!("runs/{}", file.runs()[1])).unwrap();
     run.delete_attr("load_n").unwrap();
     drop((run, spoilt));

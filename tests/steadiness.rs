@@ -60,7 +60,8 @@ fn the_ready_quick_study_has_no_drifting_values() {
 fn identification_from_runs_that_still_sink_says_so() {
     let folder = TempDir::new().unwrap();
     for slip in [0.1, 0.2, 0.3, 0.4] {
-        let sand = "simulate single_wheel_st --set duration=4 --set lead_in=0 --set slip_ratio";
+        let sand =
+            "simulate single_wheel_st --set duration=4 --set lead_in=0 --set rig.single_wheel.slip";
         done(run(
             folder.path(),
             &format!("{sand}={slip} --out {slip}.h5"),

@@ -10,6 +10,8 @@ use lugwheel::soil::departures::Departures;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::{HardContact, Roughness, Terrain, TerrainSpec};
 use lugwheel::wheel::Wheel;
+use std::path::Path;
+use std::time::Duration;
 
 pub const CONTACT: HardContact = HardContact {
     reference_load: 94.0,
@@ -141,4 +143,18 @@ pub fn slate() -> TerrainSpec {
         roughness,
         joints: None,
     }
+}
+
+/// A run file opened to be spoilt. A process that another test starts holds the writer's lock from its fork until it
+/// is the new program, so the file may be locked for some milliseconds.
+pub fn opened_for_editing(path: &Path) -> hdf5::File {
+    let attempts = (0..100).map(|_| {
+        let file = hdf5::File::open_rw(path);
+        if file.is_err() {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        file
+    });
+    let mut opened = attempts.filter_map(Result::ok);
+    opened.next().expect("a run file that nobody writes")
 }
