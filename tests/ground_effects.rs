@@ -65,7 +65,8 @@ fn a_wheel_that_slips_sinks_deeper_in_sand_that_it_digs_and_one_that_rolls_does_
         };
         // The soil's own n_1 makes 12 mm at this slip.
         assert!(deeper(0.4) > 0.006, "{form}: {}", deeper(0.4));
-        assert!(deeper(0.0).abs() < 1.0e-5, "{form}: {}", deeper(0.0));
+        // The motor yields to the lugs: slip is 0 on average only.
+        assert!(deeper(0.0).abs() < 5.0e-5, "{form}: {}", deeper(0.0));
     }
 }
 
@@ -86,8 +87,10 @@ fn bulldozing_takes_pull_and_leaves_torque_and_sinkage() {
         let change = |name| late(&pushing, name)[0] - late(&ideal, name)[0];
         let pull = change("drawbar_pull");
         assert!(pull < -1.0 && pull > -10.0, "{form}: {pull} N");
-        assert!(change("driving_torque").abs() < 1.0e-3);
-        assert!(change("sinkage").abs() < 1.0e-5);
+        // What the belt gives moves the wheel by some micrometres.
+        let torque = change("driving_torque");
+        assert!(torque.abs() < 0.01, "{form}: {torque} N·m");
+        assert!(change("sinkage").abs() < 5.0e-5);
     }
 }
 

@@ -571,7 +571,7 @@ fn a_study_stopped_before_its_parameters_are_fitted_has_its_runs_whole_and_goes_
 fn identified(folder: &TempDir, scenarios: &[&str], rest: &str) -> (IdentificationScore, PathBuf) {
     let text = format!(
         "repeats = 1\nrandom_numbers = \"independent\"\n\
-         [set]\nduration = 3.0\nlead_in = 1.0\nphysics_rate = 8000\n\
+         [set]\nduration = 3.0\nlead_in = 3.0\nphysics_rate = 8000\n\
          sensors.vision.frame_rate = 50\n{rest}"
     );
     let out = folder.path().join("out");

@@ -397,7 +397,7 @@ impl Contact {
         if counted <= 0.0 || angle > std::f64::consts::FRAC_PI_2 {
             return None;
         }
-        let virgin = self.law.pressure_of(counted, depth);
+        let virgin = self.law.pressure_of_column(counted, depth);
         let unloading = self.law.unloading_at(depth);
         let gap = level - pressed.lowest;
         let elastic = virgin - unloading * gap;

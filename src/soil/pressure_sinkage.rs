@@ -76,9 +76,22 @@ impl PressureSinkage {
         if counted <= 0.0 {
             return 0.0;
         }
+        self.modulus * libm::pow(self.felt(counted, depth), self.exponent)
+    }
+
+    /// The same within 1e-12 of it, several times faster: for a motion, which takes a pressure for every millimetre of
+    /// contact, and not for derivatives by differences.
+    pub(crate) fn pressure_of_column(&self, counted: f64, depth: f64) -> f64 {
+        if counted <= 0.0 {
+            return 0.0;
+        }
+        self.modulus * power(self.felt(counted, depth), self.exponent)
+    }
+
+    /// Depth [m] of deep and fresh soil that resists as this soil does.
+    fn felt(&self, counted: f64, depth: f64) -> f64 {
         let former = self.precompression * self.taken_up(depth);
-        let felt = (counted + former) * self.base.stretch(depth);
-        self.modulus * power(felt, self.exponent)
+        (counted + former) * self.base.stretch(depth)
     }
 
     /// Slope `dp/dz = N p/z` [Pa/m] of the loading curve at `sinkage` [m], 0 above the soil.
