@@ -168,7 +168,8 @@ fn a_run_of_the_scenario_itself_is_read_as_its_replicate_bit_by_bit() {
         let made = made.as_ref().unwrap();
         assert!(real.readings.len() > 100);
         assert_eq!(real.readings, made.readings);
-        assert_eq!(real.loads, made.loads);
+        // As text: what is not a number is equal to itself there.
+        assert_eq!(format!("{:?}", real.loads), format!("{:?}", made.loads));
         assert_eq!(real.attributes.load, made.attributes.load);
     }
 }

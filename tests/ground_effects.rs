@@ -6,13 +6,15 @@ use lugwheel::scenario::Scenario;
 use lugwheel::trace::Trace;
 use std::ops::ControlFlow;
 
-/// A ready scenario, cut short and led fast; keys set.
+/// A ready scenario on a rigid rig, cut short and led fast; keys set.
 fn scenario(name: &str, set: &[&str]) -> Scenario {
     let path = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let short = [
         "duration=2",
         "physics_rate=8000",
         "rig.single_wheel.forward_speed=0.05",
+        "rig.single_wheel.carriage.stiffness=inf",
+        "rig.single_wheel.motor.stiffness=inf",
     ];
     let set: Vec<&str> = short.iter().chain(set).copied().collect();
     Scenario::load(&path).unwrap().with_all(&set).unwrap()
@@ -65,8 +67,7 @@ fn a_wheel_that_slips_sinks_deeper_in_sand_that_it_digs_and_one_that_rolls_does_
         };
         // The soil's own n_1 makes 12 mm at this slip.
         assert!(deeper(0.4) > 0.006, "{form}: {}", deeper(0.4));
-        // The motor yields to the lugs: slip is 0 on average only.
-        assert!(deeper(0.0).abs() < 5.0e-5, "{form}: {}", deeper(0.0));
+        assert!(deeper(0.0).abs() < 1.0e-5, "{form}: {}", deeper(0.0));
     }
 }
 
@@ -87,10 +88,8 @@ fn bulldozing_takes_pull_and_leaves_torque_and_sinkage() {
         let change = |name| late(&pushing, name)[0] - late(&ideal, name)[0];
         let pull = change("drawbar_pull");
         assert!(pull < -1.0 && pull > -10.0, "{form}: {pull} N");
-        // What the belt gives moves the wheel by some micrometres.
-        let torque = change("driving_torque");
-        assert!(torque.abs() < 0.01, "{form}: {torque} N·m");
-        assert!(change("sinkage").abs() < 5.0e-5);
+        assert!(change("driving_torque").abs() < 1.0e-3);
+        assert!(change("sinkage").abs() < 1.0e-5);
     }
 }
 

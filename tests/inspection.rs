@@ -255,7 +255,10 @@ fn no_ready_scenario_is_doubted_as_simulated_or_as_measured() {
         "rover_st",
     ] {
         // Two seconds until carriage and motor have given way to pull and torque.
-        let trace = simulated(name, &["duration=2", "lead_in=2"]);
+        // On stones the way of a lug or two is as much as chance makes of it.
+        let duration = if name.ends_with("gt") { 10 } else { 2 };
+        let set = [format!("duration={duration}"), "lead_in=2".to_owned()];
+        let trace = simulated(name, &set.each_ref().map(String::as_str));
         assert_eq!(doubted(&trace), [], "{name}");
         assert_eq!(doubted(&trace.as_measured()), [], "{name}, as measured");
     }

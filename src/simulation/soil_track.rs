@@ -53,14 +53,18 @@ use rim_shear::RimShear;
 /// The stress field is worked out at most this often [Hz].
 pub(super) const FULL_RATE: f64 = 4_000.0;
 
-/// And at least this often [Hz].
-const LEAST_RATE: f64 = 250.0;
+/// Slower than this [m/s] always as often: a wheel that stops swings on the soil by micrometres, and a field that follows
+/// late would drive it.
+const SLOW: f64 = 1.0e-3;
 
 /// Rolling [m] after which it is worked out anew.
 const ADVANCE: f64 = 1.0e-5;
 
 /// Vertical motion [m] after which it is worked out anew.
 const HEAVE: f64 = 1.0e-5;
+
+/// A wheel that rolls back by more than this has reversed [m]: soil is sheared the other way over a fraction of `K`.
+const REVERSAL: f64 = 1.0e-3;
 
 /// Slower than this the wheel stands [m/s]: a hundredth of the slowest rover.
 const STANDING: f64 = 3.0e-5;
@@ -84,6 +88,8 @@ struct Facing {
     direction: f64,
     /// Way rolled since the let-down or the last reversal [m].
     rolled: f64,
+    /// Way rolled against that direction since it last rolled along it [m].
+    back: f64,
     /// Slip [-] over that way, the last half of a contact length counting most; `None` before it has rolled.
     slip: Option<f64>,
 }
@@ -134,6 +140,7 @@ impl SoilTrack {
             facing: Facing {
                 direction: 1.0,
                 rolled: 0.0,
+                back: 0.0,
                 slip: None,
             },
             field: Field::default(),
@@ -224,7 +231,7 @@ impl SoilTrack {
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
         self.since_field += dt;
         self.way += rolling_speed(wheel, motion) * dt;
-        if self.is_due(motion) {
+        if self.is_due(wheel, motion) {
             let first = !self.since_field.is_finite();
             let elapsed = if first { dt } else { self.since_field };
             self.field = self.stress_field(wheel, motion, elapsed);
@@ -234,15 +241,19 @@ impl SoilTrack {
     }
 
     /// Whether the field has to be worked out anew.
-    fn is_due(&self, motion: &WheelMotion) -> bool {
+    fn is_due(&self, wheel: &WheelGeometry, motion: &WheelMotion) -> bool {
         const EARLY: f64 = 1.0 - 1.0e-9;
         let moved = self.way >= ADVANCE || (motion.y - self.field.height).abs() >= HEAVE;
-        self.since_field >= EARLY / FULL_RATE && (moved || self.since_field >= EARLY / LEAST_RATE)
+        let slow = rolling_speed(wheel, motion) < SLOW;
+        self.since_field >= EARLY / FULL_RATE && (moved || slow)
     }
 
     /// Works the whole stress field out; `elapsed` [s] since the last time.
     fn stress_field(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, elapsed: f64) -> Field {
-        self.facing.turn(wheel, motion, elapsed);
+        if self.facing.turn(wheel, motion, elapsed) {
+            self.rim_shear.turn_around();
+            self.bites.turn_around();
+        }
         self.columns.follow(wheel, motion.x, elapsed);
         let contact = self.contact(wheel, motion, elapsed);
         let mut field = Field {
@@ -429,25 +440,36 @@ fn rolling_speed(wheel: &WheelGeometry, motion: &WheelMotion) -> f64 {
 }
 
 impl Facing {
-    /// Takes the direction of travel from the motion; a standing wheel keeps its own.
-    fn turn(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, elapsed: f64) {
+    /// Takes the direction of travel from the motion; a standing wheel, and one that swings back by less than
+    /// [`REVERSAL`], keeps its own. Whether it has turned around.
+    fn turn(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, elapsed: f64) -> bool {
         let rim_speed = wheel.radius * motion.omega;
         if standing(wheel, motion) {
-            return;
+            return false;
         }
         let direction = if motion.vx.abs() >= STANDING {
             motion.vx.signum()
         } else {
             rim_speed.signum()
         };
-        if direction != self.direction {
+        let way = rolling_speed(wheel, motion) * elapsed;
+        if direction == self.direction {
+            self.back = 0.0;
+            self.rolled += way;
+            return false;
+        }
+        self.back += way;
+        // Before it has rolled at all it may set out either way.
+        let turns = self.back > REVERSAL || self.rolled == 0.0;
+        if turns {
             *self = Self {
                 direction,
-                rolled: 0.0,
+                rolled: self.back,
+                back: 0.0,
                 slip: None,
             };
         }
-        self.rolled += rolling_speed(wheel, motion) * elapsed;
+        turns
     }
 
     /// The slip [-] that soil has flowed with, after a way of so many half contact lengths at the `momentary` one.

@@ -59,6 +59,13 @@ impl LugBites {
         }
     }
 
+    /// Counts shear displacement in the other direction of travel.
+    pub fn turn_around(&mut self) {
+        self.bites
+            .iter_mut()
+            .for_each(|bite| bite.shear = -bite.shear);
+    }
+
     /// Load of the soil on every lug in it.
     pub fn push(
         &mut self,

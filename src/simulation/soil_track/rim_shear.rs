@@ -31,6 +31,11 @@ impl RimShear {
         }
     }
 
+    /// Counts displacement in the other direction of travel: a wheel that reverses goes on from the shear it has.
+    pub fn turn_around(&mut self) {
+        self.places.iter_mut().for_each(|shear| *shear = -*shear);
+    }
+
     /// Shears what is in the soil further and forgets what is out of it.
     pub fn advance(&mut self, contact: &Contact, wheel_angle: f64, radius: f64, shear_radius: f64) {
         let angles = contact.depth.angles;
