@@ -114,11 +114,11 @@ impl Vision {
     }
 }
 
-/// Speed [m/s] of rim and axle below which the wheel stands, and its slip is no number: 4 mm in an hour.
+/// Speed [m/s] of rim and axle below which the wheel stands, and its slip is no number.
 ///
-/// A wheel that is held against its load creeps by some 1e-8 m/s, to which the solver balances its forces;
-/// the slowest that a rig drives is a hundred times faster than this.
-const STANDS: f64 = 1.0e-6;
+/// A wheel that has stopped swings on belt and soil by micrometres; the slowest that a rover drives is a hundred times
+/// faster than this.
+const STANDS: f64 = 3.0e-5;
 
 /// What one frame shows.
 #[derive(Clone, Copy)]

@@ -274,17 +274,17 @@ impl SoilTrack {
         let entry = self.columns.entry_angle(wheel.radius, motion, direction);
         let contact_length = wheel.radius * entry.max(0.05);
         let developed = 1.0 - exp(-2.0 * self.facing.rolled / contact_length);
-        // Slip weakens soil as the flow develops, not at the first jerk.
+        // Slip weakens soil as the flow develops, not at the first jerk, and soil that has flowed stays so when the
+        // wheel stops.
         let way = rolling_speed(wheel, motion) * elapsed;
         let slip = if standing(wheel, motion) {
-            0.0
+            self.facing.slip.unwrap_or(0.0)
         } else {
             let momentary = SlipRatio::from_motion(wheel.radius, motion.omega, motion.vx).get();
-            developed
-                * self
-                    .facing
-                    .slip_over(momentary, way / (0.5 * contact_length))
+            self.facing
+                .slip_over(momentary, way / (0.5 * contact_length))
         };
+        let slip = developed * slip;
         let angles = ContactAngles::from_entry(&soil, entry, slip).developed(developed);
         Contact {
             soil,
