@@ -39,6 +39,7 @@ mod recognition_faults;
 mod recognize;
 mod report;
 mod scenarios;
+mod slate_rig;
 mod slurm;
 mod steadiness;
 mod study;

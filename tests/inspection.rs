@@ -261,8 +261,13 @@ fn no_ready_scenario_is_doubted_as_simulated_or_as_measured() {
         // A wheel on stone winds its drive up to the friction before it slips.
         let set = [format!("duration={duration}"), "lead_in=6".to_owned()];
         let trace = simulated(name, &set.each_ref().map(String::as_str));
-        assert_eq!(doubted(&trace), [], "{name}");
-        assert_eq!(doubted(&trace.as_measured()), [], "{name}, as measured");
+        // A drive gives way to stones: the slip of some lugs is not the one commanded, and that is to be said.
+        let of_stones = |found: &Finding| uneven && found.channel.as_deref() == Some("slip_ratio");
+        for trace in [trace.clone(), trace.as_measured()] {
+            let mut doubts = doubted(&trace);
+            doubts.retain(|found| !of_stones(found));
+            assert_eq!(doubts, [], "{name}");
+        }
     }
 }
 

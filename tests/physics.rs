@@ -2,6 +2,8 @@
 
 use crate::common::*;
 use lugwheel::scenario::Scenario;
+use lugwheel::simulation::rig::carriage::Carriage;
+use lugwheel::simulation::rig::motor::Motor;
 use lugwheel::simulation::rig::{Rig, SingleWheel};
 use lugwheel::soil::{Soil, StressConvention, wheel_load};
 use lugwheel::terrain::TerrainSpec;
@@ -176,6 +178,45 @@ fn pull_and_torque_have_the_signs_of_the_table() {
     assert_eq!(signs(0.02, -0.3), [-1.0, -1.0], "braking forward");
     assert_eq!(signs(-0.02, 0.3), [-1.0, -1.0], "driving in reverse");
     assert_eq!(signs(-0.02, -0.3), [1.0, 1.0], "braking in reverse");
+}
+
+/// In the limit of stiff drives the wheel moves as if these imposed its motion.
+#[test]
+fn on_stiff_drives_loads_and_vibration_are_those_of_a_rigid_rig_within_2_percent() {
+    let (wheel, rate) = (Wheel::single_wheel(), 64e3);
+    let mut stiff = rig(0.02, 0.1, 100.0);
+    stiff.drive_mut().carriage = Some(Carriage {
+        mass: 30.0,
+        stiffness: 1.0e9,
+        damping_ratio: 0.2,
+        force_limit: 1.0e4,
+    });
+    stiff.drive_mut().motor = Some(Motor {
+        rotor_inertia: 10.0,
+        stiffness: 1.0e7,
+        damping_ratio: 0.2,
+        torque_limit: 1.0e3,
+        bandwidth: 300.0,
+    });
+    let read = |rig: &Rig| {
+        let states = run(&reference(), &wheel, rig, rate, 5.0);
+        // Two seconds for the drives to wind up; then two lug changes.
+        let late = &states[(2.0 * rate) as usize..];
+        // Below some 400 Hz, where features are taken: means over 2.5 ms.
+        let slow = late
+            .chunks_exact((0.0025 * rate) as usize)
+            .map(|states| mean(states.iter().map(|state| state.vertical_acceleration)));
+        [
+            mean(late.iter().map(|state| state.ground.drawbar_pull)),
+            mean(late.iter().map(|state| state.ground.normal_force)),
+            mean(late.iter().map(|state| state.ground.driving_torque)),
+            rms(slow),
+        ]
+    };
+    let (rigid, stiff) = (read(&rig(0.02, 0.1, 100.0)), read(&stiff));
+    for (rigid, stiff) in rigid.iter().zip(stiff) {
+        assert!((stiff / rigid - 1.0).abs() < 0.02, "{stiff} on {rigid}");
+    }
 }
 
 #[test]

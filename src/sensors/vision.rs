@@ -289,7 +289,7 @@ mod tests {
         assert!(camera.slip_ratio.iter().all(|slip| slip.is_nan()));
         camera = watched(Vision::realistic(), 0.0, 0.0);
         assert!(camera.slip_ratio.iter().all(|slip| slip.is_nan()));
-        camera = watched(Vision::default(), 1.0e-5, 0.3);
+        camera = watched(Vision::default(), 1.0e-4, 0.3);
         assert!(
             camera
                 .slip_ratio

@@ -60,7 +60,7 @@ pub fn power(base: f64, exponent: f64) -> f64 {
     let series = q * (1.0 - q * (1.0 / 2.0 - q * (1.0 / 3.0 - q * (1.0 / 4.0))));
     let y = exponent * ((order - BIAS) as f64 + (logarithm + series * (1.0 / LN_2)));
     // Results that are normal, with room.
-    if !(y.abs() < 1000.0) {
+    if !(-1000.0..1000.0).contains(&y) {
         return libm::pow(base, exponent);
     }
     power_of_two(y, tables)
