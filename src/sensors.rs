@@ -11,6 +11,7 @@
 
 pub mod accelerometer;
 pub mod decimator;
+pub mod drive_vibration;
 pub mod encoder;
 mod fast_channel;
 mod fir;
@@ -30,6 +31,7 @@ use crate::simulation::WheelState;
 use crate::trace::Channel;
 use accelerometer::{Accelerometer, Axis};
 use decimator::whole_ratio;
+use drive_vibration::Vibrating;
 use encoder::{Encoder, Latch};
 use fast_channel::{FastChannel, Signal};
 use force_torque::ForceTorque;
@@ -123,6 +125,7 @@ impl Sensors {
 pub struct SensorChain {
     output_rate: f64,
     axis: Axis,
+    drive: Option<Vibrating>,
     force_torque: ForceTorque,
     fast: [FastChannel; 5],
     latch: Latch,
@@ -177,6 +180,11 @@ impl SensorChain {
         Ok(Self {
             output_rate,
             axis: accelerometer.axis(),
+            drive: Vibrating::new(
+                accelerometer.drive_vibration,
+                physics_rate.hertz(),
+                seed.rng("sensors.drive_vibration", run),
+            ),
             force_torque,
             fast: [
                 acceleration,
@@ -209,13 +217,11 @@ impl SensorChain {
             self.start = state.time;
         }
         let [normal, pull, torque] = self.force_torque.bridges(&state.hub);
-        let values = [
-            self.axis.along(state),
-            normal,
-            pull,
-            torque,
-            state.forward_speed,
-        ];
+        let mut acceleration = self.axis.along(state);
+        if let Some(drive) = &mut self.drive {
+            acceleration += drive.acceleration(state);
+        }
+        let values = [acceleration, normal, pull, torque, state.forward_speed];
         for (channel, value) in self.fast.iter_mut().zip(values) {
             channel.push(value);
         }

@@ -1,5 +1,6 @@
 //! Accelerometer on the axle.
 
+use super::drive_vibration::DriveVibration;
 use super::second_order::SecondOrder;
 use super::transducer::{Transducer, corner, finite};
 use crate::quantity::GRAVITY;
@@ -22,6 +23,8 @@ pub struct Accelerometer {
     pub mounting_frequency: f64,
     /// Damping ratio [-] of the mount.
     pub mounting_damping: f64,
+    /// Vibration of motor and gear that reaches it.
+    pub drive_vibration: DriveVibration,
     /// The analogue channel, in m/s².
     pub acceleration_y: Transducer,
 }
@@ -33,6 +36,7 @@ impl Default for Accelerometer {
             cross_axis: 0.0,
             mounting_frequency: f64::INFINITY,
             mounting_damping: 0.05,
+            drive_vibration: DriveVibration::default(),
             acceleration_y: Transducer::default(),
         }
     }
@@ -68,6 +72,7 @@ impl Accelerometer {
         finite("cross-axis sensitivity", "-", self.cross_axis)?;
         corner("mounting frequency", self.mounting_frequency, rate)?;
         RangeError::positive("mounting damping ratio", "-", self.mounting_damping)?;
+        self.drive_vibration.check()?;
         self.acceleration_y.check("m/s^2", rate)
     }
 
