@@ -154,13 +154,18 @@ impl fmt::Display for Summary {
         }
         writeln!(
             f,
-            "\nmap: {} of {} cells differ (energy p = {:.3}, strongest p = {:.3}); after recalibration the strongest are",
+            "\nmap: {} of {} cells differ (energy p = {:.3}, strongest p = {:.3}); after recalibration {}",
             map.iter()
                 .filter(|entry| entry.colour == Colour::Gap)
                 .count(),
             map.len(),
             global.energy.p,
-            global.strongest.p
+            global.strongest.p,
+            if verdict.located.is_empty() {
+                "none stands out"
+            } else {
+                "the strongest are"
+            }
         )?;
         for located in verdict.located.iter().take(LISTED) {
             writeln!(
