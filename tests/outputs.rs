@@ -1,6 +1,7 @@
 //! No command destroys a file: what exists stays unless `--force` is given, and inputs stay always.
 
 use crate::cli::{done, program, run};
+use crate::identify;
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
@@ -368,11 +369,138 @@ fn rows(command: &str, words: &str) -> String {
     rows.concat()
 }
 
+/// Every command that fills a folder, with `{}` for it, and whether it is quick enough to be run to its end.
+fn folder_commands() -> [(&'static str, &'static str, bool); 6] {
+    [
+        ("recognize", "recognize drive.h5 --out {}", true),
+        ("identify", "identify loads.h5 --out {}", true),
+        ("study", "study tiny.toml --out {}", true),
+        (
+            "diagnose",
+            "diagnose --measured drive.h5 --scenario in.toml --out {}",
+            false,
+        ),
+        ("challenge", "challenge make --set hard --out {}", false),
+        ("demo", "demo --out {}", false),
+    ]
+}
+
+/// A folder with the inputs of these commands.
+fn workplace_of_folders() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let root = env!("CARGO_MANIFEST_DIR");
+    fs::copy(
+        format!("{root}/scenarios/single_wheel_ht.toml"),
+        at("in.toml"),
+    )
+    .unwrap();
+    let drive = "simulate in.toml --set duration=2 --set rig.single_wheel.forward_speed=0.1";
+    done(run(folder.path(), &format!("{drive} --out drive.h5")));
+    identify::write(&at("loads.h5"), &identify::campaign());
+    let tiny = "version = 1\ntitle = \"t\"\nquestion = \"How loud?\"\nseed = 1\nrepeats = 1\n\
+                random_numbers = \"common\"\nscenarios = [\"in.toml\"]\n[set]\nduration = 0.5\n";
+    fs::write(at("tiny.toml"), tiny).unwrap();
+    fs::create_dir_all(at("sub")).unwrap();
+    folder
+}
+
+/// What a command does with each kind of folder in its way, a row each; what stood there is to stay.
+fn folder_rows((command, words, is_quick): (&str, &str, bool)) -> String {
+    let folder = workplace_of_folders();
+    let at = |name: &str| folder.path().join(name);
+    let input = words
+        .split(' ')
+        .find(|word| word.contains('.'))
+        .unwrap_or("in.toml");
+    let precious = fs::read(at(input)).unwrap();
+    fs::create_dir(at("full")).unwrap();
+    fs::write(at("full/mine.txt"), "mine").unwrap();
+    fs::write(at("file"), "mine").unwrap();
+    symlink(input, at("soft")).unwrap();
+    fs::hard_link(at(input), at("hard")).unwrap();
+    let relative = format!("sub/../{input}");
+    let refusals = [
+        ("folder with files of others", "full", ""),
+        ("existing file", "file", ""),
+        ("existing file, --force", "file", " --force"),
+        (
+            "input, relative name, --force",
+            relative.as_str(),
+            " --force",
+        ),
+        ("input, symbolic link, --force", "soft", " --force"),
+        ("input, hard link, --force", "hard", " --force"),
+    ];
+    let mut rows = String::new();
+    let mut row = |case: &str, out: &str, option: &str, limit: &str| {
+        let words = words.replace("{}", out);
+        let output = in_shell(folder.path(), limit, &format!("{words}{option} --quiet"));
+        rows += &format!("{command} | {case} | {}\n", ended(&output));
+        output
+    };
+    for (case, out, option) in refusals {
+        let output = row(case, out, option, ":");
+        assert_eq!(
+            output.status.code(),
+            Some(1),
+            "{command}, {case}: {}",
+            error(&output)
+        );
+        assert!(
+            ["--force", "name another", "name a folder"].iter().any(|way| error(&output).contains(way)),
+            "{command}, {case}: {}",
+            error(&output)
+        );
+        assert!(
+            fs::read(at(input)).unwrap() == precious,
+            "{command}, {case}"
+        );
+        for mine in ["full/mine.txt", "file"] {
+            assert_eq!(
+                fs::read_to_string(at(mine)).unwrap(),
+                "mine",
+                "{command}, {case}"
+            );
+        }
+    }
+    if is_quick {
+        let output = row("full disk", "new", "", FULL_DISK);
+        assert_ne!(output.status.code(), Some(0), "{command}");
+        assert!(
+            error(&output).contains("cannot write"),
+            "{command}: {}",
+            error(&output)
+        );
+        let output = row("missing folder", "no/such/new", "", ":");
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{command}: {}",
+            error(&output)
+        );
+        assert!(at("no/such/new").is_dir());
+    }
+    rows
+}
+
+#[test]
+fn commands_that_fill_a_folder_leave_what_stands_there() {
+    for command in folder_commands() {
+        folder_rows(command);
+    }
+}
+
 #[test]
 #[ignore = "writes output/reference/outputs.txt: cargo test --test all outputs:: -- --ignored"]
 fn the_table_of_outputs_is_written() {
     let rows = commands().map(|(command, words)| rows(command, &words));
-    let table = format!("command | output | exit code | message\n{}", rows.concat());
+    let folders = folder_commands().map(folder_rows);
+    let table = format!(
+        "command | output | exit code | message\n{}{}",
+        rows.concat(),
+        folders.concat()
+    );
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/output/reference/outputs.txt");
     fs::write(path, table).unwrap();
 }
