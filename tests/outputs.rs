@@ -448,7 +448,9 @@ fn folder_rows((command, words, is_quick): (&str, &str, bool)) -> String {
             error(&output)
         );
         assert!(
-            ["--force", "name another", "name a folder"].iter().any(|way| error(&output).contains(way)),
+            ["--force", "name another", "name a folder"]
+                .iter()
+                .any(|way| error(&output).contains(way)),
             "{command}, {case}: {}",
             error(&output)
         );
