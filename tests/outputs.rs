@@ -380,7 +380,7 @@ fn folder_commands() -> [(&'static str, &'static str, bool); 6] {
             "diagnose --measured drive.h5 --scenario in.toml --out {}",
             false,
         ),
-        ("challenge", "challenge make --set hard --out {}", false),
+        ("challenge", "challenge make --set C0 --out {}", false),
         ("demo", "demo --out {}", false),
     ]
 }
