@@ -424,6 +424,7 @@ fn a_simulated_slope_is_an_attribute_and_its_steady_load_the_contacts() {
     let scenario = Scenario::load(format!("{root}/scenarios/single_wheel_st.toml")).unwrap();
     let edits = [
         "duration=4",
+        "lead_in=4",
         "sensors.output_rate=100",
         "rig.single_wheel.slip=0.2",
     ];

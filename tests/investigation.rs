@@ -24,6 +24,9 @@ fn rig() -> Scenario {
     let edits = [
         "duration=1.0",
         "physics_rate=8000",
+        // A second is less than a drive takes to wind up.
+        "rig.single_wheel.carriage.stiffness=inf",
+        "rig.single_wheel.motor.stiffness=inf",
         "sensors.accelerometer.acceleration_y.noise_density=4.9e-5",
         "sensors.force_torque.normal_force.noise_density=2.0e-3",
         "sensors.force_torque.drawbar_pull.noise_density=2.0e-3",
