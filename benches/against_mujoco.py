@@ -63,8 +63,8 @@ def lugwheel_step(scenario, rate):
         command += ["--out", f"{folder}/run.h5", "--set", f"duration={SECONDS}"]
         if rate:
             command += ["--set", f"physics_rate={rate}"]
-        told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
-    summary = json.loads(told.stdout)
+        finished = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    summary = json.loads(finished.stdout)
     return summary["computing_s"] / SECONDS / RATE, summary["real_time_factor"]
 
 
