@@ -25,6 +25,7 @@
 
 mod combination;
 mod directions;
+mod drift;
 mod estimate;
 mod fitted;
 mod force_error;
@@ -55,6 +56,7 @@ mod warning;
 mod weight;
 
 pub use combination::Combination;
+pub use drift::{Drift, SteadyRow};
 pub use estimate::{Estimate, Identified, Open, Standing};
 pub use force_error::ForceErrors;
 pub use forces::{Force, PredictedForce};
@@ -71,7 +73,7 @@ pub use pressure_sinkage::{Interval, Moduli, PlateSize, PressureSinkage, Resampl
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use scope::Scope;
 pub use stages::{Stage, Staged};
-pub use steady::{CALIBRATION, Drift, SteadyError, Stretch, steady_loads, steady_stretches};
+pub use steady::{CALIBRATION, SteadyError, Stretch, steady_loads, steady_rows, steady_stretches};
 pub use warning::Warning;
 
 use crate::quantity::RangeError;

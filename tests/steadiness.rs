@@ -81,6 +81,68 @@ fn identification_from_runs_that_still_sink_says_so() {
     assert!(message.contains("drawbar_pull changes by "), "{message}");
 }
 
+/// Four runs that still sink, identified and kept.
+const SINKS: &str = "version = 1\nseed = 1\nrepeats = 1\nrandom_numbers = \"common\"\n\
+                     scenarios = [\"scenarios/single_wheel_st.toml\"]\n\
+                     [set]\nduration = 4.0\nlead_in = 0.0\n\
+                     rig.single_wheel.carriage.stiffness = inf\nrig.single_wheel.motor.stiffness = inf\n\
+                     [[sweep]]\nkey = \"rig.single_wheel.slip\"\nvalues = [0.1, 0.2, 0.3, 0.4]\n\
+                     [identification]\n[dataset]\nkeep = \"traces\"\n";
+
+#[test]
+fn a_study_of_runs_that_still_sink_says_so_everywhere_and_fits_them_as_identify_does() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("sinks.toml"), SINKS).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let json = |words: &str| -> serde_json::Value {
+        serde_json::from_str(&done(run(folder.path(), words))).unwrap()
+    };
+    let found = json("study sinks.toml --out sinks --json");
+    let not_steady = found["not_steady"].as_array().unwrap();
+    let pull = not_steady
+        .iter()
+        .find(|told| told["quantity"] == "drawbar pull");
+    let pull = pull.unwrap();
+    assert!(pull["drifting"].as_u64().unwrap() > 0, "{pull}");
+    assert_eq!(pull["unit"], "N/s");
+    let group = &found["identification"]["groups"][0];
+    assert!(group["not_steady"].as_u64().unwrap() > 0, "{group}");
+    assert_eq!(group["drifts"][0]["channel"], "drawbar_pull");
+    let said = done(run(folder.path(), "study sinks.toml --out sinks --resume"));
+    assert!(
+        said.contains("  drawbar pull: not steady in 1 of 4 runs (changes by "),
+        "{said}"
+    );
+    assert!(said.contains("of 4 rows are not steady: "), "{said}");
+    for (name, mark) in [
+        ("sinks/runs.csv", "drifting"),
+        ("sinks/steady.csv", "drawbar_pull_drift_n_s"),
+        ("sinks/identification.csv", "not_steady,drawbar_pull,N/s"),
+        ("sinks/identification.txt", "of 4 rows are not steady: "),
+        ("sinks/report.html", "of 4 rows are not steady: "),
+        (
+            "sinks/report.html",
+            "Rows whose values still change along their interval",
+        ),
+        ("sinks/report.html", "drawbar pull drifting (changes by "),
+    ] {
+        assert!(read(name).contains(mark), "{name}: {mark}");
+    }
+    let alone = json("identify sinks/dataset.h5 --class LEIS --json");
+    let fits = found["identification"]["groups"][0]["fits"].as_array();
+    let fit = fits.unwrap().iter().find(|fit| fit["class"] == "LEIS");
+    let parameters = fit.unwrap()["found"]["parameters"].as_array().unwrap();
+    for (name, told) in ["c1", "c2", "k_s", "n0", "n1", "c", "phi", "K"]
+        .iter()
+        .zip(parameters)
+    {
+        let values = [&alone["parameters"][name], told].map(|of| of["value"].as_f64().unwrap());
+        let apart = (values[0] / values[1] - 1.0).abs();
+        // The file keeps forces in single precision.
+        assert!(apart < 1e-4, "{name}: {values:?}");
+    }
+}
+
 /// Runs of a ground after this lead-in [s], at 30 mm/s.
 fn runs(ground: &str, count: u64, lead_in: f64, duration: f64) -> Vec<Trace> {
     let path = format!(

@@ -9,7 +9,9 @@ use super::scenario_args::found_study;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use lugwheel::learning::DataSet;
+use lugwheel::report::page::four_digits;
 use lugwheel::report::{self, FeaturePoint, Group, ToldStudy};
+use lugwheel::study::conditions::Unsteady;
 use lugwheel::study::diagnosis::score::DiagnosisScore;
 use lugwheel::study::identification::score::IdentificationScore;
 use lugwheel::study::score::{Against, MethodScore, RecognitionScore};
@@ -111,6 +113,8 @@ struct Summary {
     failed: Vec<u64>,
     missing_shards: usize,
     computing_s: f64,
+    /// Quantities of the table that are not all steady values.
+    not_steady: Vec<Unsteady>,
     #[serde(skip_serializing_if = "Option::is_none")]
     report: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -173,6 +177,7 @@ impl StudyCommand {
             failed: outcome.failed.clone(),
             missing_shards: outcome.missing_shards,
             computing_s,
+            not_steady: Unsteady::of_all(&outcome.conditions),
             report,
             recognition: outcome.recognition,
             thresholds: outcome.thresholds,
@@ -379,6 +384,34 @@ fn share(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "give I/N with I from 1 to N, for example 2/4".to_owned())
 }
 
+/// In how many of `runs` a quantity is no steady value.
+fn told(unsteady: &Unsteady, runs: u64) -> String {
+    let Unsteady {
+        quantity,
+        drifting,
+        too_short,
+        rates,
+        unit,
+    } = unsteady;
+    let mut parts = Vec::new();
+    if let Some(rates) = rates {
+        let [least, greatest] = rates.map(four_digits);
+        let range = match least == greatest {
+            true => least,
+            false => format!("{least} to {greatest}"),
+        };
+        parts.push(format!(
+            "not steady in {drifting} of {runs} runs (changes by {range} {unit})"
+        ));
+    }
+    if *too_short > 0 {
+        parts.push(format!(
+            "too short to show it in {too_short} of {runs} runs"
+        ));
+    }
+    format!("{quantity}: {}", parts.join(", "))
+}
+
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -395,6 +428,9 @@ impl fmt::Display for Summary {
                 f,
                 "\n{missing} shards are still to do by other shares; the last one writes the table"
             )?,
+        }
+        for unsteady in &self.not_steady {
+            writeln!(f, "  {}", told(unsteady, self.runs))?;
         }
         if let Some(runs) = self.dataset {
             writeln!(f, "data set: {runs} runs, {}/dataset.h5", self.folder)?;

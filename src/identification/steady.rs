@@ -1,5 +1,6 @@
 //! Rows of loads cut from a run.
 
+use super::drift::{Drift, SteadyRow};
 use super::row::{SteadyLoad, Uncertainty};
 use super::slope::Slope;
 use crate::trace::{Channel, Trace};
@@ -42,52 +43,7 @@ pub struct Stretch {
     /// Its middle half [s], from which the row is taken.
     pub interval: [f64; 2],
     /// The row.
-    pub row: Result<SteadyLoad, SteadyError>,
-    /// What still changes in it.
-    pub drifts: Vec<Drift>,
-}
-
-/// A quantity that still changes within the interval of a row.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drift {
-    /// Its channel.
-    pub channel: &'static str,
-    /// Rate of change, in the channel's unit per second.
-    pub rate: f64,
-    /// Length of the interval [s].
-    pub duration: f64,
-}
-
-impl Drift {
-    /// Those of the channels of a row.
-    fn within(trace: &Trace, interval: [f64; 2]) -> Vec<Self> {
-        const CHANNELS: [&str; 4] = ["drawbar_pull", "normal_force", "driving_torque", "sinkage"];
-        let drift = |channel| {
-            let steadiness = trace.steadiness_between(channel, interval)?;
-            Some(Self {
-                channel,
-                rate: steadiness.rate()?,
-                duration: interval[1] - interval[0],
-            })
-        };
-        CHANNELS.into_iter().filter_map(drift).collect()
-    }
-
-    /// Adds the change over the interval to the uncertainty of the row: a mean that still changes lies about so
-    /// far off its steady value at least; how much farther, the interval cannot show.
-    pub fn widen(&self, row: &mut SteadyLoad) {
-        let change = (self.rate * self.duration).abs();
-        let Some(uncertainty) = &mut row.uncertainty else {
-            return;
-        };
-        let sd = match self.channel {
-            "drawbar_pull" => &mut uncertainty.drawbar_pull,
-            "normal_force" => &mut uncertainty.load,
-            "driving_torque" => &mut uncertainty.driving_torque,
-            _ => &mut uncertainty.sinkage,
-        };
-        *sd = libm::hypot(*sd, change);
-    }
+    pub row: Result<SteadyRow, SteadyError>,
 }
 
 /// Most parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
@@ -120,6 +76,15 @@ pub const CALIBRATION: f64 = 0.01;
 /// `Lifted`; `NeverSteady`; where no stretch gives a row the reason of the first: `Missing` without
 /// drawbar pull or load, `SlopeWithoutMass`.
 pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
+    let rows = steady_rows(trace)?.into_iter();
+    Ok(rows.map(|row| row.load).collect())
+}
+
+/// The rows of [`steady_loads`], each with what still changes in its interval.
+///
+/// # Errors
+/// Those of [`steady_loads`].
+pub fn steady_rows(trace: &Trace) -> Result<Vec<SteadyRow>, SteadyError> {
     let rows = steady_stretches(trace)?
         .into_iter()
         .map(|stretch| stretch.row);
@@ -130,7 +95,7 @@ pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
     }
 }
 
-/// The stretches of [`steady_loads`], with those that give no row.
+/// The stretches of [`steady_rows`], with those that give no row.
 ///
 /// # Errors
 /// `Lifted`; `NeverSteady`.
@@ -142,10 +107,16 @@ pub fn steady_stretches(trace: &Trace) -> Result<Vec<Stretch>, SteadyError> {
         Some(slip) => plateaus(slip)?,
         None => vec![middle_half(0.0, trace.duration(), start(trace))],
     };
+    let row = |interval| {
+        Ok(SteadyRow {
+            load: load(trace, interval)?,
+            interval,
+            drifts: Drift::within(trace, interval),
+        })
+    };
     let stretch = |interval| Stretch {
         interval,
-        row: row(trace, interval),
-        drifts: Drift::within(trace, interval),
+        row: row(interval),
     };
     Ok(intervals.into_iter().map(stretch).collect())
 }
@@ -162,7 +133,7 @@ fn middle_half(from: f64, to: f64, start: f64) -> [f64; 2] {
     [start + from + quarter, start + to - quarter]
 }
 
-fn row(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
+fn load(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     let known = |name: &'static str| value(trace, name, interval);
     let needed = |name: &'static str| known(name).ok_or(SteadyError::Missing(name));
     let commanded = |value: f64| Value {
@@ -419,16 +390,15 @@ mod tests {
     fn a_sinkage_that_still_grows_is_told_and_its_growth_is_in_the_uncertainty() {
         let mut trace = run(|_| 0.2);
         trace.channels[1] = channel("sinkage", |t| 0.01 + 1.0e-4 * t);
-        let stretch = steady_stretches(&trace).unwrap().remove(0);
-        let [drift] = stretch.drifts[..] else {
-            panic!("{:?}", stretch.drifts);
+        let mut row = steady_rows(&trace).unwrap().remove(0);
+        let [drift] = row.drifts[..] else {
+            panic!("{:?}", row.drifts);
         };
         assert_eq!(drift.channel, "sinkage");
         assert!((drift.rate / 1.0e-4 - 1.0).abs() < 0.01, "{drift:?}");
-        let mut row = stretch.row.unwrap();
-        let before = row.uncertainty.unwrap();
-        drift.widen(&mut row);
-        let after = row.uncertainty.unwrap();
+        let before = row.load.uncertainty.unwrap();
+        row.widen();
+        let after = row.load.uncertainty.unwrap();
         // 30 s of 0.1 mm/s.
         assert!((after.sinkage / 3.0e-3 - 1.0).abs() < 0.05, "{after:?}");
         assert_eq!(after.load, before.load);

@@ -8,7 +8,7 @@ mod recognition;
 mod thresholds;
 
 pub use diagnosis::answers_by_campaign;
-pub use identification::{force_errors, identified_parameters, parameter_drawing};
+pub use identification::{force_errors, identified_parameters, not_steady, parameter_drawing};
 pub use recognition::answers_and_truth;
 
 use super::page::{Cell, Column, Figure, Page, Provenance, Section, Table};

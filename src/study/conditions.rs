@@ -14,8 +14,8 @@ pub struct Quantity {
     /// Its unit as shown.
     pub unit: &'static str,
     column: &'static str,
-    /// Where the table says whether it is steady.
-    steadiness: Option<&'static str>,
+    /// Where the table says whether it is steady, and how fast it changes.
+    tested: Option<[&'static str; 2]>,
     /// From the column's unit to the one shown.
     factor: f64,
 }
@@ -25,31 +25,43 @@ const fn quantity(name: &'static str, unit: &'static str, column: &'static str) 
         name,
         unit,
         column,
-        steadiness: None,
+        tested: None,
         factor: 1.0,
     }
 }
 
 impl Quantity {
-    const fn tested_in(self, steadiness: &'static str) -> Self {
+    const fn tested_in(self, steadiness: &'static str, drift: &'static str) -> Self {
         Self {
-            steadiness: Some(steadiness),
+            tested: Some([steadiness, drift]),
             ..self
+        }
+    }
+
+    /// Unit of its rate of change as shown.
+    pub fn unit_of_rate(&self) -> String {
+        match self.unit {
+            "-" => "1/s".to_owned(),
+            unit => format!("{unit}/s"),
         }
     }
 }
 
 /// What is reported of every condition.
 pub const QUANTITIES: [Quantity; 8] = [
-    quantity("drawbar pull", "N", "drawbar_pull_mean_n").tested_in("drawbar_pull_steadiness"),
-    quantity("load", "N", "normal_force_mean_n").tested_in("normal_force_steadiness"),
+    quantity("drawbar pull", "N", "drawbar_pull_mean_n")
+        .tested_in("drawbar_pull_steadiness", "drawbar_pull_drift_n_s"),
+    quantity("load", "N", "normal_force_mean_n")
+        .tested_in("normal_force_steadiness", "normal_force_drift_n_s"),
     quantity("driving torque", "N m", "driving_torque_mean_n_m")
-        .tested_in("driving_torque_steadiness"),
+        .tested_in("driving_torque_steadiness", "driving_torque_drift_n_m_s"),
     Quantity {
         factor: 1.0e3,
-        ..quantity("sinkage", "mm", "sinkage_mean_m").tested_in("sinkage_steadiness")
+        ..quantity("sinkage", "mm", "sinkage_mean_m")
+            .tested_in("sinkage_steadiness", "sinkage_drift_m_s")
     },
-    quantity("slip", "-", "slip_ratio_mean").tested_in("slip_ratio_steadiness"),
+    quantity("slip", "-", "slip_ratio_mean")
+        .tested_in("slip_ratio_steadiness", "slip_ratio_drift_s"),
     quantity(
         "acceleration 2 to 20 Hz, rms",
         "m/s²",
@@ -85,6 +97,10 @@ pub struct Unsteady {
     pub drifting: usize,
     /// Runs too short to show that it is steady.
     pub too_short: usize,
+    /// Least and greatest rate at which it drifts, in `unit`; none where it drifts in no run.
+    pub rates: Option<[f64; 2]>,
+    /// Unit of the rates.
+    pub unit: String,
 }
 
 /// The mean of some runs, in the unit of its [`Quantity`].
@@ -115,21 +131,54 @@ impl Mean {
 }
 
 impl Unsteady {
-    /// `None` where all `states` are steady.
-    fn of<'a>(quantity: &'static str, states: impl Iterator<Item = &'a str>) -> Option<Self> {
+    /// `None` where all `states` are steady; each with its rate of change in the unit of the table, where there is
+    /// one.
+    fn of<'a>(
+        quantity: &Quantity,
+        states: impl Iterator<Item = (&'a str, Option<f64>)>,
+    ) -> Option<Self> {
         let mut unsteady = Self {
-            quantity,
+            quantity: quantity.name,
             drifting: 0,
             too_short: 0,
+            rates: None,
+            unit: quantity.unit_of_rate(),
         };
-        for state in states {
+        for (state, rate) in states {
             match state {
                 "drifting" => unsteady.drifting += 1,
                 "too_short" => unsteady.too_short += 1,
                 _ => {}
             }
+            let rate = rate.map(|rate| quantity.factor * rate);
+            unsteady.rates = together(unsteady.rates, rate.map(|rate| [rate, rate]));
         }
         (unsteady.drifting + unsteady.too_short > 0).then_some(unsteady)
+    }
+
+    /// What is not steady in all of some conditions, quantity by quantity.
+    pub fn of_all(conditions: &[Condition]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for unsteady in conditions.iter().flat_map(|condition| &condition.unsteady) {
+            let mut known = all.iter_mut();
+            match known.find(|known| known.quantity == unsteady.quantity) {
+                Some(known) => {
+                    known.drifting += unsteady.drifting;
+                    known.too_short += unsteady.too_short;
+                    known.rates = together(known.rates, unsteady.rates);
+                }
+                None => all.push(unsteady.clone()),
+            }
+        }
+        all
+    }
+}
+
+/// The range that holds both.
+fn together(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    match (one, other) {
+        (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
+        (a, b) => a.or(b),
     }
 }
 
@@ -141,10 +190,10 @@ impl Study {
         let places: HashMap<&str, usize> = header.iter().zip(0..).collect();
         let columns = QUANTITIES.map(|quantity| (places[quantity.column], quantity.factor));
         let tested = QUANTITIES.iter().filter_map(|quantity| {
-            let place = *places.get(quantity.steadiness?)?;
-            Some((quantity.name, place))
+            let [state, rate] = quantity.tested?;
+            Some((quantity, [*places.get(state)?, *places.get(rate)?]))
         });
-        let tested: Vec<(&str, usize)> = tested.collect();
+        let tested: Vec<(&Quantity, [usize; 2])> = tested.collect();
         let (number, failure) = (places["condition"], places["failure"]);
         let records: Vec<csv::StringRecord> = reader.records().flatten().collect();
         let of_one = records.chunk_by(|a, b| a[number] == b[number]);
@@ -165,8 +214,11 @@ impl Study {
                 }),
                 unsteady: tested
                     .iter()
-                    .filter_map(|(quantity, place)| {
-                        Unsteady::of(quantity, rows.iter().map(|row| &row[*place]))
+                    .filter_map(|(quantity, [state, rate])| {
+                        let states = rows
+                            .iter()
+                            .map(|row| (&row[*state], row[*rate].parse().ok()));
+                        Unsteady::of(quantity, states)
                     })
                     .collect(),
             }
@@ -178,6 +230,32 @@ impl Study {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_not_steady_is_counted_over_conditions_with_its_range_of_rates() {
+        let sinkage = &QUANTITIES[3];
+        let unsteady =
+            |states: &[(&'static str, Option<f64>)]| Unsteady::of(sinkage, states.iter().copied());
+        assert_eq!(unsteady(&[("steady", None)]), None);
+        let condition = |states| Condition {
+            scenario: "sand".to_owned(),
+            values: Vec::new(),
+            runs: 2,
+            failed: 0,
+            means: [None; QUANTITIES.len()],
+            unsteady: unsteady(states).into_iter().collect(),
+        };
+        let conditions = [
+            condition(&[("drifting", Some(1.0e-4)), ("too_short", None)]),
+            condition(&[("drifting", Some(-2.0e-4)), ("steady", None)]),
+        ];
+        let [all] = &Unsteady::of_all(&conditions)[..] else {
+            panic!("of one quantity");
+        };
+        assert_eq!((all.drifting, all.too_short), (2, 1));
+        // Told in mm.
+        assert_eq!((all.rates, all.unit.as_str()), (Some([-0.2, 0.1]), "mm/s"));
+    }
 
     /// Standard deviation 1 and t(0.975, 4) = 2.776.
     #[test]

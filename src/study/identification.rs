@@ -7,6 +7,9 @@
 //! LEIS is what all ground gets where nothing is switched. A rim that its lugs hold above the
 //! ground has no sinkage, where the model of LEIS wants one: it counts with [`RIGID_SINKAGE`].
 //!
+//! Rows of a group have the uncertainties they have in common ([`pool`](crate::identification::pool)); where a
+//! quantity still changes, the change over the interval is added ([`SteadyRow`](crate::identification::SteadyRow)).
+//!
 //! The class recognised is what [`improved`](crate::recognition::improved) answers most often to
 //! the windows of the group, UWTIC aside; UWTIC where it tells none.
 //!
@@ -21,6 +24,8 @@
 //! | `recognized` | the most frequent of them, UWTIC aside |
 //! | `slip`, `sinkage_m`, `drawbar_pull_n`, `load_n`, `driving_torque_n_m` | means |
 //! | `slip_sd`, ... | their standard uncertainties, empty where they are not known |
+//! | `from_s`, `to_s` | the interval |
+//! | `drawbar_pull_drift_n_s`, ... | rate of change where it still changes in the interval |
 //! | `reason` | why there is no steady interval; empty where there is |
 //!
 //! `identification.txt` and `identification.csv` say what came of it, see [`score`].

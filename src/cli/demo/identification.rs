@@ -61,6 +61,10 @@ impl Identified {
                  the sand's, and give the forces back less well.",
             )
             .table(study_page::identified_parameters(&self.score));
+        let section = match study_page::not_steady(&self.score) {
+            Some(table) => section.table(table),
+            None => section,
+        };
         let curves = self.score.groups.iter().filter_map(curves);
         curves
             .fold(section, Section::figure)

@@ -5,8 +5,8 @@ use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
-    Cylinder, Drift, Estimate, Identification, IdentifyError, Predictor, Scope, Setting,
-    SteadyLoad, pool, steady_stretches,
+    Cylinder, Estimate, Identification, IdentifyError, Predictor, Scope, Setting, SteadyLoad,
+    SteadyRow, pool, steady_stretches,
 };
 use lugwheel::quantity::RangeError;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -138,17 +138,6 @@ impl fmt::Display for WheelOfRun {
     }
 }
 
-/// A row and where it comes from.
-#[derive(Debug, Clone)]
-pub struct Row {
-    /// The loads.
-    pub load: SteadyLoad,
-    /// What still changes in its interval.
-    pub drifts: Vec<Drift>,
-    /// The middle half of its stretch [s]; from and to 0 in a run of means.
-    pub interval: [f64; 2],
-}
-
 /// A run and its rows.
 #[derive(Debug, Clone)]
 pub struct Rows {
@@ -159,7 +148,7 @@ pub struct Rows {
     /// Its ground, where the file says.
     pub terrain: Option<TerrainLabel>,
     /// One for each steady interval.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SteadyRow>,
     /// Whether they were cut from time series.
     sampled: bool,
 }
@@ -255,18 +244,19 @@ impl Groups {
     ///
     /// # Errors
     /// Why there is none.
-    fn rows(&mut self, run: &str, trace: &Trace, slips: SlipRange) -> Result<Vec<Row>, String> {
+    fn rows(
+        &mut self,
+        run: &str,
+        trace: &Trace,
+        slips: SlipRange,
+    ) -> Result<Vec<SteadyRow>, String> {
         let stretches = steady_stretches(trace).map_err(|error| error.to_string())?;
         let mut rows = Vec::new();
         let mut refused = Vec::new();
         for stretch in stretches {
             let interval = stretch.interval;
             match stretch.row {
-                Ok(load) => rows.push(Row {
-                    load,
-                    drifts: stretch.drifts,
-                    interval,
-                }),
+                Ok(row) => rows.push(row),
                 Err(reason) => refused.push(StretchLeftOut {
                     run: run.to_owned(),
                     interval_s: interval,
@@ -314,9 +304,8 @@ impl Group {
         let sampled = self.runs.iter_mut().filter(|run| run.sampled);
         let rows = sampled.flat_map(|run| &mut run.rows);
         pool(&mut rows.map(|row| &mut row.load).collect::<Vec<_>>());
-        for Row { load, drifts, .. } in self.runs.iter_mut().flat_map(|run| &mut run.rows) {
-            drifts.iter().for_each(|drift| drift.widen(load));
-        }
+        let rows = self.runs.iter_mut().flat_map(|run| &mut run.rows);
+        rows.for_each(SteadyRow::widen);
     }
 
     /// The parameters of the rows that are in their ranges; the others are left out.

@@ -1,11 +1,11 @@
 //! What was identified, for machines.
 
 use super::class::ToldBy;
-use super::group::{Fit, LeftOut, Row, Rows, StretchLeftOut, Unused, WheelOfRun};
+use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
 use super::plates::PlateReport;
 use lugwheel::identification::{
     Combination, Cylinder, Drift, Estimate, Identified, Open, Parameter, Predicted, Prediction,
-    PredictionErrors, Scope, Standing, Termination, TerrainParameters, Warning,
+    PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Warning,
 };
 use lugwheel::soil::wheel_load::WheelLoad;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
@@ -177,6 +177,8 @@ pub struct RowTold {
     pub measured: Forces<f64>,
     /// Their standard uncertainties, where they are known.
     pub uncertainty: Option<Forces<f64>>,
+    /// What still changes in the interval, which its uncertainty holds.
+    pub drifts: Vec<Drift>,
     /// Standard uncertainty of the slip ratio [-]; 0 where it counts as exact.
     pub slip_uncertainty: f64,
     /// Standard uncertainty of the sinkage [m]; 0 where it counts as exact.
@@ -374,11 +376,11 @@ impl Report {
     }
 }
 
-fn row_told(run: &str, row: &Row, fit: &Fit) -> RowTold {
-    let Row {
+fn row_told(run: &str, row: &SteadyRow, fit: &Fit) -> RowTold {
+    let SteadyRow {
         load: row,
         interval,
-        ..
+        drifts,
     } = row;
     RowTold {
         run: run.to_owned(),
@@ -395,6 +397,7 @@ fn row_told(run: &str, row: &Row, fit: &Fit) -> RowTold {
             load: uncertainty.load,
             driving_torque: uncertainty.driving_torque,
         }),
+        drifts: drifts.clone(),
         slip_uncertainty: row.uncertainty.map_or(0.0, |uncertainty| uncertainty.slip),
         sinkage_uncertainty: row
             .uncertainty
@@ -520,7 +523,7 @@ fn warning(warning: &Warning) -> WarningTold {
 fn not_steady(fit: &Fit) -> Option<WarningTold> {
     const SHOWN: usize = 3;
     let of_run = |run: &'_ Rows| {
-        let drifting = run.rows.iter().filter(|row| !row.drifts.is_empty());
+        let drifting = run.rows.iter().filter(|row| !row.is_steady());
         drifting
             .map(|row| drifting_row(&run.run, row))
             .collect::<Vec<String>>()
@@ -541,13 +544,8 @@ fn not_steady(fit: &Fit) -> Option<WarningTold> {
 }
 
 /// A row that is not steady, with its rates of change.
-fn drifting_row(run: &str, row: &Row) -> String {
-    let rate = |drift: &Drift| {
-        let Drift { channel, rate, .. } = drift;
-        let unit = lugwheel::trace::unit_of(channel).unwrap_or_default();
-        format!("{channel} changes by {rate:.2e} {unit}/s")
-    };
-    let rates: Vec<String> = row.drifts.iter().map(rate).collect();
+fn drifting_row(run: &str, row: &SteadyRow) -> String {
+    let rates: Vec<String> = row.drifts.iter().map(Drift::to_string).collect();
     let [from, to] = row.interval;
     format!("{run} from {from:.1} to {to:.1} s: {}", rates.join(", "))
 }

@@ -36,18 +36,41 @@ fn of_scenario((scenario, mut pulls): (&str, Vec<(Mean, &Condition)>)) -> String
     pulls.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
     let at = |(mean, condition): &(Mean, &Condition)| {
         let values = condition.values.iter().map(|v| value_cell(v).written());
+        let mark = mark(condition);
         match values.collect::<Vec<_>>() {
-            none if none.is_empty() => format!("{} N", written(mean)),
-            values => format!("{} N at {}", written(mean), values.join(", ")),
+            none if none.is_empty() => format!("{} N{mark}", written(mean)),
+            values => format!("{} N{mark} at {}", written(mean), values.join(", ")),
         }
     };
     match &pulls[..] {
         [least, .., most] if written(&least.0) == written(&most.0) => {
-            format!("{scenario} {} N throughout", written(&least.0))
+            format!(
+                "{scenario} {} N{} throughout",
+                written(&least.0),
+                mark(least.1)
+            )
         }
         [least, .., most] => format!("{scenario} {} to {}", at(least), at(most)),
         one => format!("{scenario} {}", one.iter().map(at).collect::<String>()),
     }
+}
+
+/// That the pull of a condition is not a steady value; nothing where it is.
+fn mark(condition: &Condition) -> String {
+    let pull = QUANTITIES[0].name;
+    let mut unsteady = condition.unsteady.iter();
+    let rates = unsteady.find(|it| it.quantity == pull).and_then(rates);
+    rates.map_or_else(String::new, |rates| format!(" (not steady: {rates})"))
+}
+
+/// How fast a quantity changes; `None` where it does not.
+fn rates(unsteady: &Unsteady) -> Option<String> {
+    let unit = &unsteady.unit;
+    let [least, greatest] = unsteady.rates?.map(four_digits);
+    Some(match least == greatest {
+        true => format!("changes by {least} {unit}"),
+        false => format!("changes by {least} to {greatest} {unit}"),
+    })
 }
 
 fn written(mean: &Mean) -> String {
@@ -91,7 +114,8 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     };
     let tested = if is_any_unsteady {
         " \"Drifting\" values still change along the run and are not those of a steady state; \"too short\" are \
-         runs of less than two and a half lug passes in that half, which cannot show it. runs.csv has the rates."
+         runs of less than two and a half lug passes in that half, which cannot show it. runs.csv has the rates of \
+         every run."
     } else {
         ""
     };
@@ -121,15 +145,13 @@ fn unsteady_cell(unsteady: &[Unsteady]) -> Cell {
         count => Some(format!("{quantity} {name} in {count} runs")),
     };
     let parts = unsteady.iter().flat_map(|unsteady| {
-        let Unsteady {
-            quantity,
-            drifting,
-            too_short,
-        } = *unsteady;
-        let drifting = counted("drifting", drifting, quantity);
+        let quantity = unsteady.quantity;
+        let rates = rates(unsteady).map_or_else(String::new, |rates| format!(" ({rates})"));
+        let drifting = counted("drifting", unsteady.drifting, quantity);
+        let drifting = drifting.map(|text| text + &rates);
         drifting
             .into_iter()
-            .chain(counted("too short", too_short, quantity))
+            .chain(counted("too short", unsteady.too_short, quantity))
     });
     Cell::text(parts.collect::<Vec<String>>().join(", "))
 }

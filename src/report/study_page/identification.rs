@@ -8,8 +8,8 @@ use crate::report::page::{Cell, Column, Figure, Section, Table, four_digits};
 use crate::report::{IdentifiedGround, force_curves, parameter_figure};
 use crate::soil::{Soil, table_6};
 use crate::study::identification::score::{
-    Accuracy, CarriedScore, Choice, GroundScore, GroupScore, IdentificationScore, ModelScore,
-    ParameterScore, PredictionScore, Source,
+    Accuracy, CarriedScore, Choice, DriftScore, GroundScore, GroupScore, IdentificationScore,
+    ModelScore, ParameterScore, PredictionScore, Source,
 };
 use crate::terrain::class::{TerrainLabel, Wtic};
 
@@ -30,8 +30,16 @@ pub fn answer(score: &IdentificationScore) -> String {
     if told.is_empty() {
         return "No model could be fitted.".to_owned();
     }
+    let groups = || score.groups.iter();
+    let rows: usize = groups().map(|group| group.rows).sum();
+    let drifting = match groups().map(|group| group.not_steady).sum::<usize>() {
+        0 => String::new(),
+        drifting => {
+            format!(" {drifting} of {rows} rows are not steady: their parameters are less sure.")
+        }
+    };
     format!(
-        "By the model of the class recognised, pull, load and torque of a condition come back within {}.",
+        "By the model of the class recognised, pull, load and torque of a condition come back within {}.{drifting}",
         told.join("; ")
     )
 }
@@ -164,6 +172,10 @@ fn parameters(score: &IdentificationScore) -> Section {
             "Parameters and their 95 % intervals by ground; a diamond is the scenario's own value.",
         ))
         .table(identified_parameters(score));
+    let section = match not_steady(score) {
+        Some(table) => section.table(table),
+        None => section,
+    };
     match numbered(score) {
         true => section.table(fits(score)),
         false => section,
@@ -222,10 +234,7 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
     let is_beside = score.published.is_some();
     let numbered = numbered(score);
     let rows = score.groups.iter().enumerate().flat_map(|(number, group)| {
-        let fit = match numbered {
-            true => Cell::Count(number as u64 + 1),
-            false => Cell::Text(place(&group.scenario, &group.shared)),
-        };
+        let fit = fit_cell(numbered, number, group);
         let (class, parameters) = group.parameters().unwrap_or((Wtic::Uwtic, &[]));
         let row = move |told: &ParameterScore| {
             let mut cells = vec![fit.clone()];
@@ -260,6 +269,55 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
         columns: Column::named(names),
         rows: rows.collect(),
     }
+}
+
+/// The name of a fit, or its number.
+fn fit_cell(numbered: bool, number: usize, group: &GroupScore) -> Cell {
+    match numbered {
+        true => Cell::Count(number as u64 + 1),
+        false => Cell::Text(place(&group.scenario, &group.shared)),
+    }
+}
+
+/// What still changes in the rows of every group; none where all are steady.
+pub fn not_steady(score: &IdentificationScore) -> Option<Table> {
+    let numbered = numbered(score);
+    let rows = score.groups.iter().enumerate().flat_map(|(number, group)| {
+        group.drifts.iter().map(move |drift| {
+            vec![
+                fit_cell(numbered, number, group),
+                Cell::text(drift.channel),
+                Cell::Count(drift.rows as u64),
+                Cell::Count(group.rows as u64),
+                rate_cell(drift),
+                Cell::text(&drift.unit),
+            ]
+        })
+    });
+    let columns = [
+        "fit",
+        "not steady",
+        "in rows",
+        "of",
+        "rate: mean [least, greatest]",
+        "unit",
+    ];
+    let table = Table {
+        caption: "Rows whose values still change along their interval; the change is in their uncertainty".to_owned(),
+        columns: Column::named(columns),
+        rows: rows.collect(),
+    };
+    (!table.rows.is_empty()).then_some(table)
+}
+
+/// The mean rate, with the least and the greatest where there are several.
+fn rate_cell(drift: &DriftScore) -> Cell {
+    let [mean, least, greatest] = [drift.rate, drift.rates[0], drift.rates[1]].map(four_digits);
+    let range = match drift.rows {
+        1 => String::new(),
+        _ => format!(" [{least}, {greatest}]"),
+    };
+    Cell::Written(format!("{mean}{range}"), drift.rate)
 }
 
 fn value(told: &ParameterScore) -> Cell {

@@ -1,6 +1,6 @@
 //! Identification scores as CSV, a row a number.
 
-use super::score::{Accuracy, CarriedScore, GroupScore, IdentificationScore};
+use super::score::{Accuracy, CarriedScore, DriftScore, GroupScore, IdentificationScore};
 use crate::identification::Force;
 use crate::study::table::{bare, cell, line};
 use crate::terrain::class::Wtic;
@@ -65,6 +65,9 @@ fn every_value((key, _): &(String, String)) -> (String, String) {
 }
 
 fn add_group(text: &mut String, group: &GroupScore) {
+    for drift in &group.drifts {
+        add_drift(text, group, drift);
+    }
     for fit in &group.fits {
         let Some(found) = fit.found() else {
             continue;
@@ -72,7 +75,7 @@ fn add_group(text: &mut String, group: &GroupScore) {
         for told in &found.parameters {
             let ends = told.ci95.map(cell);
             let values = [told.parameter.name(), told.unit].map(str::to_owned);
-            let mut cells = first_cells(group, "parameter", fit.class);
+            let mut cells = first_cells(group, "parameter", fit.class.as_str());
             cells.extend(values);
             cells.push(cell(Some(told.value)));
             cells.extend(ends);
@@ -84,6 +87,17 @@ fn add_group(text: &mut String, group: &GroupScore) {
         add_accuracy(text, group, ("means", fit.class), &found.means);
         add_accuracy(text, group, ("left_out", fit.class), &found.left_out);
     }
+}
+
+/// What still changes, whatever the model.
+fn add_drift(text: &mut String, group: &GroupScore, drift: &DriftScore) {
+    let mut cells = first_cells(group, "not_steady", "");
+    cells.extend([drift.channel, &drift.unit].map(str::to_owned));
+    cells.push(cell(Some(drift.rate)));
+    cells.extend(drift.rates.map(|rate| cell(Some(rate))));
+    cells.push(String::new());
+    cells.extend([drift.rows, group.rows].map(|count| count.to_string()));
+    text.push_str(&line(&cells));
 }
 
 fn add_accuracy(
@@ -98,7 +112,7 @@ fn add_accuracy(
         };
         let share = accuracy.covered.get(&force);
         let held = share.map(|share| (share.value * share.n as f64).round());
-        let mut cells = first_cells(group, what, class);
+        let mut cells = first_cells(group, what, class.as_str());
         cells.extend([force.name(), "%"].map(str::to_owned));
         cells.push(cell(Some(error)));
         cells.extend(std::iter::repeat_n(String::new(), 3));
@@ -108,12 +122,12 @@ fn add_accuracy(
     }
 }
 
-fn first_cells(group: &GroupScore, what: &str, class: Wtic) -> Vec<String> {
+fn first_cells(group: &GroupScore, what: &str, model: &str) -> Vec<String> {
     let mut cells = vec![group.scenario.clone()];
     cells.extend(group.shared.iter().map(|(_, value)| bare(value)));
     cells.push(group.label.to_string());
     cells.push(group.recognized.to_string());
-    cells.push(class.to_string());
+    cells.push(model.to_owned());
     cells.push(what.to_owned());
     cells
 }

@@ -3,8 +3,8 @@
 use super::Plan;
 use super::reading::Row;
 use crate::identification::{
-    Estimate, Identification, IdentifyError, PredictedForce, RIGID_SINKAGE, Setting, SteadyLoad,
-    Uncertainty, pool,
+    Drift, Estimate, Identification, IdentifyError, PredictedForce, RIGID_SINKAGE, Setting,
+    SteadyLoad, SteadyRow, Uncertainty, pool,
 };
 use crate::recognition::class_of_most;
 use crate::scenario::Scenario;
@@ -32,7 +32,8 @@ pub(super) struct GroupRow {
     pub repeat: u32,
     /// The value of the first key that the fit joins, as TOML.
     pub value: String,
-    pub load: SteadyLoad,
+    /// Its uncertainties are those of the group, widened by what still changes.
+    pub steady: SteadyRow,
 }
 
 impl GroupRows {
@@ -56,18 +57,19 @@ impl GroupRows {
                 counts.for_each(|(sum, count)| *sum += count);
             }
             let value = value_in(study, row.condition, &plan.over[0]).unwrap_or_default();
-            match &row.load {
-                Ok(load) => found.rows.push(GroupRow {
+            match &row.steady {
+                Ok(steady) => found.rows.push(GroupRow {
                     condition: row.condition,
                     repeat: row.repeat,
                     value,
-                    load: *load,
+                    steady: steady.clone(),
                 }),
                 Err(reason) => found.without.push((row.run, reason.clone())),
             }
         }
-        let loads = found.rows.iter_mut().map(|row| &mut row.load);
+        let loads = found.rows.iter_mut().map(|row| &mut row.steady.load);
         pool(&mut loads.collect::<Vec<_>>());
+        found.rows.iter_mut().for_each(|row| row.steady.widen());
         found
     }
 
@@ -83,8 +85,19 @@ impl GroupRows {
 
     /// Rows whose rim stands above the ground on its lugs.
     pub fn above_ground(&self) -> usize {
-        let above = self.rows.iter().filter(|row| is_above(&row.load));
+        let above = self.rows.iter().filter(|row| is_above(&row.steady.load));
         above.count()
+    }
+
+    /// Rows in which something still changes.
+    pub fn not_steady(&self) -> usize {
+        let drifting = self.rows.iter().filter(|row| !row.steady.is_steady());
+        drifting.count()
+    }
+
+    /// What still changes in the rows.
+    pub fn drifts(&self) -> impl Iterator<Item = Drift> {
+        self.rows.iter().flat_map(|row| &row.steady.drifts).copied()
     }
 
     /// Repeats that have rows, in order.
@@ -98,7 +111,9 @@ impl GroupRows {
     /// Those loads that are `wanted`, as the model of a class takes them.
     pub fn loads(&self, class: Wtic, wanted: impl Fn(&GroupRow) -> bool) -> Vec<SteadyLoad> {
         let wanted = self.rows.iter().filter(|row| wanted(row));
-        wanted.map(|row| as_taken(&row.load, class)).collect()
+        wanted
+            .map(|row| as_taken(&row.steady.load, class))
+            .collect()
     }
 
     /// The model of a class fitted to all rows.

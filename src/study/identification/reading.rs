@@ -1,7 +1,7 @@
 //! The rows of `steady.csv` as they are fitted.
 
-use super::steady::{VALUES, answered_column};
-use crate::identification::{SteadyLoad, Uncertainty};
+use super::steady::{DRIFTS, INTERVAL, VALUES, answered_column};
+use crate::identification::{Drift, SteadyLoad, SteadyRow, Uncertainty};
 use crate::recognition::confusion::CLASSES;
 use csv::StringRecord;
 
@@ -13,8 +13,8 @@ pub(super) struct Row {
     pub repeat: u32,
     /// Answers to the run's windows, in the order of [`CLASSES`].
     pub answers: [u64; 4],
-    /// The loads, or why there are none.
-    pub load: Result<SteadyLoad, String>,
+    /// Its loads and what still changes in them, or why there are none.
+    pub steady: Result<SteadyRow, String>,
 }
 
 /// Reads a table that this program wrote: its columns are there.
@@ -28,12 +28,18 @@ pub(super) fn rows(text: &str) -> Vec<Row> {
     let numbers = ["run", "condition", "repeat"].map(place);
     let answers = CLASSES.map(|class| place(&answered_column(class)));
     let values = VALUES.map(|pair| pair.map(place));
+    let interval = INTERVAL.map(place);
+    let drifts = DRIFTS.map(place);
     let reason = place("reason");
     let row = |record: StringRecord| {
         let count = |at: usize| record[at].parse::<u64>().expect("it was counted");
         let [run, condition, repeat] = numbers.map(count);
-        let load = if record[reason].is_empty() {
-            Ok(load(&record, values))
+        let steady = if record[reason].is_empty() {
+            Ok(SteadyRow {
+                load: load(&record, values),
+                interval: interval.map(|at| number(&record, at)),
+                drifts: found_drifts(&record, drifts),
+            })
         } else {
             Err(record[reason].to_owned())
         };
@@ -42,15 +48,30 @@ pub(super) fn rows(text: &str) -> Vec<Row> {
             condition,
             repeat: repeat as u32,
             answers: answers.map(count),
-            load,
+            steady,
         }
     };
     reader.records().flatten().map(row).collect()
 }
 
 /// An empty cell is no number.
+fn number(record: &StringRecord, at: usize) -> f64 {
+    record[at].parse().unwrap_or(f64::NAN)
+}
+
+/// The rates that are there.
+fn found_drifts(record: &StringRecord, places: [usize; 4]) -> Vec<Drift> {
+    let drifts = Drift::CHANNELS.into_iter().zip(places);
+    drifts
+        .filter_map(|(channel, at)| {
+            let rate = record[at].parse().ok()?;
+            Some(Drift { channel, rate })
+        })
+        .collect()
+}
+
 fn load(record: &StringRecord, places: [[usize; 2]; 5]) -> SteadyLoad {
-    let number = |at: usize| record[at].parse().unwrap_or(f64::NAN);
+    let number = |at: usize| number(record, at);
     let [slip, sinkage, drawbar_pull, load, driving_torque] = places.map(|[at, _]| number(at));
     let deviations = places.map(|[_, at]| number(at));
     let uncertainty = deviations.iter().all(|sd| sd.is_finite()).then(|| {

@@ -26,11 +26,11 @@
 //! | `scenario`, every swept key not joined | the group |
 //! | `label`, `recognized` | its ground, and the class recognised |
 //! | `model` | the class whose model was fitted |
-//! | `what` | `parameter`, `fitted`, `means`, `left_out`, `predicted` (by the group of `from`), `carried from` a scenario |
-//! | `name`, `unit` | parameter or force; errors are in % |
-//! | `value`, `low`, `high` | with its 95 % interval, where it is identified |
+//! | `what` | `parameter`, `fitted`, `means`, `left_out`, `predicted` (by the group of `from`), `carried from` a scenario, `not_steady` |
+//! | `name`, `unit` | parameter or force, errors in %; of `not_steady` the channel that still changes and the unit of its rate |
+//! | `value`, `low`, `high` | with its 95 % interval, where it is identified; of `not_steady` mean, least and greatest rate |
 //! | `own` | the scenario's own value |
-//! | `covered`, `of` | forces within their intervals, and forces with one |
+//! | `covered`, `of` | forces within their intervals, and forces with one; of `not_steady` rows that change, and all rows |
 
 use super::Published;
 use crate::identification::{
@@ -129,6 +129,10 @@ pub struct GroupScore {
     pub rows: usize,
     /// Rows whose rim stands above the ground on its lugs.
     pub above_ground: usize,
+    /// Rows in which something still changes; the change over the interval is in their uncertainty.
+    pub not_steady: usize,
+    /// What changes in them.
+    pub drifts: Vec<DriftScore>,
     /// Numbers of runs without a steady row, and why.
     pub without: Vec<(u64, String)>,
     /// The models of ALCT, SLCT and LEIS.
@@ -138,6 +142,21 @@ pub struct GroupScore {
     /// The estimate of [`parameters`](Self::parameters) and what it was fitted to.
     #[serde(skip)]
     pub source: Option<Source>,
+}
+
+/// A quantity that still changes in rows of a group.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DriftScore {
+    /// Its channel.
+    pub channel: &'static str,
+    /// Rows in which it changes.
+    pub rows: usize,
+    /// Mean rate of change, in `unit`.
+    pub rate: f64,
+    /// Least and greatest rate, in `unit`.
+    pub rates: [f64; 2],
+    /// Unit of the rates.
+    pub unit: String,
 }
 
 /// An estimate and what it was fitted to.

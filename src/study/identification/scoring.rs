@@ -7,10 +7,13 @@ use super::own::{holds, own_value};
 use super::reading;
 use super::repeats;
 use super::score::{
-    Accuracy, CarriedScore, Choice, FitOutcome, FitScore, FoundScore, GroundScore, GroupScore,
-    IdentificationScore, MODELS, ModelScore, ParameterScore, PredictionScore, RepeatScore, Source,
+    Accuracy, CarriedScore, Choice, DriftScore, FitOutcome, FitScore, FoundScore, GroundScore,
+    GroupScore, IdentificationScore, MODELS, ModelScore, ParameterScore, PredictionScore,
+    RepeatScore, Source,
 };
-use crate::identification::{Estimate, Force, ForceErrors, Identified, PredictedForce, Warning};
+use crate::identification::{
+    Drift, Estimate, Force, ForceErrors, Identified, PredictedForce, Warning,
+};
 use crate::recognition::confusion::Share;
 use crate::scenario::Scenario;
 use crate::study::{Study, StudyError, group};
@@ -122,6 +125,8 @@ impl GroupScore {
             answers: rows.answers,
             recognized: rows.recognized(),
             rows: rows.rows.len(),
+            not_steady: rows.not_steady(),
+            drifts: drifts(rows),
             above_ground: rows.above_ground(),
             without: rows.without.clone(),
             fits: fits
@@ -138,6 +143,26 @@ impl GroupScore {
             }),
         }
     }
+}
+
+/// What still changes in the rows of a group, channel by channel.
+fn drifts(rows: &GroupRows) -> Vec<DriftScore> {
+    let all: Vec<Drift> = rows.drifts().collect();
+    let of_channel = |channel: &'static str| {
+        let found = all.iter().filter(|drift| drift.channel == channel);
+        let rates: Vec<f64> = found.clone().map(|drift| drift.rate).collect();
+        Some(DriftScore {
+            channel,
+            rows: rates.len(),
+            rate: rates.iter().sum::<f64>() / rates.len() as f64,
+            rates: [
+                rates.iter().copied().reduce(f64::min)?,
+                rates.iter().copied().reduce(f64::max)?,
+            ],
+            unit: found.clone().next()?.unit(),
+        })
+    };
+    Drift::CHANNELS.into_iter().filter_map(of_channel).collect()
 }
 
 impl FoundScore {

@@ -2,7 +2,7 @@
 
 use crate::features::reference::Reference;
 use crate::features::{Settings, Window};
-use crate::identification::{SteadyLoad, Uncertainty, steady_loads};
+use crate::identification::{Drift, SteadyLoad, SteadyRow, Uncertainty, steady_rows};
 use crate::recognition::confusion::CLASSES;
 use crate::recognition::{Method, RecognitionError, Recognizer, class_of_most};
 use crate::study::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
@@ -20,6 +20,17 @@ pub(super) const VALUES: [[&str; 2]; 5] = [
     ["drawbar_pull_n", "drawbar_pull_sd_n"],
     ["load_n", "load_sd_n"],
     ["driving_torque_n_m", "driving_torque_sd_n_m"],
+];
+
+/// Columns of the interval.
+pub(super) const INTERVAL: [&str; 2] = ["from_s", "to_s"];
+
+/// Columns of the rates of change, in the order of [`Drift::CHANNELS`].
+pub(super) const DRIFTS: [&str; 4] = [
+    "drawbar_pull_drift_n_s",
+    "load_drift_n_s",
+    "driving_torque_drift_n_m_s",
+    "sinkage_drift_m_s",
 ];
 
 /// The table of the steady intervals of a study that asks for it.
@@ -88,6 +99,8 @@ impl Table for SteadyRows<'_> {
         names.extend(CLASSES.map(answered_column));
         names.push("recognized".to_owned());
         names.extend(VALUES.iter().flat_map(|pair| owned(pair)));
+        names.extend(owned(&INTERVAL));
+        names.extend(owned(&DRIFTS));
         names.push("reason".to_owned());
         names
     }
@@ -96,10 +109,11 @@ impl Table for SteadyRows<'_> {
     fn rows(&self, run: &Run, trace: &Trace, _: &mut Stop) -> Result<Rows, NoRows> {
         let first = self.first_cells(run, trace)?;
         let row = |then: Vec<String>| [&first[..], &then[..]].concat();
-        Ok(match steady_loads(trace) {
-            Ok(loads) => loads.iter().map(|load| row(value_cells(load))).collect(),
+        Ok(match steady_rows(trace) {
+            Ok(rows) => rows.iter().map(|steady| row(cells_of(steady))).collect(),
             Err(reason) => {
-                let mut cells = vec![String::new(); 2 * VALUES.len()];
+                let values = 2 * VALUES.len() + INTERVAL.len() + DRIFTS.len();
+                let mut cells = vec![String::new(); values];
                 cells.push(reason.to_string());
                 vec![row(cells)]
             }
@@ -114,6 +128,18 @@ impl Table for SteadyRows<'_> {
 /// The column of the windows answered by a class.
 pub(super) fn answered_column(class: Wtic) -> String {
     format!("answered_{}", class.as_str().to_lowercase())
+}
+
+/// Values, interval and drifts of a row, and no reason why there is none.
+fn cells_of(row: &SteadyRow) -> Vec<String> {
+    let mut cells = value_cells(&row.load);
+    cells.extend(row.interval.map(|time| cell(Some(time))));
+    cells.extend(Drift::CHANNELS.map(|channel| {
+        let drift = row.drifts.iter().find(|drift| drift.channel == channel);
+        cell(drift.map(|drift| drift.rate))
+    }));
+    cells.push(String::new());
+    cells
 }
 
 fn value_cells(load: &SteadyLoad) -> Vec<String> {
@@ -133,9 +159,7 @@ fn value_cells(load: &SteadyLoad) -> Vec<String> {
         deviation(|u| u.driving_torque),
     ];
     let pairs = values.into_iter().zip(deviations);
-    let mut cells: Vec<String> = pairs
+    pairs
         .flat_map(|(value, deviation)| [cell(Some(value)), cell(deviation)])
-        .collect();
-    cells.push(String::new());
-    cells
+        .collect()
 }

@@ -2,8 +2,8 @@
 
 use super::Published;
 use super::score::{
-    Accuracy, CarriedScore, Choice, FitOutcome, FitScore, FoundScore, GroundScore, GroupScore,
-    IdentificationScore, ModelScore, ParameterScore, PredictionScore, RepeatScore,
+    Accuracy, CarriedScore, Choice, DriftScore, FitOutcome, FitScore, FoundScore, GroundScore,
+    GroupScore, IdentificationScore, ModelScore, ParameterScore, PredictionScore, RepeatScore,
 };
 use crate::identification::{Force, Parameter, Standing};
 use crate::recognition::confusion::{CLASSES, Share};
@@ -216,7 +216,8 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) ->
 /// The parameters of all groups side by side.
 fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fmt::Result {
     f.write_str(
-        "\nparameters by the class recognized, or the label's where none was; (..) where the loads do not fix them\n",
+        "\nparameters by the class recognized, or the label's where none was; (..) where the loads do not fix them; ~ by a\n\
+         group where some rows are not steady\n",
     )?;
     let places = score.groups.iter().map(|g| place(&g.scenario, &g.shared));
     let width = places.map(|place| place.len()).max().unwrap_or_default() + 2;
@@ -236,7 +237,8 @@ fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fm
             || ("-".to_owned(), String::new()),
             |(class, found)| (class.to_string(), found.iter().map(told).collect()),
         );
-        let place = place(&group.scenario, &group.shared);
+        let mark = if group.not_steady > 0 { "~" } else { "" };
+        let place = format!("{}{mark}", place(&group.scenario, &group.shared));
         put(f, &format!("  {place:width$}{class:6}{values}"))?;
     }
     Ok(())
@@ -273,6 +275,9 @@ fn write_group(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Result {
             group.above_ground
         )?;
     }
+    if group.not_steady > 0 {
+        writeln!(f, "  {}", not_steady(group))?;
+    }
     for (run, reason) in &group.without {
         writeln!(f, "  run {run} has no row: {reason}")?;
     }
@@ -281,6 +286,34 @@ fn write_group(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Result {
         write_remarks(f, fit)?;
     }
     write_repeats(f, &group.repeats)
+}
+
+/// How many rows still change and by how much.
+fn not_steady(group: &GroupScore) -> String {
+    let drifts: Vec<String> = group.drifts.iter().map(DriftScore::to_string).collect();
+    format!(
+        "{} of {} rows are not steady: {}; the change over each interval is in its uncertainty",
+        group.not_steady,
+        group.rows,
+        drifts.join(", ")
+    )
+}
+
+impl fmt::Display for DriftScore {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            channel,
+            rows,
+            rates: [least, greatest],
+            unit,
+            ..
+        } = self;
+        write!(f, "{channel} changes in {rows} by {} ", number(*least))?;
+        if least < greatest {
+            write!(f, "to {} ", number(*greatest))?;
+        }
+        f.write_str(unit)
+    }
 }
 
 fn write_parameters(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Result {
