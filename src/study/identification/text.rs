@@ -216,9 +216,11 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) ->
 /// The parameters of all groups side by side.
 fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fmt::Result {
     f.write_str(
-        "\nparameters by the class recognized, or the label's where none was; (..) where the loads do not fix them; ~ by a\n\
-         group where some rows are not steady\n",
+        "\nparameters by the class recognized, or the label's where none was; (..) where the loads do not fix them\n",
     )?;
+    if score.groups.iter().any(|group| group.not_steady > 0) {
+        f.write_str("~ where some rows of a group are not steady\n")?;
+    }
     let places = score.groups.iter().map(|g| place(&g.scenario, &g.shared));
     let width = places.map(|place| place.len()).max().unwrap_or_default() + 2;
     let names = Parameter::ALL.map(|parameter| format!("{:>COLUMN$}", parameter.name()));
