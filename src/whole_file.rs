@@ -149,14 +149,15 @@ pub fn reason(error: &io::Error) -> String {
 /// What to do about a file or folder that cannot be written for a `reason` of the system's; `elsewhere`
 /// says how to name another place.
 pub fn way_out(reason: &str, elsewhere: &str) -> String {
-    const WAYS: [(&str, &str); 7] = [
+    const WAYS: [(&str, &str); 8] = [
         ("No space left", "free some space or "),
         ("quota exceeded", "free some space or "),
         ("File too large", "raise the limit (ulimit -f) or "),
-        ("File exists", "a file is in the way: remove it or "),
-        ("Not a directory", "a file is in the way: remove it or "),
+        ("File exists", "move the file that is in the way or "),
+        ("Not a directory", "move the file that is in the way or "),
         ("Permission denied", "make it writable or "),
-        ("it is no HDF5 file", "remove it or "),
+        ("not permitted", "make it writable or "),
+        ("No such file", "make the folder first or "),
     ];
     let known = WAYS.iter().find(|(part, _)| reason.contains(part));
     known.map_or("", |(_, way)| way).to_owned() + elsewhere

@@ -20,6 +20,7 @@ use crate::scenario::Scenario;
 use crate::scenario::experiment::{Experiment, ExperimentError};
 use crate::scenario::recording::Recording;
 use crate::trace::Trace;
+use crate::whole_file;
 use rayon::prelude::*;
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -63,11 +64,17 @@ pub struct Progress {
     pub motions_total: u64,
 }
 
+/// What to do about a file or folder of a bank that the system refuses.
+fn way_out(refusal: &io::Error) -> String {
+    let reason = whole_file::reason(refusal);
+    whole_file::way_out(&reason, "name another folder (--bank)")
+}
+
 /// Why a bank gives no answers.
 #[derive(Debug, thiserror::Error)]
 pub enum BankError {
     /// The file system refused.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {}; {}", path.display(), whole_file::reason(source), way_out(source))]
     File {
         /// What was to be done.
         action: &'static str,

@@ -16,10 +16,11 @@ use super::{BankError, Failure, Outcome};
 use crate::gap::{Cell, Reading, Readings, Run};
 use crate::identification::{SteadyLoad, Uncertainty};
 use crate::trace::RunAttributes;
+use crate::whole_file;
 use sha2::{Digest, Sha256};
 use std::fmt;
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -69,7 +70,9 @@ pub(super) struct Store {
 impl Store {
     pub fn open(folder: &Path) -> Result<Self, BankError> {
         let folder = folder.to_owned();
-        std::fs::create_dir_all(&folder).map_err(|error| refused("make", &folder, error))?;
+        make(&folder)?;
+        whole_file::check_room(&folder)
+            .map_err(|error| refused("write in the folder", &folder, error))?;
         Ok(Self { folder })
     }
 
@@ -84,15 +87,10 @@ impl Store {
         let text = sealed(key, title, outcome);
         let path = self.path(key);
         let folder = path.parent().unwrap_or(&self.folder);
-        std::fs::create_dir_all(folder).map_err(|error| refused("make", folder, error))?;
-        let write = || {
-            let mut part = tempfile::NamedTempFile::with_prefix_in(".part-", folder)?;
-            part.write_all(text.as_bytes())?;
-            // No wait for the disk: what a crash tears, the checksum finds.
-            part.persist(&path)?;
-            Ok(())
-        };
-        write().map_err(|error| refused("write", &path, error))
+        make(folder)?;
+        // What a crash tears, the checksum finds.
+        whole_file::write_unsynced(&path, text.as_bytes())
+            .map_err(|error| refused("write", &path, error))
     }
 
     /// Files lie in 256 folders, by the first two digits.
@@ -100,6 +98,10 @@ impl Store {
         let name = key.to_string();
         self.folder.join(&name[..2]).join(format!("{name}.csv"))
     }
+}
+
+fn make(folder: &Path) -> Result<(), BankError> {
+    std::fs::create_dir_all(folder).map_err(|error| refused("make the folder", folder, error))
 }
 
 fn refused(action: &'static str, path: &Path, source: io::Error) -> BankError {
