@@ -42,17 +42,24 @@ pub use score::score;
 pub use truth::{Edit, Hidden, Level, Rig, Truth};
 
 use crate::dataset::hdf5::RunFileError;
+use crate::whole_file;
 use std::io;
 use std::path::PathBuf;
 
 /// The grounds on which campaigns can be made.
 pub const GROUNDS: [&str; 3] = ["sand", "hard", "gravel"];
 
+/// What to do about a file or folder of a trial that the system refuses.
+fn way_out(refusal: &io::Error) -> String {
+    let reason = whole_file::reason(refusal);
+    whole_file::way_out(&reason, "put the trial in another folder")
+}
+
 /// Why a trial cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum ChallengeError {
     /// A file of the trial cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {}", path.display(), whole_file::reason(source))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -60,7 +67,7 @@ pub enum ChallengeError {
         source: io::Error,
     },
     /// The file system refused to write.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {}; {}", path.display(), whole_file::reason(source), way_out(source))]
     File {
         /// What was to be done.
         action: &'static str,

@@ -167,6 +167,7 @@ use crate::recognition::baseline::BaselineError;
 use crate::scenario::experiment::ExperimentError;
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
+use crate::whole_file;
 use diagnosis::DiagnosisTable;
 use identification::{IdentificationTable, Plan};
 use kept::{DatasetTable, Keep};
@@ -680,11 +681,17 @@ fn check_once(settings: &[(String, String)], sweeps: &[Sweep]) -> Result<(), Wro
     Ok(())
 }
 
-/// What a failed write means for the study.
-fn way_on(action: &str) -> &'static str {
+/// What to do about a file that was refused, and what a failed write means for the study.
+fn way_on(action: &str, refusal: &io::Error) -> String {
+    let elsewhere = "name another folder (--out)";
+    let way_out = || whole_file::way_out(&whole_file::reason(refusal), elsewhere);
     match action {
-        "write" => "; what is whole stays, and --resume goes on from it",
-        _ => "",
+        "read" => String::new(),
+        "write" => format!(
+            "; {}; what is whole stays, and --resume goes on from it",
+            way_out()
+        ),
+        _ => format!("; {}", way_out()),
     }
 }
 
@@ -720,9 +727,9 @@ pub enum StudyError {
         folder: PathBuf,
     },
     /// The file system refused.
-    #[error("cannot {action} {}{}", path.display(), way_on(action))]
+    #[error("cannot {action} {}: {}{}", path.display(), whole_file::reason(source), way_on(action, source))]
     File {
-        /// `read`, `write` or `make`.
+        /// `read`, `write` or `make the folder`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
@@ -751,10 +758,10 @@ pub enum StudyError {
         source: rayon::ThreadPoolBuildError,
     },
     /// The runs cannot be kept.
-    #[error("the data set cannot be kept")]
+    #[error("the data set cannot be kept: {0}")]
     Dataset(#[from] RunFileError),
     /// What is simulated for a diagnosis cannot be kept.
-    #[error("the runs cannot be diagnosed")]
+    #[error("the runs cannot be diagnosed: {0}")]
     Bank(#[from] BankError),
     /// The windows of the runs train no classifier.
     #[error("the baseline of [recognition] cannot be trained on the windows of the runs")]

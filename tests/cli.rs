@@ -261,7 +261,10 @@ fn a_file_that_cannot_be_written_is_told_before_the_run_and_exits_with_1() {
     let long = "--set duration=1000 --set rig.single_wheel.forward_speed=0.01";
     for (out, part) in [
         ("sub", "sub is a folder; name a file"),
-        ("note.txt/run.h5", "note.txt/run.h5"),
+        (
+            "note.txt/run.h5",
+            "cannot make the folder note.txt: File exists",
+        ),
         ("note.txt", "note.txt exists; give --force"),
         ("note.txt --force", "it is no HDF5 file; name another file"),
     ] {

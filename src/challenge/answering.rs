@@ -111,14 +111,16 @@ fn begin(answers: &Path, campaigns: &Campaigns) -> Result<(), ChallengeError> {
         answers.join("origin.txt"),
         format!("{PROGRAM}\nmanifest {}\n", campaigns.sha256),
     );
-    if file.exists() && folder::read(&file)? == text {
-        return Ok(());
-    }
-    if !folder::is_empty(answers)? {
+    let is_known = file.exists() && folder::read(&file)? == text;
+    if !is_known && !folder::is_empty(answers)? {
         return Err(ChallengeError::OtherAnswers(answers.to_owned()));
     }
     folder::make_folder(answers)?;
-    folder::write(&file, &text)
+    folder::check_room(answers)?;
+    match is_known {
+        true => Ok(()),
+        false => folder::write(&file, &text),
+    }
 }
 
 enum Halt {

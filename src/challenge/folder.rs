@@ -152,14 +152,16 @@ pub fn by_method(folder: &Path, name: &str, ablation: Option<Ablation>) -> PathB
 /// Whether there is nothing at `path`, or an empty folder.
 pub(super) fn is_empty(path: &Path) -> Result<bool, ChallengeError> {
     match std::fs::read_dir(path) {
-        Ok(mut entries) => Ok(entries.next().is_none()),
+        Ok(entries) => Ok(!entries
+            .flatten()
+            .any(|it| !whole_file::is_part(&it.file_name()))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
         Err(source) => Err(unreadable(path, source)),
     }
 }
 
 pub(super) fn make_folder(path: &Path) -> Result<(), ChallengeError> {
-    std::fs::create_dir_all(path).map_err(|source| file_error("make", path, source))
+    std::fs::create_dir_all(path).map_err(|source| file_error("make the folder", path, source))
 }
 
 pub(super) fn read(path: &Path) -> Result<String, ChallengeError> {
@@ -169,6 +171,11 @@ pub(super) fn read(path: &Path) -> Result<String, ChallengeError> {
 /// Writes a whole file or none.
 pub(super) fn write(path: &Path, text: &str) -> Result<(), ChallengeError> {
     whole_file::write(path, text.as_bytes()).map_err(|source| file_error("write", path, source))
+}
+
+/// Refuses a folder that cannot be written to, before any work.
+pub(super) fn check_room(path: &Path) -> Result<(), ChallengeError> {
+    whole_file::check_room(path).map_err(|source| file_error("write in the folder", path, source))
 }
 
 /// What a JSON file holds.

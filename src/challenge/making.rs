@@ -140,6 +140,7 @@ fn begin(folder: &Path, order: &Order, designs: &[Design]) -> Result<(), Challen
         return Err(ChallengeError::NotEmpty(folder.to_owned()));
     }
     folder::make_folder(&truth)?;
+    folder::check_room(&truth)?;
     folder::write(&file, &text)?;
     folder::make_folder(&campaigns)?;
     for design in designs {

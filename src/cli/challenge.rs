@@ -6,6 +6,7 @@ use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::series::Jobs;
+use super::target::Claim;
 use asking::Asking;
 use clap::{Args, Subcommand};
 use lugwheel::challenge::score::Scores;
@@ -235,30 +236,51 @@ impl Score {
     fn run(&self, output: &Output) -> anyhow::Result<()> {
         let scores = challenge::score(&self.folder, self.ablate)?;
         let folder = challenge::by_method(&self.folder, "score", self.ablate);
-        output::make_folder(&folder)?;
+        claim_scores(&folder)?;
         draw(&scores, &folder)?;
         let json = serde_json::to_string_pretty(&scores)?;
-        output::write_file(&folder.join("scores.json"), &(json + "\n"))?;
+        output::write_file_or(&folder.join(SCORES[0]), &(json + "\n"), ELSEWHERE)?;
         output.print(&scores)
     }
 }
 
+/// What to do where a trial's folder refuses its scores.
+const ELSEWHERE: &str = "put the trial in another folder";
+
+/// What scoring writes: all numbers, and figures.
+const SCORES: [&str; 5] = [
+    "scores.json",
+    "confusion.svg",
+    "told.svg",
+    "isolability.svg",
+    "power.svg",
+];
+
+/// Claims the folder of scores, in which those of before are replaced.
+fn claim_scores(folder: &Path) -> anyhow::Result<()> {
+    let claim = Claim {
+        force: true,
+        inputs: &[],
+        elsewhere: ELSEWHERE,
+    };
+    claim.own_folder(folder)?;
+    claim.files_in(folder, SCORES)
+}
+
 fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
-    let write = |name: &str, svg: &str| output::write_file(&folder.join(name), svg);
+    let write = |name: &str, svg: &str| output::write_file_or(&folder.join(name), svg, ELSEWHERE);
+    let [_, answers, told, isolability, power] = SCORES;
     let counts = matrix_figure(&scores.confusion, Entries::Counts, "Truths and answers");
-    write("confusion.svg", &counts)?;
+    write(answers, &counts)?;
     let title = "Probability of each answer by truth";
-    write(
-        "told.svg",
-        &matrix_figure(&scores.told, Entries::Shares, title),
-    )?;
+    write(told, &matrix_figure(&scores.told, Entries::Shares, title))?;
     let title = "Isolability: cosine of projected signatures";
     write(
-        "isolability.svg",
+        isolability,
         &matrix_figure(&scores.isolability, Entries::Shares, title),
     )?;
     let title = "Effects named, by their size";
-    write("power.svg", &power_figure(&scores.power, title))
+    write(power, &power_figure(&scores.power, title))
 }
 
 fn pool(threads: usize) -> anyhow::Result<ThreadPool> {

@@ -74,7 +74,7 @@ impl Cluster {
             Err(StudyError::Slurm(left @ SlurmError::Left { .. })) => {
                 Err(Interrupted(left.to_string()).into())
             }
-            other => other.with_context(|| format!("study {}", work.study.display())),
+            other => Ok(other?),
         }
     }
 }

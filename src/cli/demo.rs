@@ -8,14 +8,17 @@ mod small_study;
 mod story;
 
 use super::dataset::classes;
+use super::diagnose::RESULTS;
 use super::interrupt::Interrupted;
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::series::{Jobs, Outcome, Series, spreads, write_all};
 use super::steady::{QUANTITIES, Spread};
+use super::target::Claim;
 use clap::Args;
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::dataset::inspection::{Inspection, inspect};
+use lugwheel::learning::run_id;
 use lugwheel::quantity::Seed;
 use lugwheel::report::{page, trace_figure};
 use lugwheel::scenario::Scenario;
@@ -105,6 +108,31 @@ struct Finding {
 /// What marks a folder as a demo's, whose files the next demo may make again.
 const ORIGIN: &str = "lugwheel demo\n";
 
+/// Names of the files that a demo writes, those of its studies aside.
+fn results() -> Vec<String> {
+    let own = [
+        "origin.txt",
+        "report.html",
+        "sand.toml",
+        "identification.toml",
+        "known.toml",
+        "rig.toml",
+        "gap.toml",
+    ];
+    let mut names: Vec<String> = own.map(str::to_owned).into();
+    for Ground { key, .. } in &GROUNDS {
+        names.extend(["h5", "toml"].map(|ending| format!("{key}.{ending}")));
+        names.extend((0..RUNS).map(|run| figure_name(key, &run_id(run))));
+    }
+    names.extend(RESULTS.map(|name| format!("diagnosis/{name}")));
+    names
+}
+
+/// The figure of a run on a ground.
+fn figure_name(ground: &str, run: &str) -> String {
+    format!("figures/{ground}_{run}.svg")
+}
+
 impl Demo {
     /// Runs the demo.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
@@ -163,10 +191,14 @@ impl Demo {
     /// Claims the folder, which an earlier demo may have made, and marks it as a demo's.
     fn claim(&self, output: &Output) -> anyhow::Result<()> {
         let mark = self.out.join("origin.txt");
-        if !fs::read_to_string(&mark).is_ok_and(|origin| origin == ORIGIN) {
-            output.claim(&[]).folder(&self.out)?;
-            output::write_file(&mark, ORIGIN)?;
-        }
+        let is_own = fs::read_to_string(&mark).is_ok_and(|origin| origin == ORIGIN);
+        let claim = Claim {
+            force: is_own || output.force,
+            ..output.claim(&[])
+        };
+        claim.folder(&self.out)?;
+        claim.files_in(&self.out, results())?;
+        output::write_file(&mark, ORIGIN)?;
         output::make_folder(&self.out.join("figures"))
     }
 
@@ -225,7 +257,7 @@ impl Demo {
         for id in file.runs() {
             let trace = file.read(id)?;
             let svg = trace_figure(&trace, id)?;
-            let name = format!("figures/{}_{id}.svg", ground.key);
+            let name = figure_name(ground.key, id);
             output::write_file(&self.out.join(name), &svg)?;
             first.get_or_insert((id.clone(), trace, svg));
         }

@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::provenance::quoted;
 use super::scenario_args;
 use super::series::Jobs;
+use super::target::Claim;
 use anyhow::Context;
 use clap::Args;
 use lugwheel::dataset::hdf5::RunFile;
@@ -88,7 +89,7 @@ gap_map.svg, the scenario recalibrated (recalibrated.toml) and, where effects ar
 command, and one of other runs at the same conditions takes a minute.";
 
 /// What a diagnosis writes into its folder.
-const RESULTS: [&str; 5] = [
+pub(super) const RESULTS: [&str; 5] = [
     "diagnosis.json",
     "gap_map.svg",
     "diagnosis.html",
@@ -103,16 +104,18 @@ impl Diagnose {
         output.print(&self.investigate(output)?)
     }
 
-    /// Claims the folder of results and every file that may be written into it.
+    /// Claims the folder of results with every file that may be written into it, and that of the bank.
     fn claim(&self, output: &Output) -> anyhow::Result<()> {
         let scenario = scenario_args::found(&self.scenario)?;
         let inputs: [&Path; 2] = [&self.measured, &scenario];
         let claim = output.claim(&inputs);
         claim.folder(&self.out)?;
-        for name in RESULTS {
-            claim.file(&self.out.join(name))?;
-        }
-        Ok(())
+        claim.files_in(&self.out, RESULTS)?;
+        let bank = Claim {
+            elsewhere: "name another place with --bank",
+            ..claim
+        };
+        bank.own_folder(&self.bank)
     }
 
     /// Diagnoses the runs and writes what came of it.
@@ -242,6 +245,7 @@ impl Diagnose {
             Err(InvestigationError::Bank(stopped @ BankError::Stopped { .. })) => {
                 Err(Interrupted(stopped.to_string()).into())
             }
+            Err(InvestigationError::Bank(refused @ BankError::File { .. })) => Err(refused.into()),
             other => other.with_context(|| {
                 format!("nothing can be concluded from {}", self.measured.display())
             }),

@@ -15,9 +15,10 @@ use lugwheel::document::Fault;
 use lugwheel::effects::EffectError;
 use lugwheel::scenario::ScenarioError;
 use lugwheel::study::StudyError;
+use lugwheel::whole_file;
 use serde::Serialize;
 use std::error::Error;
-use std::io::Write;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// The command did not do what it should.
@@ -110,7 +111,7 @@ fn message(error: &anyhow::Error) -> String {
     let mut said = String::new();
     let mut message = String::new();
     for cause in error.chain() {
-        let text = cause.to_string();
+        let text = text_of(cause);
         if said.contains(&text) {
             continue;
         }
@@ -123,6 +124,12 @@ fn message(error: &anyhow::Error) -> String {
         said.push_str(&text);
     }
     message
+}
+
+/// A cause without the number that the system gives its reason.
+fn text_of(cause: &(dyn Error + 'static)) -> String {
+    let refusal = cause.downcast_ref::<io::Error>();
+    refusal.map_or_else(|| cause.to_string(), whole_file::reason)
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
@@ -193,7 +200,6 @@ fn is_unreadable(error: &RunFileError) -> bool {
 mod tests {
     use super::*;
     use anyhow::Context;
-    use std::io;
 
     fn unreadable() -> anyhow::Error {
         let source = io::Error::from(io::ErrorKind::PermissionDenied);
@@ -217,7 +223,7 @@ mod tests {
         let disk_full = anyhow::Error::from(RunFileError::Write {
             path: "runs.h5".into(),
             reason: "No space left on device".to_owned(),
-            way_out: "free some space",
+            way_out: "free some space".to_owned(),
         });
         let codes = [bad_file, interrupted, disk_full].map(|error| exit_code(&error));
         assert_eq!(codes, [3, 130, 1]);

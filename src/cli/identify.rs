@@ -227,9 +227,7 @@ impl Identify {
     /// Identifies the parameters and says what they are.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let runs = self.runs()?;
-        if let Some(folder) = &self.out {
-            output.claim(&[]).folder(folder)?;
-        }
+        self.claim(output, runs.len())?;
         let mut teller = Teller::new(self.class.given())?;
         let mut groups = Groups::default();
         let progress = Progress::of_runs(output, "identify", runs.len());
@@ -252,6 +250,19 @@ impl Identify {
         };
         let reports = fits.iter().map(report).collect();
         output.print(&Summary::new(self.file_names(), reports, plates, unused))
+    }
+
+    /// Claims the folder of figures, and all figures that so many runs may give.
+    fn claim(&self, output: &Output, runs: usize) -> anyhow::Result<()> {
+        let Some(folder) = &self.out else {
+            return Ok(());
+        };
+        let inputs: Vec<&Path> = self.files.iter().map(PathBuf::as_path).collect();
+        let claim = output.claim(&inputs);
+        claim.folder(folder)?;
+        let classes = [Wtic::Alct, Wtic::Slct, Wtic::Leis];
+        let names = |number| classes.map(|class| figure_name(class, number));
+        claim.files_in(folder, (1..=runs).flat_map(names))
     }
 
     /// The runs asked for, file after file.
@@ -284,15 +295,21 @@ impl Identify {
     }
 }
 
+/// The figure of the fit of this number, from 1, among those of its class.
+fn figure_name(class: Wtic, number: usize) -> String {
+    match number {
+        1 => format!("forces_{class}.svg"),
+        number => format!("forces_{class}_{number}.svg"),
+    }
+}
+
 /// Draws every fit into a folder that the command has claimed; the names of the figures.
 fn draw(folder: &Path, fits: &[Fit]) -> anyhow::Result<Vec<String>> {
     let figures = fits.iter().enumerate().map(|(number, fit)| {
         let class = fit.estimate.class;
         let before = fits[..number].iter();
-        let name = match before.filter(|fit| fit.estimate.class == class).count() {
-            0 => format!("forces_{class}.svg"),
-            count => format!("forces_{class}_{}.svg", count + 1),
-        };
+        let before = before.filter(|fit| fit.estimate.class == class).count();
+        let name = figure_name(class, before + 1);
         let title = format!("{class}: {}", fit.wheel);
         let svg = force_curves(&title, &fit.estimate, &fit.predictor, &fit.rows());
         write_figure(folder, &name, &svg)

@@ -30,6 +30,7 @@ impl Output {
         Claim {
             force: self.force,
             inputs,
+            elsewhere: ELSEWHERE,
         }
     }
 
@@ -58,19 +59,33 @@ pub fn file_or_default(asked: Option<&Path>, of: &str, name: &str) -> PathBuf {
     asked.map_or_else(default, Path::to_owned)
 }
 
+/// What to do where a place is refused, in most commands.
+pub const ELSEWHERE: &str = "name another place with --out";
+
+/// That the system refuses to do something with a file or folder: its reason, and the way out, for which
+/// `elsewhere` says how to name another place.
+pub fn refused(action: &str, path: &Path, error: &io::Error, elsewhere: &str) -> anyhow::Error {
+    let reason = whole_file::reason(error);
+    let way_out = whole_file::way_out(&reason, elsewhere);
+    anyhow::anyhow!("cannot {action} {}: {reason}; {way_out}", path.display())
+}
+
 /// Makes a folder and those above it, if need be.
 pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
-    fs::create_dir_all(folder).with_context(|| {
-        let folder = folder.display();
-        format!("cannot make the folder {folder}; name another place with --out")
-    })
+    make_folder_or(folder, ELSEWHERE)
+}
+
+/// The same where another place is named otherwise.
+pub fn make_folder_or(folder: &Path, elsewhere: &str) -> anyhow::Result<()> {
+    fs::create_dir_all(folder)
+        .map_err(|error| refused("make the folder", folder, &error, elsewhere))
 }
 
 /// Removes a file, if it is there.
 pub fn remove_file(path: &Path) -> anyhow::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(error).with_context(|| format!("cannot remove {}", path.display()))
+            Err(refused("remove", path, &error, ELSEWHERE))
         }
         _ => Ok(()),
     }
@@ -78,10 +93,11 @@ pub fn remove_file(path: &Path) -> anyhow::Result<()> {
 
 /// Writes a whole file or nothing.
 pub fn write_file(path: &Path, content: &str) -> anyhow::Result<()> {
-    whole_file::write(path, content.as_bytes()).map_err(|error| {
-        anyhow::anyhow!(
-            "cannot write {}: {error}; name another place with --out",
-            path.display()
-        )
-    })
+    write_file_or(path, content, ELSEWHERE)
+}
+
+/// The same where another place is named otherwise.
+pub fn write_file_or(path: &Path, content: &str, elsewhere: &str) -> anyhow::Result<()> {
+    whole_file::write(path, content.as_bytes())
+        .map_err(|error| refused("write", path, &error, elsewhere))
 }

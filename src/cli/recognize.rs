@@ -136,10 +136,8 @@ impl Recognize {
         let settings = self.settings();
         let file = RunFile::open(&self.file)?;
         let runs = chosen(&file, &self.run)?;
+        self.claim(output, &runs)?;
         self.check(&file, &runs)?;
-        if let Some(folder) = &self.out {
-            output.claim(&[]).folder(folder)?;
-        }
         let mut figures = self.out.as_deref().map(Figures::new);
         let reference = match &self.reference {
             Some(path) => reference::measured(path, settings)?,
@@ -162,6 +160,18 @@ impl Recognize {
             summary.figures = figures.finish(summary.confusion())?;
         }
         output.print(&summary)
+    }
+
+    /// Claims the folder of figures, and all figures that may be drawn.
+    fn claim(&self, output: &Output, runs: &[String]) -> anyhow::Result<()> {
+        let Some(folder) = &self.out else {
+            return Ok(());
+        };
+        let inputs = std::iter::once(&self.file).chain(&self.reference);
+        let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+        let claim = output.claim(&inputs);
+        claim.folder(folder)?;
+        claim.files_in(folder, figures::names(runs))
     }
 
     /// # Errors

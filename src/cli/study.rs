@@ -6,7 +6,6 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
 use super::scenario_args::found_study;
-use anyhow::Context;
 use clap::{Args, ValueEnum};
 use lugwheel::learning::DataSet;
 use lugwheel::report::page::four_digits;
@@ -144,7 +143,7 @@ impl StudyCommand {
             .out
             .clone()
             .unwrap_or_else(|| PathBuf::from("output").join(&stem));
-        output::make_folder(&out)?;
+        output.claim(&[&file]).own_folder(&out)?;
         let progress = Progress::new(output, &stem, study.simulated());
         let outcome = self.outcome(&file, &study, &out, &progress)?;
         let computing_s = progress.elapsed();
@@ -207,7 +206,6 @@ impl StudyCommand {
         out: &Path,
         progress: &Progress,
     ) -> anyhow::Result<Option<Outcome>> {
-        let named = || format!("study {}", self.study.display());
         if self.cluster.is_wanted() {
             let work = Work {
                 study: file,
@@ -247,7 +245,7 @@ impl StudyCommand {
             Err(stopped @ (StudyError::Stopped { .. } | StudyError::StoppedDiagnosing { .. })) => {
                 Err(Interrupted(stopped.to_string()).into())
             }
-            other => other.with_context(named),
+            other => Ok(other?),
         }
     }
 

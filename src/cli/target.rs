@@ -8,11 +8,12 @@
 //! - with `--force`, the target is write-protected, a folder where a file is to be written, or a
 //!   file where a folder is to be made.
 //!
-//! A claim makes the folders above the target. A file that may be replaced stays until the new one
-//! is whole ([`whole_file`](lugwheel::whole_file)).
+//! A claim makes the folders above the target and tries whether they take a file, so that a full disk or
+//! a folder that cannot be written to is told before any work. A file that may be replaced stays until
+//! the new one is whole ([`whole_file`](lugwheel::whole_file)).
 
 use super::output;
-use anyhow::Context;
+use lugwheel::whole_file;
 use std::fs::{self, Metadata};
 use std::io::{self, ErrorKind::NotADirectory, ErrorKind::NotFound};
 use std::path::{Path, PathBuf};
@@ -55,6 +56,8 @@ pub struct Claim<'a> {
     pub force: bool,
     /// Files that the command reads.
     pub inputs: &'a [&'a Path],
+    /// How another place is named.
+    pub elsewhere: &'static str,
 }
 
 impl Claim<'_> {
@@ -63,15 +66,13 @@ impl Claim<'_> {
     /// # Errors
     /// `TargetError`, or the system's reason where the folder cannot be made.
     pub fn file(self, target: &Path) -> anyhow::Result<()> {
-        self.not_an_input(target)?;
-        if let Some(found) = found(target)? {
-            self.replaceable(target, &found)?;
-        }
-        if let Some(parent) = target.parent().filter(|parent| *parent != Path::new("")) {
-            output::make_folder(parent)
-                .with_context(|| format!("cannot write {}", target.display()))?;
-        }
-        Ok(())
+        self.free(target)?;
+        let parent = match target.parent() {
+            Some(parent) if parent != Path::new("") => parent,
+            _ => Path::new("."),
+        };
+        output::make_folder_or(parent, self.elsewhere)?;
+        whole_file::check_room(parent).map_err(|error| self.refused("write", target, &error))
     }
 
     /// Claims a folder for files of the command's choice and makes it.
@@ -79,14 +80,57 @@ impl Claim<'_> {
     /// # Errors
     /// `TargetError`, or the system's reason where the folder cannot be made or read.
     pub fn folder(self, target: &Path) -> anyhow::Result<()> {
-        if fs::metadata(target).is_ok_and(|found| !found.is_dir()) {
-            return Err(TargetError::IsFile(target.to_owned()).into());
-        }
-        output::make_folder(target)?;
-        if !self.force && fs::read_dir(target)?.next().is_some() {
+        self.own_folder(target)?;
+        let is_empty = || is_empty(target).map_err(|it| self.refused("read", target, &it));
+        if !self.force && !is_empty()? {
             return Err(TargetError::NotEmpty(target.to_owned()).into());
         }
         Ok(())
+    }
+
+    /// Claims a folder whose files the command knows for its own, and makes it.
+    ///
+    /// # Errors
+    /// `TargetError`, or the system's reason where the folder cannot be made or written to.
+    pub fn own_folder(self, target: &Path) -> anyhow::Result<()> {
+        if fs::metadata(target).is_ok_and(|found| !found.is_dir()) {
+            return Err(TargetError::IsFile(target.to_owned()).into());
+        }
+        let is_new = !target.exists();
+        output::make_folder_or(target, self.elsewhere)?;
+        whole_file::check_room(target).map_err(|error| {
+            if is_new {
+                // What cannot be used is not left behind.
+                let _ = fs::remove_dir(target);
+            }
+            self.refused("write in the folder", target, &error)
+        })
+    }
+
+    /// Claims the files of these names in a folder that is claimed.
+    ///
+    /// # Errors
+    /// `TargetError`, or the system's reason.
+    pub fn files_in(
+        self,
+        folder: &Path,
+        names: impl IntoIterator<Item = impl AsRef<Path>>,
+    ) -> anyhow::Result<()> {
+        for name in names {
+            self.free(&folder.join(name))?;
+        }
+        Ok(())
+    }
+
+    /// Whether a file may be written: it is no input, and what has its name may be replaced.
+    fn free(self, target: &Path) -> anyhow::Result<()> {
+        self.not_an_input(target)?;
+        let found = found(target).map_err(|error| self.refused("write", target, &error))?;
+        Ok(found.map_or(Ok(()), |found| self.replaceable(target, &found))?)
+    }
+
+    fn refused(self, action: &str, target: &Path, error: &io::Error) -> anyhow::Error {
+        output::refused(action, target, error, self.elsewhere)
     }
 
     fn not_an_input(self, target: &Path) -> Result<(), TargetError> {
@@ -127,6 +171,16 @@ fn found(target: &Path) -> io::Result<Option<Metadata>> {
     }
 }
 
+/// Whether a folder holds nothing but files that are being written.
+fn is_empty(folder: &Path) -> io::Result<bool> {
+    for entry in fs::read_dir(folder)? {
+        if !whole_file::is_part(&entry?.file_name()) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
 /// Whether two paths lead to one file.
 fn is_same(a: &Path, b: &Path) -> bool {
     same_file::is_same_file(a, b).unwrap_or(false)
@@ -161,6 +215,7 @@ mod tests {
         let claim = Claim {
             force: true,
             inputs: &[&input],
+            elsewhere: output::ELSEWHERE,
         };
         for name in ["rig.h5", "sub/../rig.h5", "soft.h5", "hard.h5"] {
             let refusal = refusal(claim, &at(name));
@@ -173,7 +228,11 @@ mod tests {
     fn what_exists_is_replaced_by_force_only_and_never_where_it_is_write_protected() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        let by_force = |force| Claim { force, inputs: &[] };
+        let by_force = |force| Claim {
+            force,
+            inputs: &[],
+            elsewhere: output::ELSEWHERE,
+        };
         fs::write(at("a.h5"), b"old").unwrap();
         assert!(refusal(by_force(false), &at("a.h5")).contains("--force"));
         by_force(true).file(&at("a.h5")).unwrap();
@@ -194,6 +253,7 @@ mod tests {
         let free = Claim {
             force: false,
             inputs: &[],
+            elsewhere: output::ELSEWHERE,
         };
         free.file(&deep).unwrap();
         free.folder(&folder.path().join("a/b")).unwrap();

@@ -41,6 +41,7 @@ pub use table::write_table;
 pub use writing::RunFileWriter;
 pub(super) use writing::check_name;
 
+use crate::whole_file;
 use ::hdf5::H5Type;
 use ::hdf5::types::FixedAscii;
 use std::io;
@@ -63,7 +64,7 @@ pub enum RunFileError {
         /// What went wrong.
         reason: String,
         /// What to do.
-        way_out: &'static str,
+        way_out: String,
     },
     /// A run that cannot be stored as it is.
     #[error("cannot add run {id:?} to {}: {reason}", path.display())]
@@ -161,17 +162,8 @@ impl RunFileError {
 }
 
 /// What to do about a file that could not be written for `reason`.
-fn way_out(reason: &str) -> &'static str {
-    const WAYS: [(&str, &str); 9] = [
-        ("No space left", "free some space or name another folder"),
-        ("quota exceeded", "free some space or name another folder"),
-        (
-            "File too large",
-            "raise the limit (ulimit -f) or name another folder",
-        ),
-        ("Permission denied", "name a folder you may write to"),
-        ("Read-only", "name a folder you may write to"),
-        ("No such file", "make the folder first"),
+fn way_out(reason: &str) -> String {
+    const OWN: [(&str, &str); 3] = [
         ("it is a folder", "name a file in it"),
         (
             "it is no HDF5 file",
@@ -179,8 +171,11 @@ fn way_out(reason: &str) -> &'static str {
         ),
         ("earlier run failed", "see what was said of that run"),
     ];
-    let known = WAYS.iter().find(|(part, _)| reason.contains(part));
-    known.map_or("try another folder", |(_, way)| way)
+    let known = OWN.iter().find(|(part, _)| reason.contains(part));
+    known.map_or_else(
+        || whole_file::way_out(reason, "name another folder (--out)"),
+        |(_, way)| (*way).to_owned(),
+    )
 }
 
 /// What HDF5 says went wrong, without its call stack: the system's own message where there is one.

@@ -163,7 +163,7 @@ pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -
 }
 
 fn make_folder(path: &Path) -> Result<(), StudyError> {
-    std::fs::create_dir_all(path).map_err(|source| file_error("make", path, source))
+    std::fs::create_dir_all(path).map_err(|source| file_error("make the folder", path, source))
 }
 
 /// Whether there is nothing at `path`, or a folder with nothing but files being written.

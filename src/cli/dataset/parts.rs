@@ -94,9 +94,14 @@ impl Parts {
         if before == Before::Discard {
             remove_parts(&folder)?;
         }
-        // The lock keeps other writers out of this folder.
-        remove_unfinished(&folder)?;
-        fs::write(&mark, origin).with_context(|| format!("cannot write {}", mark.display()))?;
+        whole_file::remove_abandoned_parts(&folder);
+        if found.is_none_or(|found| found != origin)
+            && let Err(error) = fs::write(&mark, origin)
+        {
+            // Half of it is no origin.
+            let _ = fs::remove_file(&mark).and_then(|()| fs::remove_dir(&folder));
+            return Err(output::refused("write", &mark, &error, output::ELSEWHERE));
+        }
         Ok(Self {
             folder,
             _lock: lock,
@@ -175,7 +180,7 @@ fn folder_of(out: &Path) -> PathBuf {
 fn locked(mark: &Path) -> anyhow::Result<File> {
     let shown = mark.display();
     let opened = File::options().append(true).create(true).open(mark);
-    let file = opened.with_context(|| format!("cannot write {shown}"))?;
+    let file = opened.map_err(|error| output::refused("write", mark, &error, output::ELSEWHERE))?;
     if let Err(fs::TryLockError::WouldBlock) = file.try_lock() {
         anyhow::bail!("another command works on this data set (it has locked {shown})");
     }
@@ -196,16 +201,6 @@ fn remove_parts(folder: &Path) -> anyhow::Result<()> {
     };
     for name in names(folder)?.iter().filter(is_part) {
         output::remove_file(&folder.join(name))?;
-    }
-    Ok(())
-}
-
-/// Removes what a command that was killed was writing.
-fn remove_unfinished(folder: &Path) -> anyhow::Result<()> {
-    for name in names(folder)? {
-        if whole_file::is_part(name.as_ref()) {
-            output::remove_file(&folder.join(name))?;
-        }
     }
     Ok(())
 }

@@ -12,6 +12,15 @@ use lugwheel::trace::Trace;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+/// Figures of all runs together: features by ground, their planes, answers and truth.
+const TOGETHER: [&str; 3] = ["feature_values.svg", "feature_planes.svg", "confusion.svg"];
+
+/// Names of all figures that runs may have.
+pub fn names(runs: &[String]) -> impl Iterator<Item = String> {
+    let together = TOGETHER.into_iter().map(str::to_owned);
+    runs.iter().map(|id| name_of(id)).chain(together)
+}
+
 /// Draws run after run, and in the end what they come to.
 pub struct Figures {
     folder: PathBuf,
@@ -51,7 +60,7 @@ impl Figures {
         }));
         // Not every acceleration that was read can be drawn; then there is no figure of the run.
         if let Ok(svg) = traverse_figure(trace, id, windows) {
-            self.write(&format!("{}.svg", file_name(id)), &svg)?;
+            self.write(&name_of(id), &svg)?;
         }
         Ok(())
     }
@@ -59,16 +68,17 @@ impl Figures {
     /// Draws what the runs come to; the names of all figures.
     pub fn finish(mut self, confusion: &Confusion) -> anyhow::Result<Vec<String>> {
         let points = self.grouped();
+        let [values, planes, answers] = TOGETHER;
         if !points.is_empty() {
-            self.write("feature_values.svg", &feature_values(&points))?;
+            self.write(values, &feature_values(&points))?;
         }
         // The regions go by the number of lugs: wheels of several have no planes in common.
         if let (1, Some(&lugs), false) = (self.lugs.len(), self.lugs.first(), points.is_empty()) {
-            self.write("feature_planes.svg", &feature_planes(&points, lugs))?;
+            self.write(planes, &feature_planes(&points, lugs))?;
         }
         if confusion.total() > 0 {
             let title = "Classes answered and true";
-            self.write("confusion.svg", &confusion_figure(confusion, title))?;
+            self.write(answers, &confusion_figure(confusion, title))?;
         }
         Ok(self.written)
     }
@@ -92,11 +102,11 @@ impl Figures {
     }
 }
 
-/// A run's id without what a file's name cannot have.
-fn file_name(id: &str) -> String {
+/// The figure of a run: its id without what a file's name cannot have.
+fn name_of(id: &str) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "-_.".contains(letter);
     let name = id
         .chars()
         .map(|letter| if plain(letter) { letter } else { '_' });
-    name.collect()
+    name.collect::<String>() + ".svg"
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::dataset::Provenance;
 use crate::trace::wheel::{Lugs, Plate};
 use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth};
-use crate::whole_file::WholeFile;
+use crate::whole_file::{self, WholeFile};
 use ::hdf5::file::LibraryVersion;
 use ::hdf5::filters::deflate_available;
 use ::hdf5::types::VarLenUnicode;
@@ -148,11 +148,7 @@ pub(super) fn complete(file: File, whole: WholeFile, target: &Path) -> super::Ou
 }
 
 fn io_error(target: &Path, error: &io::Error) -> RunFileError {
-    let reason = match error.kind() {
-        io::ErrorKind::NotFound => "No such file or folder".to_owned(),
-        _ => error.to_string(),
-    };
-    RunFileError::write(target, &reason)
+    RunFileError::write(target, whole_file::reason(error))
 }
 
 fn unfit(target: &Path, id: &str, reason: String) -> RunFileError {
