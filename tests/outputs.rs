@@ -1,11 +1,15 @@
-//! No command destroys a file: what exists stays unless `--force` is given, and inputs stay always.
+//! No command destroys a file: what exists stays unless `--force` is given, and inputs stay always. What
+//! cannot be written is told before any work, with the reason and what to do; what a kill leaves behind
+//! the next command removes.
+//!
+//! `cargo test --test all outputs:: -- --ignored` writes `output/reference/outputs.txt`.
 
 use crate::cli::{done, program, run};
 use crate::identify;
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Child, Output};
 use std::thread;
 use std::time::Duration;
 use tempfile::TempDir;
@@ -161,26 +165,30 @@ fn a_folder_of_figures_that_holds_files_needs_force() {
     assert_eq!(mine.unwrap(), "mine");
 }
 
+/// Room for what is tried before the work, not for a result.
+const DISK_THAT_FILLS: &str = "trap '' XFSZ; ulimit -f 20";
+
 #[test]
-fn a_full_disk_leaves_no_part_and_names_the_reason() {
+fn a_disk_that_fills_leaves_nothing_and_names_reason_and_way_out() {
     let folder = workplace();
     for (command, words) in commands() {
+        // An import of two means is small.
+        if command == "import" {
+            continue;
+        }
         let name = name_for(command);
+        let before = files(folder.path());
         let words = words.replace("{}", name);
-        let limited = in_shell(folder.path(), FULL_DISK, &words);
-        assert_ne!(limited.status.code(), Some(0), "{command}");
+        let limited = in_shell(folder.path(), DISK_THAT_FILLS, &format!("{words} --quiet"));
+        let said = error(&limited);
+        assert_eq!(limited.status.code(), Some(1), "{command}: {said}");
+        let first = said.lines().next().unwrap();
+        assert!(first.contains("cannot write"), "{command}: {said}");
         assert!(
-            error(&limited).contains("cannot write"),
-            "{command}: {}",
-            error(&limited)
+            first.contains(": File too large; raise the limit (ulimit -f) or name another"),
+            "{command}: {said}"
         );
-        assert!(!folder.path().join(name).exists(), "{command}");
-        let left = fs::read_dir(folder.path()).unwrap();
-        let parts = left.filter(|entry| {
-            let name = entry.as_ref().unwrap().file_name();
-            name.to_string_lossy().starts_with(".lugwheel-")
-        });
-        assert_eq!(parts.count(), 0, "{command}");
+        assert!(files(folder.path()) == before, "{command}");
     }
 }
 
@@ -301,28 +309,115 @@ fn ready_studies_are_found_by_name_and_a_typo_suggests_the_near_one() {
     assert_eq!(said.lines().last(), Some("report: by_name/report.html"));
 }
 
-/// The exit code and the first line of error.
-fn ended(output: &Output) -> String {
-    let said = error(output);
-    let said = said.lines().next().unwrap_or("-");
-    format!("{} | {said}", output.status.code().unwrap())
+/// A place of output, and what must come of it.
+struct Row<'a> {
+    case: &'a str,
+    out: String,
+    /// Option that follows.
+    option: &'a str,
+    /// What the shell does first.
+    first: &'a str,
+    code: i32,
+    /// What the first line of error has.
+    says: &'a str,
 }
 
-/// What a command does with each kind of output in its way, a row each.
-fn rows(command: &str, words: &str) -> String {
+impl Row<'_> {
+    fn new<'a>(case: &'a str, out: impl Into<String>, says: &'a str) -> Row<'a> {
+        Row {
+            case,
+            out: out.into(),
+            option: "",
+            first: ":",
+            code: 1,
+            says,
+        }
+    }
+
+    fn by_force(self) -> Self {
+        Self {
+            option: " --force",
+            ..self
+        }
+    }
+
+    fn on_a_full_disk(self) -> Self {
+        Self {
+            first: FULL_DISK,
+            ..self
+        }
+    }
+
+    fn ends_with(self, code: i32) -> Self {
+        Self { code, ..self }
+    }
+}
+
+/// Runs `words` with each place for `{}`: exit code and first line are as stated, what stood in `folder`
+/// before stays, and no part is left. A line of the table for each.
+fn lines(folder: &Path, command: &str, words: &str, rows: &[Row]) -> String {
+    let line = |row: &Row| {
+        let before = files(folder);
+        let words = format!("{}{} --quiet", words.replace("{}", &row.out), row.option);
+        let output = in_shell(folder, row.first, &words);
+        let said = error(&output);
+        let said = said.lines().next().unwrap_or("-");
+        let context = format!("{command}, {}: {said}", row.case);
+        assert_eq!(output.status.code(), Some(row.code), "{context}");
+        assert!(said.contains(row.says), "{context}");
+        let after = files(folder);
+        assert!(
+            before.iter().all(|file| after.contains(file)),
+            "lost a file: {context}"
+        );
+        let mut names = after.iter().map(|(path, _)| path.to_string_lossy());
+        assert!(
+            names.all(|name| !name.contains(".lugwheel-")),
+            "left a part: {context}"
+        );
+        format!("{command} | {} | {} | {said}\n", row.case, row.code)
+    };
+    rows.iter().map(line).collect()
+}
+
+/// Every file below a folder with its bytes.
+fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.ends_with("scenarios") {
+            continue;
+        }
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            found.push((path.clone(), fs::read(&path).unwrap()));
+        }
+    }
+    found
+}
+
+fn protect(path: &Path) {
+    fs::set_permissions(path, fs::Permissions::from_mode(0o444)).unwrap();
+}
+
+const READS: &str = "which this command reads; name another output";
+const IN_THE_WAY: &str = "move the file that is in the way or name another place with --out";
+const TOO_LARGE: &str = ": File too large; raise the limit (ulimit -f) or name another place";
+
+/// What a command that writes a file does with each place for it.
+fn file_lines((command, words): &(&str, String)) -> String {
     let folder = workplace();
     let at = |name: &str| folder.path().join(name);
     let name = |stem: &str| name_for(command).replace("out", stem);
-    fs::copy(at("ht.h5"), at("in.svg")).unwrap();
+    let scenario = "/scenarios/single_wheel_ht.toml";
     fs::copy(
-        concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/scenarios/single_wheel_ht.toml"
-        ),
+        format!("{}{scenario}", env!("CARGO_MANIFEST_DIR")),
         at("in.toml"),
     )
     .unwrap();
-    let input = match command {
+    fs::copy(at("ht.h5"), at("in.svg")).unwrap();
+    let input = match *command {
         "plot" => "in.svg",
         "import" => "rig.toml",
         _ => "in.toml",
@@ -332,58 +427,122 @@ fn rows(command: &str, words: &str) -> String {
     for stem in ["old", "protected"] {
         fs::write(at(&name(stem)), precious(folder.path(), command)).unwrap();
     }
-    fs::set_permissions(at(&name("protected")), fs::Permissions::from_mode(0o444)).unwrap();
+    protect(&at(&name("protected")));
+    fs::create_dir_all(at(&name("full"))).unwrap();
+    fs::write(at(&name("full")).join("mine.txt"), "mine").unwrap();
     symlink(input, at(&name("soft"))).unwrap();
     fs::hard_link(at(input), at(&name("hard"))).unwrap();
     fs::create_dir(at("sub")).unwrap();
-    let cases = [
-        ("existing file", name("old"), "", ":"),
-        (
+    let below = format!("{}/{}", name("old"), name("new"));
+    let rows = [
+        Row::new("existing file", name("old"), "exists; give --force"),
+        Row::new(
+            "folder with files of others",
+            name("full"),
+            "is a folder; name a file",
+        ),
+        Row::new(
             "input, relative name, --force",
             format!("sub/../{input}"),
-            " --force",
-            ":",
-        ),
-        (
-            "input, symbolic link, --force",
-            name("soft"),
-            " --force",
-            ":",
-        ),
-        ("input, hard link, --force", name("hard"), " --force", ":"),
-        ("read-only file", name("protected"), "", ":"),
-        (
-            "read-only file, --force",
+            READS,
+        )
+        .by_force(),
+        Row::new("input, symbolic link, --force", name("soft"), READS).by_force(),
+        Row::new("input, hard link, --force", name("hard"), READS).by_force(),
+        Row::new(
+            "write-protected file",
             name("protected"),
-            " --force",
-            ":",
+            "exists; give --force",
         ),
-        ("full disk", name("new"), "", FULL_DISK),
-        ("missing folder", name("no/such/new"), "", ":"),
+        Row::new(
+            "write-protected file, --force",
+            name("protected"),
+            "is write-protected, and --force does not replace such a file",
+        )
+        .by_force(),
+        Row::new(
+            "read-only folder",
+            closed(&name("new")),
+            "make it writable or",
+        ),
+        Row::new("file in place of a folder", below, IN_THE_WAY),
+        Row::new("full disk", name("new"), TOO_LARGE).on_a_full_disk(),
+        Row::new("missing folder", name("no/such/new"), "-").ends_with(0),
     ];
-    let rows = cases.map(|(case, out, force, limit)| {
-        let words = words.replace("{}", &out);
-        let output = in_shell(folder.path(), limit, &format!("{words}{force}"));
-        format!("{command} | {case} | {}\n", ended(&output))
-    });
-    rows.concat()
+    lines(folder.path(), command, &words, &rows)
 }
 
-/// Every command that fills a folder, with `{}` for it, and whether it is quick enough to be run to its end.
-fn folder_commands() -> [(&'static str, &'static str, bool); 6] {
-    [
-        ("recognize", "recognize drive.h5 --out {}", true),
-        ("identify", "identify loads.h5 --out {}", true),
-        ("study", "study tiny.toml --out {}", true),
-        (
-            "diagnose",
-            "diagnose --measured drive.h5 --scenario in.toml --out {}",
-            false,
-        ),
-        ("challenge", "challenge make --set C0 --out {}", false),
-        ("demo", "demo --out {}", false),
-    ]
+/// A place in which nobody may write, root included.
+fn closed(name: &str) -> String {
+    format!("/sys/{name}")
 }
+
+/// A command that fills a folder, with `{}` for it.
+struct Filler {
+    command: &'static str,
+    words: &'static str,
+    /// One of its inputs, which is none of a folder of its own.
+    input: &'static str,
+    /// A file that it writes there.
+    result: &'static str,
+    /// What it says of that file where it is protected, with --force.
+    protected: &'static str,
+    /// Why it is not run to its end.
+    not_run: Option<&'static str>,
+}
+
+const PROTECTED: &str = "is write-protected, and --force does not replace such a file";
+
+const FILLERS: [Filler; 6] = [
+    Filler {
+        command: "recognize",
+        words: "recognize drive.h5 --out {}",
+        input: "drive.h5",
+        result: "run_000000.svg",
+        protected: PROTECTED,
+        not_run: None,
+    },
+    Filler {
+        command: "identify",
+        words: "identify loads.h5 --out {}",
+        input: "loads.h5",
+        result: "forces_LEIS.svg",
+        protected: PROTECTED,
+        not_run: None,
+    },
+    Filler {
+        command: "study",
+        words: "study tiny.toml --out {}",
+        input: "tiny.toml",
+        result: "runs.csv",
+        protected: "is not empty; go on with what it holds (--resume) or name another folder",
+        not_run: None,
+    },
+    Filler {
+        command: "diagnose",
+        words: "diagnose --measured drive.h5 --scenario in.toml --out {}",
+        input: "drive.h5",
+        result: "diagnosis.html",
+        protected: PROTECTED,
+        not_run: Some("simulates for minutes"),
+    },
+    Filler {
+        command: "challenge make",
+        words: "challenge make --set C0 --cases 1 --ground hard --duration 0.1 --out {}",
+        input: "in.toml",
+        result: "campaigns/manifest.json",
+        protected: "holds something else; name another folder",
+        not_run: None,
+    },
+    Filler {
+        command: "demo",
+        words: "demo --out {}",
+        input: "in.toml",
+        result: "report.html",
+        protected: PROTECTED,
+        not_run: Some("simulates for minutes"),
+    },
+];
 
 /// A folder with the inputs of these commands.
 fn workplace_of_folders() -> TempDir {
@@ -405,104 +564,263 @@ fn workplace_of_folders() -> TempDir {
     folder
 }
 
-/// What a command does with each kind of folder in its way, a row each; what stood there is to stay.
-fn folder_rows((command, words, is_quick): (&str, &str, bool)) -> String {
+/// What a command that fills a folder does with each place for it.
+fn folder_lines(filler: &Filler) -> String {
+    let Filler {
+        command,
+        words,
+        input,
+        result,
+        protected,
+        not_run,
+    } = *filler;
     let folder = workplace_of_folders();
     let at = |name: &str| folder.path().join(name);
-    let input = words
-        .split(' ')
-        .find(|word| word.contains('.'))
-        .unwrap_or("in.toml");
-    let precious = fs::read(at(input)).unwrap();
+    let own = at("own").join(result);
+    fs::create_dir_all(own.parent().unwrap()).unwrap();
+    fs::write(&own, "mine").unwrap();
+    protect(&own);
     fs::create_dir(at("full")).unwrap();
     fs::write(at("full/mine.txt"), "mine").unwrap();
     fs::write(at("file"), "mine").unwrap();
     symlink(input, at("soft")).unwrap();
     fs::hard_link(at(input), at("hard")).unwrap();
-    let relative = format!("sub/../{input}");
-    let refusals = [
-        ("folder with files of others", "full", ""),
-        ("existing file", "file", ""),
-        ("existing file, --force", "file", " --force"),
-        (
+    let is_file = "is a file; name a folder";
+    let rows = [
+        Row::new("folder with files of others", "full", "is not empty"),
+        Row::new("existing file", "file", is_file),
+        Row::new("existing file, --force", "file", is_file).by_force(),
+        Row::new(
             "input, relative name, --force",
-            relative.as_str(),
-            " --force",
-        ),
-        ("input, symbolic link, --force", "soft", " --force"),
-        ("input, hard link, --force", "hard", " --force"),
+            format!("sub/../{input}"),
+            is_file,
+        )
+        .by_force(),
+        Row::new("input, symbolic link, --force", "soft", is_file).by_force(),
+        Row::new("input, hard link, --force", "hard", is_file).by_force(),
+        Row::new("write-protected result, --force", "own", protected).by_force(),
+        Row::new("read-only folder", closed("new"), "make it writable or"),
+        Row::new("file in place of a folder", "file/new", IN_THE_WAY),
+        Row::new("full disk", "new", TOO_LARGE).on_a_full_disk(),
     ];
-    let mut rows = String::new();
-    let mut row = |case: &str, out: &str, option: &str, limit: &str| {
-        let words = words.replace("{}", out);
-        let output = in_shell(folder.path(), limit, &format!("{words}{option} --quiet"));
-        rows += &format!("{command} | {case} | {}\n", ended(&output));
-        output
-    };
-    for (case, out, option) in refusals {
-        let output = row(case, out, option, ":");
-        assert_eq!(
-            output.status.code(),
-            Some(1),
-            "{command}, {case}: {}",
-            error(&output)
-        );
-        assert!(
-            ["--force", "name another", "name a folder"]
-                .iter()
-                .any(|way| error(&output).contains(way)),
-            "{command}, {case}: {}",
-            error(&output)
-        );
-        assert!(
-            fs::read(at(input)).unwrap() == precious,
-            "{command}, {case}"
-        );
-        for mine in ["full/mine.txt", "file"] {
-            assert_eq!(
-                fs::read_to_string(at(mine)).unwrap(),
-                "mine",
-                "{command}, {case}"
-            );
+    let table = lines(folder.path(), command, words, &rows);
+    let last = match not_run {
+        Some(reason) => format!("{command} | missing folder | not run: {reason} | -\n"),
+        None => {
+            let made = Row::new("missing folder", "no/such/new", "-").ends_with(0);
+            lines(folder.path(), command, words, &[made])
         }
-    }
-    if is_quick {
-        let output = row("full disk", "new", "", FULL_DISK);
-        assert_ne!(output.status.code(), Some(0), "{command}");
-        assert!(
-            error(&output).contains("cannot write"),
-            "{command}: {}",
-            error(&output)
-        );
-        let output = row("missing folder", "no/such/new", "", ":");
-        assert_eq!(
-            output.status.code(),
-            Some(0),
-            "{command}: {}",
-            error(&output)
-        );
-        assert!(at("no/such/new").is_dir());
-    }
-    rows
+    };
+    table + &last
+}
+
+/// What commands that draw figures into a folder do with an input under the name of a figure there.
+fn figure_lines() -> String {
+    let folder = workplace_of_folders();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("own")).unwrap();
+    let line = |command: &str, input: &str, figure: &str| {
+        fs::copy(at(input), at("own").join(figure)).unwrap();
+        let words = format!("{command} own/{figure} --out {{}}");
+        let row = Row::new("input of a figure's name, --force", "own", READS).by_force();
+        lines(folder.path(), command, &words, &[row])
+    };
+    let recognized = line("recognize", "drive.h5", "run_000000.svg");
+    recognized + &line("identify", "loads.h5", "forces_LEIS.svg")
+}
+
+/// What `diagnose` does with each place for its bank.
+fn bank_lines() -> String {
+    let folder = workplace_of_folders();
+    fs::write(folder.path().join("file"), "mine").unwrap();
+    let words = "diagnose --measured drive.h5 --scenario in.toml --force --out new --bank {}";
+    let rows = [
+        Row::new(
+            "--bank, existing file",
+            "file",
+            "file is a file; name a folder",
+        ),
+        Row::new(
+            "--bank, read-only folder",
+            closed("bank"),
+            "make it writable or name another place with --bank",
+        ),
+    ];
+    lines(folder.path(), "diagnose", words, &rows)
+}
+
+/// What commands that go on in the folder of a trial do with each kind of it.
+fn trial_lines() -> String {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let make = "challenge make --set C0 --cases 1 --ground hard --duration 0.1 --out";
+    done(run(folder.path(), &format!("{make} trial --quiet")));
+    fs::create_dir(at("full")).unwrap();
+    fs::write(at("full/mine.txt"), "mine").unwrap();
+    fs::write(at("file"), "mine").unwrap();
+    let none = |command: &str| {
+        let words = format!("{command} {{}}");
+        let rows = [
+            Row::new(
+                "existing file",
+                "file",
+                "cannot read file/campaigns/manifest.json: Not a directory",
+            )
+            .ends_with(3),
+            Row::new(
+                "folder with files of others",
+                "full",
+                "cannot read full/campaigns/manifest.json: No such file",
+            )
+            .ends_with(3),
+            Row::new(
+                "missing folder",
+                "none",
+                "cannot read none/campaigns/manifest.json: No such file",
+            )
+            .ends_with(3),
+        ];
+        lines(folder.path(), command, &words, &rows)
+    };
+    let mut table = none("challenge run");
+    let words = "challenge run {}";
+    let too_large = Row::new("full disk", "trial", ": File too large; raise the limit");
+    let full = [too_large.on_a_full_disk()];
+    table += &lines(folder.path(), "challenge run", words, &full);
+    fs::write(at("trial/answers/origin.txt"), "mine").unwrap();
+    protect(&at("trial/answers/origin.txt"));
+    let others = "holds answers to other campaigns or of another program; remove it";
+    let rows = [Row::new("write-protected answers of others", "trial", others).by_force()];
+    table += &lines(folder.path(), "challenge run", words, &rows);
+    table += "challenge run | input as output | not run: the folder of the trial is both | -\n";
+    fs::remove_file(at("trial/answers/origin.txt")).unwrap();
+    fs::write(
+        at("trial/answers/case_0001.json"),
+        "{\"verdict\": \"none\", \"probabilities\": {\"none\": 1.0}}\n",
+    )
+    .unwrap();
+    table += &none("challenge score");
+    let words = "challenge score {}";
+    table += &lines(folder.path(), "challenge score", words, &full);
+    fs::create_dir_all(at("trial/score")).unwrap();
+    fs::write(at("trial/score/power.svg"), "mine").unwrap();
+    protect(&at("trial/score/power.svg"));
+    let rows = [Row::new("write-protected result, --force", "trial", PROTECTED).by_force()];
+    table += &lines(folder.path(), "challenge score", words, &rows);
+    table + "challenge score | input as output | not run: the folder of the trial is both | -\n"
 }
 
 #[test]
-fn commands_that_fill_a_folder_leave_what_stands_there() {
-    for command in folder_commands() {
-        folder_rows(command);
+fn a_file_is_written_where_nothing_is_lost_and_refused_elsewhere_with_reason_and_way_out() {
+    for command in &commands() {
+        file_lines(command);
     }
+}
+
+#[test]
+fn a_folder_is_filled_where_nothing_is_lost_and_refused_elsewhere_with_reason_and_way_out() {
+    for filler in &FILLERS {
+        folder_lines(filler);
+    }
+}
+
+#[test]
+fn an_input_under_the_name_of_a_figure_is_refused_even_by_force() {
+    figure_lines();
+}
+
+#[test]
+fn a_bank_that_cannot_be_kept_is_refused_before_any_simulation() {
+    bank_lines();
+}
+
+#[test]
+fn trials_are_answered_and_scored_in_their_own_folder_alone() {
+    trial_lines();
 }
 
 #[test]
 #[ignore = "writes output/reference/outputs.txt: cargo test --test all outputs:: -- --ignored"]
 fn the_table_of_outputs_is_written() {
-    let rows = commands().map(|(command, words)| rows(command, &words));
-    let folders = folder_commands().map(folder_rows);
+    let files = commands().each_ref().map(file_lines).concat();
+    let folders = FILLERS.each_ref().map(folder_lines).concat();
     let table = format!(
-        "command | output | exit code | message\n{}{}",
-        rows.concat(),
-        folders.concat()
+        "command | output | exit code | message\n{files}{folders}{}{}{}",
+        figure_lines(),
+        bank_lines(),
+        trial_lines()
     );
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/output/reference/outputs.txt");
     fs::write(path, table).unwrap();
+}
+
+/// Names of parts in a folder.
+fn parts(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names
+        .filter(|name| name.starts_with(".lugwheel-"))
+        .collect()
+}
+
+/// A command in `folder` that has begun to write its file.
+fn writing(folder: &Path, words: &str) -> Child {
+    let mut program = program(folder);
+    program.args(words.split_whitespace());
+    let mut child = program.spawn().unwrap();
+    while !parts(folder).iter().any(|name| name.ends_with(".part")) {
+        assert!(child.try_wait().unwrap().is_none(), "it ended too early");
+        thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+/// Longer than any test waits.
+const LONG: &str = "simulate single_wheel_ref --set duration=1000 --quiet --out long.h5";
+
+#[test]
+fn what_a_killed_command_was_writing_the_next_one_in_the_folder_removes() {
+    let folder = workplace();
+    for next in [
+        "plot ht.h5 --out a.svg",
+        "import rig.toml --out b.h5",
+        "dataset single_wheel_ht --runs 1 --set duration=0.5 --out c.h5",
+    ] {
+        let mut killed = writing(folder.path(), LONG);
+        killed.kill().unwrap();
+        killed.wait().unwrap();
+        assert!(!parts(folder.path()).is_empty(), "{next}");
+        done(run(folder.path(), &format!("{next} --quiet")));
+        assert_eq!(parts(folder.path()), Vec::<String>::new(), "{next}");
+    }
+    assert!(!folder.path().join("long.h5").exists());
+}
+
+#[test]
+fn a_folder_of_figures_that_a_killed_command_left_only_a_part_in_counts_as_empty() {
+    let folder = workplace_of_folders();
+    let figures = folder.path().join("figures");
+    fs::create_dir(&figures).unwrap();
+    let mut killed = writing(&figures, LONG);
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    fs::remove_file(figures.join("scenarios")).unwrap();
+    done(run(
+        folder.path(),
+        "identify loads.h5 --out figures --quiet",
+    ));
+    assert_eq!(parts(&figures), Vec::<String>::new());
+}
+
+#[test]
+fn what_a_living_command_is_writing_stays_whatever_else_is_written_beside_it() {
+    let folder = workplace();
+    let mut living = writing(folder.path(), LONG);
+    let before = parts(folder.path());
+    done(run(folder.path(), "plot ht.h5 --out a.svg --quiet"));
+    done(run(folder.path(), "import rig.toml --out b.h5 --quiet"));
+    assert_eq!(parts(folder.path()), before);
+    assert!(living.try_wait().unwrap().is_none(), "it still writes");
+    living.kill().unwrap();
+    living.wait().unwrap();
 }
