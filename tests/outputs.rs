@@ -192,6 +192,25 @@ fn a_disk_that_fills_leaves_nothing_and_names_reason_and_way_out() {
     }
 }
 
+#[test]
+fn a_data_set_that_does_not_fit_says_why_and_goes_on_where_there_is_room() {
+    let folder = TempDir::new().unwrap();
+    // 40 KiB in blocks of 512 bytes: a run fits, four do not.
+    let first = "trap '' XFSZ; ulimit -f 80";
+    program(folder.path());
+    let words = format!("dataset {SHORT} --runs 4 --quiet --out set.h5");
+    let limited = in_shell(folder.path(), first, &words);
+    let said = error(&limited);
+    let line = said.lines().next().unwrap();
+    assert!(
+        line.starts_with("error: cannot write set.h5: File too large; raise the limit"),
+        "{said}"
+    );
+    assert!(line.contains("4 of 4 runs are whole"), "{said}");
+    done(run(folder.path(), &format!("{words} --resume")));
+    assert!(!folder.path().join("set.h5.parts").exists());
+}
+
 /// `dataset` of eight runs in `folder`, killed after its first run is whole.
 fn killed(folder: &Path, words: &str) {
     let mut program = program(folder);

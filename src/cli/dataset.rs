@@ -175,7 +175,9 @@ impl Dataset {
         if error.is::<Interrupted>() {
             return Interrupted(left).into();
         }
-        error.context(left)
+        // The reason comes first.
+        let told = format!("{error}; {left}");
+        error.context(told)
     }
 
     /// Gathers the parts in the file; the outcomes of the runs.

@@ -404,7 +404,7 @@ fn told(unsteady: &Unsteady, runs: u64) -> String {
     }
     if *too_short > 0 {
         parts.push(format!(
-            "too short to show it in {too_short} of {runs} runs"
+            "too short to show that it is steady in {too_short} of {runs} runs"
         ));
     }
     format!("{quantity}: {}", parts.join(", "))
