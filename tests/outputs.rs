@@ -195,8 +195,8 @@ fn a_disk_that_fills_leaves_nothing_and_names_reason_and_way_out() {
 #[test]
 fn a_data_set_that_does_not_fit_says_why_and_goes_on_where_there_is_room() {
     let folder = TempDir::new().unwrap();
-    // 40 KiB in blocks of 512 bytes: a run fits, four do not.
-    let first = "trap '' XFSZ; ulimit -f 80";
+    // 100 KiB in blocks of 512 bytes: a run of 60 kB fits, four do not.
+    let first = "trap '' XFSZ; ulimit -f 200";
     program(folder.path());
     let words = format!("dataset {SHORT} --runs 4 --quiet --out set.h5");
     let limited = in_shell(folder.path(), first, &words);
