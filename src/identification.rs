@@ -47,7 +47,6 @@ mod profile;
 mod row;
 mod scope;
 mod search;
-mod slope;
 mod stages;
 mod steady;
 mod usual;

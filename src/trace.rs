@@ -2,6 +2,7 @@
 
 pub mod clipping;
 pub mod motion;
+pub mod slope;
 pub mod steadiness;
 pub mod truth;
 pub mod turning;
