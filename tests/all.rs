@@ -27,6 +27,7 @@ mod inspection;
 mod inspection_faults;
 mod investigation;
 mod learning;
+mod log_dialects;
 mod log_fuzz;
 mod logs;
 mod measured_soils;
