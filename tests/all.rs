@@ -25,6 +25,7 @@ mod identify_claims;
 mod import;
 mod inspection;
 mod inspection_faults;
+mod inspection_pairs;
 mod investigation;
 mod learning;
 mod log_dialects;

@@ -3,6 +3,7 @@
 //! A wheel at rest has no slip: rim speed and forward speed are both nil, and their ratio is made of noise
 //! or rounding. What is averaged over a drive leaves its rests out.
 
+use super::encoder::between_steps;
 use super::turning::unwrapped;
 use super::{Channel, Trace, finite_mean};
 
@@ -42,14 +43,16 @@ impl Motion {
             let radius = trace.attributes.wheel_radius;
             // A rover wheel's, where nobody knows it.
             let radius = if radius > 0.0 { radius } else { 0.1 };
-            always.ways(&turned(angle), |block| {
-                radius * (block[block.len() - 1] - block[0])
-            })
+            let angle = turned(angle);
+            let angle = Channel {
+                samples: between_steps(&angle.samples),
+                ..angle
+            };
+            always.turned_ways(&angle, radius)
         });
-        let forward = trace.channel("forward_speed").map(|speed| {
-            let way = |block: &[f64]| block.iter().sum::<f64>() / block.len() as f64 * BLOCK;
-            always.ways(speed, way)
-        });
+        let forward = trace
+            .channel("forward_speed")
+            .map(|speed| always.ways(speed));
         let slips = trace.attributes.slip_ratio.abs() > ROLLS;
         let ways: Vec<f64> = match (rim, forward) {
             (Some(rim), Some(forward)) => {
@@ -67,16 +70,27 @@ impl Motion {
         }
     }
 
-    /// Way [m] in each block by its samples that are numbers; unknown ones count as moving.
-    fn ways(&self, channel: &Channel, way: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    /// Way [m] of the rim in each block: between the angles at its ends, which a slow log has beyond them.
+    fn turned_ways(&self, angle: &Channel, radius: f64) -> Vec<f64> {
+        let mut numbers = numbers_over_time(angle);
+        // The last sample stands for its period, as all others do.
+        if let [.., (_, before), (time, last)] = numbers[..] {
+            numbers.push((time + 1.0 / angle.sample_rate, 2.0 * last - before));
+        }
+        let at = |index: usize| interpolated(&numbers, self.start + BLOCK * index as f64);
+        let way = |index: usize| radius * (at(index + 1) - at(index)).abs();
+        (0..self.moves.len()).map(way).collect()
+    }
+
+    /// Way [m] in each block by the mean of its speeds [m/s]; where it has none, by those before and after it.
+    fn ways(&self, speed: &Channel) -> Vec<f64> {
+        let numbers = numbers_over_time(speed);
         let of_block = |index: usize| {
             let start = self.start + BLOCK * index as f64;
-            let block = channel.between(start, start + BLOCK).iter().copied();
-            let numbers: Vec<f64> = block.filter(|x| x.is_finite()).collect();
-            match numbers[..] {
-                [] => 0.0,
-                _ => way(&numbers).abs(),
-            }
+            let within = speed.between(start, start + BLOCK);
+            let mean = finite_mean(within);
+            let mean = mean.unwrap_or_else(|| interpolated(&numbers, start + 0.5 * BLOCK));
+            mean.abs() * BLOCK
         };
         (0..self.moves.len()).map(of_block).collect()
     }
@@ -126,6 +140,27 @@ fn without_starts_and_stops(moves: &[bool]) -> Vec<bool> {
     match steadily.contains(&true) {
         true => steadily,
         false => moves.to_vec(),
+    }
+}
+
+/// Times [s] and values of the samples that are numbers.
+fn numbers_over_time(channel: &Channel) -> Vec<(f64, f64)> {
+    let samples = channel.samples.iter().enumerate();
+    samples
+        .filter(|(_, sample)| sample.is_finite())
+        .map(|(index, &sample)| (channel.time(index), sample))
+        .collect()
+}
+
+/// The value at `time` [s] on the straight line between its neighbours; beyond the ends theirs.
+fn interpolated(numbers: &[(f64, f64)], time: f64) -> f64 {
+    let after = numbers.partition_point(|(at, _)| *at <= time);
+    match (after.checked_sub(1).map(|i| numbers[i]), numbers.get(after)) {
+        (Some((from, before)), Some((to, next))) => {
+            before + (next - before) * (time - from) / (to - from)
+        }
+        (Some((_, value)), None) | (None, Some(&(_, value))) => value,
+        (None, None) => 0.0,
     }
 }
 
