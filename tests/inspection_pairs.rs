@@ -612,3 +612,213 @@ fn a_force_at_the_end_of_its_sensor_is_found_and_one_in_coarse_steps_is_not() {
     });
     is_sound("held for ten samples", &held);
 }
+
+/// A row of Wang & Han (2016), KLS-1 under 58.86 N, as `data/inspection/kls1.csv` has it: slip, pull [N], sinkage [m],
+/// torque [N m].
+type Published = [f64; 4];
+
+const SMOOTH: [Published; 5] = [
+    [0.1, -0.5, 0.0010, 1.30],
+    [0.2, 1.0, 0.0043, 1.55],
+    [0.3, 2.0, 0.0045, 1.90],
+    [0.4, 2.5, 0.0057, 2.05],
+    [0.5, 0.5, 0.0080, 2.05],
+];
+
+const LUGGED: [Published; 5] = [
+    [0.1, 7.7, 0.0022, 2.85],
+    [0.2, 9.0, 0.0043, 2.95],
+    [0.3, 10.0, 0.0078, 3.05],
+    [0.4, 12.7, 0.0096, 3.10],
+    [0.5, 6.4, 0.0135, 2.85],
+];
+
+/// Slips of the rows that are doubted after `edit`.
+fn doubted_slips(rows: &[Published], lugs: (u32, f64), edit: impl Fn(&mut Trace)) -> Vec<f64> {
+    let trace = |&[slip, pull, sinkage, torque]: &Published| {
+        let means = [
+            ("drawbar_pull", pull),
+            ("sinkage", sinkage),
+            ("driving_torque", torque),
+        ];
+        but(row(slip, &means), |trace| {
+            (trace.attributes.wheel_radius, trace.attributes.load) = (0.085, 58.86);
+            (trace.attributes.lug_count, trace.attributes.lug_height) = (Some(lugs.0), lugs.1);
+            edit(trace);
+        })
+    };
+    let traces = rows.iter().map(|row| (row[0], trace(row)));
+    traces
+        .filter(|(_, trace)| !doubts(trace).is_empty())
+        .map(|(slip, _)| slip)
+        .collect()
+}
+
+fn scaled(name: &'static str, factor: f64) -> impl Fn(&mut Trace) {
+    move |trace| {
+        let mean = trace.means.iter_mut().find(|mean| mean.name == name);
+        mean.unwrap().value *= factor;
+    }
+}
+
+#[test]
+fn published_rows_are_doubted_where_no_wheel_can_have_them_or_their_unit_was_lost() {
+    type Edit = Box<dyn Fn(&mut Trace)>;
+    const ALL: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
+    // At slip 0.1 the smooth wheel meets 15.8 N of resistance, and ground as deep as it is in gives 10.8 N.
+    let cases: [(&str, Edit, &[f64], &[f64]); 9] = [
+        (
+            "as published",
+            Box::new(scaled("drawbar_pull", 1.0)),
+            &[0.1],
+            &[],
+        ),
+        (
+            "torque x 9.81",
+            Box::new(scaled("driving_torque", GRAVITY)),
+            &ALL,
+            &ALL,
+        ),
+        (
+            "torque x 1000",
+            Box::new(scaled("driving_torque", 1e3)),
+            &ALL,
+            &ALL,
+        ),
+        (
+            "torque reversed",
+            Box::new(scaled("driving_torque", -1.0)),
+            &ALL,
+            &ALL,
+        ),
+        // The smooth wheel's pull is so small that a tenth of the torque still pays for it.
+        (
+            "torque / 9.81",
+            Box::new(scaled("driving_torque", 1.0 / GRAVITY)),
+            &[],
+            &ALL[..4],
+        ),
+        (
+            "pull x 9.81",
+            Box::new(scaled("drawbar_pull", GRAVITY)),
+            &[0.1],
+            &ALL,
+        ),
+        (
+            "sinkage / 1000",
+            Box::new(scaled("sinkage", 1e-3)),
+            &ALL,
+            &[],
+        ),
+        (
+            "sinkage x 1000",
+            Box::new(scaled("sinkage", 1e3)),
+            &ALL,
+            &ALL,
+        ),
+        (
+            "load in kg",
+            Box::new(|trace| trace.attributes.load = 6.0),
+            &ALL,
+            &ALL,
+        ),
+    ];
+    for (name, edit, smooth, lugged) in cases {
+        let found = [
+            doubted_slips(&SMOOTH, (0, 0.0), &edit),
+            doubted_slips(&LUGGED, (16, 0.010), &edit),
+        ];
+        assert_eq!(found, [smooth, lugged], "{name}");
+    }
+}
+
+/// A drive of 40 s that moves while `moves` says so, slowing down within a sample, with what a sensor makes of rest.
+fn pausing(moves: impl Fn(f64) -> bool, log: Log) -> Trace {
+    let turning = wheel_speed(0.2, SPEED);
+    let count = (log.rate * log.seconds) as u32;
+    let times = (0..count).map(|i| f64::from(i) / log.rate);
+    let mut turned = 0.0;
+    let mut angles = Vec::new();
+    for time in times {
+        angles.push(turned);
+        turned += if moves(time) { turning / log.rate } else { 0.0 };
+    }
+    let noise = |t: f64| (t * 9137.0).sin() * (t * 517.3).cos();
+    let speed = |t: f64| if moves(t) { SPEED } else { 1.0e-5 * noise(t) };
+    // Of two speeds of nil, a slip of anything.
+    let slip = |t: f64| {
+        if moves(t) {
+            0.2 + 0.002 * noise(t)
+        } else {
+            noise(t)
+        }
+    };
+    let mut trace = drive(0.2, [20.0, 5.0], log);
+    trace
+        .channels
+        .retain(|channel| !["wheel_angle", "forward_speed"].contains(&channel.name.as_str()));
+    trace.channels.push(channel("forward_speed", log, speed));
+    trace.channels.push(channel("slip_ratio", log, slip));
+    // The encoder trembles by its step.
+    let step = TAU / 4096.0;
+    let mut index = 0;
+    trace.channels.push(channel("wheel_angle", log, |_| 0.0));
+    for sample in &mut trace.channels.last_mut().unwrap().samples {
+        let tremble = if index % 17 == 0 { step } else { 0.0 };
+        *sample = (angles[index] / step).floor() * step + tremble;
+        index += 1;
+    }
+    trace
+}
+
+#[test]
+fn a_slip_of_rest_counts_for_nothing_wherever_the_rest_is_and_a_wrong_slip_of_the_drive_is_found() {
+    type Moves = fn(f64) -> bool;
+    let drives: [(&str, Moves); 5] = [
+        ("parks at the end", |t| t < 22.0),
+        ("starts late", |t| t > 18.0),
+        ("stops twice", |t| {
+            !(8.0..14.0).contains(&t) && !(24.0..31.0).contains(&t)
+        }),
+        ("moves for a while only", |t| (15.0..22.0).contains(&t)),
+        ("never stops", |_| true),
+    ];
+    for rate in [100.0, 20.0] {
+        let log = Log {
+            rate,
+            seconds: 40.0,
+        };
+        for (name, moves) in drives {
+            let trace = pausing(moves, log);
+            // A pull that is there before the wheel turns is another matter.
+            let of_slip = |trace: &Trace| {
+                let mut found = doubts(trace);
+                found.retain(|finding| !finding.message.contains("before the wheel turns"));
+                found
+            };
+            assert_eq!(of_slip(&trace), [], "{name}");
+            let undefined = but(trace.clone(), |trace| {
+                let slip = trace
+                    .channels
+                    .iter_mut()
+                    .find(|channel| channel.name == "slip_ratio")
+                    .unwrap();
+                let rate = slip.sample_rate;
+                for (i, sample) in slip.samples.iter_mut().enumerate() {
+                    if !moves(i as f64 / rate) {
+                        *sample = f64::NAN;
+                    }
+                }
+            });
+            assert_eq!(of_slip(&undefined), [], "{name}, slip undefined at rest");
+            let by_turning = without(trace.clone(), &["slip_ratio"]);
+            assert_eq!(of_slip(&by_turning), [], "{name}, slip by the turning");
+            for (trace, channel) in [(trace, "slip_ratio"), (by_turning, "wheel_angle")] {
+                let mislabelled = but(trace, |trace| trace.attributes.slip_ratio = 0.5);
+                is_found(name, &mislabelled, [channel, "ran at slip 0."]);
+            }
+        }
+        let stands = pausing(|_| false, log);
+        assert_eq!(doubts(&stands), [], "never moves");
+    }
+}

@@ -17,6 +17,9 @@ const REST: f64 = 0.01;
 /// carriage's play and an encoder's step come to.
 const STILL: f64 = 0.5e-3;
 
+/// Samples [-] over which the trembling of an encoder at rest is averaged.
+const TREMBLES: usize = 4;
+
 /// Slip [-] up to which a wheel may stand on the command alone while the other channel is not known: with more
 /// it spins in place or is dragged.
 const ROLLS: f64 = 0.9;
@@ -48,22 +51,31 @@ impl Motion {
                 samples: between_steps(&angle.samples),
                 ..angle
             };
-            always.turned_ways(&angle, radius)
+            (
+                always.turned_ways(&angle, radius),
+                radius * finest_step(&angle),
+            )
         });
+        let tremble = rim.as_ref().map_or(0.0, |(_, step)| 1.01 * step);
+        let rim = rim.map(|(ways, _)| ways);
         let forward = trace
             .channel("forward_speed")
             .map(|speed| always.ways(speed));
         let slips = trace.attributes.slip_ratio.abs() > ROLLS;
-        let ways: Vec<f64> = match (rim, forward) {
-            (Some(rim), Some(forward)) => {
-                rim.iter().zip(&forward).map(|(a, b)| a.max(*b)).collect()
-            }
-            (Some(one), None) | (None, Some(one)) if !slips => one,
+        let ways: Vec<Vec<f64>> = match (rim, forward) {
+            (Some(rim), Some(forward)) => vec![rim, forward],
+            (Some(one), None) | (None, Some(one)) if !slips => vec![one],
             _ => return always,
         };
-        let fastest = ways.iter().copied().fold(0.0, f64::max);
-        let moves_at_all = ways.iter().sum::<f64>() > STILL;
-        let moves = ways.iter().map(|way| moves_at_all && *way > REST * fastest);
+        let moves_at_all = ways.iter().any(|ways| excursion(ways) > STILL);
+        let way = |block: usize| {
+            ways.iter()
+                .map(|ways| ways[block].abs())
+                .fold(0.0, f64::max)
+        };
+        let fastest = (0..count).map(way).fold(0.0, f64::max);
+        let least = (REST * fastest).max(tremble.min(0.25 * fastest));
+        let moves = (0..count).map(|block| moves_at_all && way(block) > least);
         Self {
             start,
             moves: without_starts_and_stops(&moves.collect::<Vec<bool>>()),
@@ -77,8 +89,20 @@ impl Motion {
         if let [.., (_, before), (time, last)] = numbers[..] {
             numbers.push((time + 1.0 / angle.sample_rate, 2.0 * last - before));
         }
-        let at = |index: usize| interpolated(&numbers, self.start + BLOCK * index as f64);
-        let way = |index: usize| radius * (at(index + 1) - at(index)).abs();
+        let at = |time: f64| interpolated(&numbers, time);
+        // An encoder at rest trembles: of the first and the last quarter of a block the means count.
+        let quarter = |from: f64| {
+            let samples = angle.between(from, from + 0.25 * BLOCK);
+            finite_mean(samples).filter(|_| samples.len() >= TREMBLES)
+        };
+        let way = |index: usize| {
+            let start = self.start + BLOCK * index as f64;
+            let turned = match (quarter(start), quarter(start + 0.75 * BLOCK)) {
+                (Some(first), Some(last)) => (last - first) / 0.75,
+                _ => at(start + BLOCK) - at(start),
+            };
+            radius * turned
+        };
         (0..self.moves.len()).map(way).collect()
     }
 
@@ -90,7 +114,7 @@ impl Motion {
             let within = speed.between(start, start + BLOCK);
             let mean = finite_mean(within);
             let mean = mean.unwrap_or_else(|| interpolated(&numbers, start + 0.5 * BLOCK));
-            mean.abs() * BLOCK
+            mean * BLOCK
         };
         (0..self.moves.len()).map(of_block).collect()
     }
@@ -141,6 +165,30 @@ fn without_starts_and_stops(moves: &[bool]) -> Vec<bool> {
         true => steadily,
         false => moves.to_vec(),
     }
+}
+
+/// Smallest step [rad] of a wheel angle, by which it trembles at rest.
+fn finest_step(angle: &Channel) -> f64 {
+    let steps = angle
+        .samples
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs());
+    let finest = steps
+        .filter(|&step| step > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if finest.is_finite() { finest } else { 0.0 }
+}
+
+/// How far [m] the ways of all blocks lead apart: an encoder that trembles leads nowhere.
+fn excursion(ways: &[f64]) -> f64 {
+    let mut place = 0.0;
+    let [mut low, mut high] = [0.0_f64; 2];
+    for way in ways {
+        place += way;
+        low = low.min(place);
+        high = high.max(place);
+    }
+    high - low
 }
 
 /// Times [s] and values of the samples that are numbers.
