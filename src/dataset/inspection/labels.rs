@@ -272,7 +272,7 @@ fn check_signs(subject: &Subject<'_>, doubts: &mut Doubts) {
         wheel_radius,
         ..
     } = subject.trace.attributes;
-    if subject.is_rest() {
+    if subject.is_rest() || subject.is_over_one_stone() {
         return;
     }
     let slip_ratio = if slip_ratio.is_finite() {

@@ -53,11 +53,14 @@ const STEEPEST: f64 = 60.0;
 /// Slip [-] above which a wheel is driven though nobody measured its torque.
 const DRIVING_SLIP: f64 = 0.05;
 
+/// Torque over radius and load [-] below which a unit that makes it so small explains nothing.
+const LEAST_THRUST: f64 = 1.0e-3;
+
 /// Checks pull and torque against each other, load and sinkage.
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
     let is_doubted = doubts.has_any(&["drawbar_pull", "driving_torque"]);
     let is_still = subject.trace.attributes.is_lifted() || subject.is_rest();
-    if is_doubted || is_still {
+    if is_doubted || is_still || subject.is_over_one_stone() {
         return;
     }
     let steepest = STEEPEST.to_radians().tan();
@@ -196,6 +199,12 @@ impl Loads {
         self.power().is_none() && self.resistance().is_none()
     }
 
+    /// Whether the torque is more than nothing.
+    fn is_felt(&self) -> bool {
+        let least = LEAST_THRUST * self.load;
+        self.thrust.is_none_or(|thrust| thrust.mean.abs() > least)
+    }
+
     fn scaled(&self, [pull, torque]: [f64; 2]) -> Self {
         let times = |steady: Steady, by: f64| Steady {
             mean: by * steady.mean,
@@ -221,7 +230,8 @@ impl Loads {
         ];
         let possible = GUESSES
             .iter()
-            .filter(|(factors, _)| self.scaled(*factors).is_possible());
+            .map(|(factors, guess)| (self.scaled(*factors), guess))
+            .filter(|(loads, _)| loads.is_possible() && loads.is_felt());
         let mut guesses: Vec<&str> = possible.map(|(_, guess)| *guess).take(2).collect();
         guesses.push("a zero of pull, torque or sinkage that was not taken off");
         format!("{}?", guesses.join(", "))

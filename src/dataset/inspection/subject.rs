@@ -1,6 +1,7 @@
 //! A run as the checks see it: angles continuous, rests left out, each quantity with its uncertainty.
 
 use crate::quantity::SlipRatio;
+use crate::terrain::class::TerrainLabel;
 use crate::trace::encoder::{between_steps, is_too_coarse};
 use crate::trace::motion::Motion;
 use crate::trace::slope::Slope;
@@ -16,6 +17,9 @@ pub(super) const SIGMAS: f64 = 3.0;
 
 /// Zero error of pull and torque at the rim, over the load [-], that nobody notices.
 pub(super) const ZERO: f64 = 0.03;
+
+/// Way [m] over a stone or two.
+const FEW_STONES: f64 = 0.05;
 
 /// A run, and what several checks ask of it.
 pub(super) struct Subject<'t> {
@@ -203,6 +207,24 @@ impl<'t> Subject<'t> {
     pub(super) fn forward_speed(&self) -> f64 {
         let measured = self.mean("forward_speed");
         measured.unwrap_or(self.trace.attributes.speed)
+    }
+
+    /// Whether the loads are those of a stone or two of gravel, down which a wheel may roll by itself.
+    pub(super) fn is_over_one_stone(&self) -> bool {
+        let has_stones = matches!(
+            self.trace.attributes.terrain,
+            Some(
+                TerrainLabel::Gravel | TerrainLabel::HardWithGravel | TerrainLabel::SandWithGravel
+            )
+        );
+        let is_load = |channel: &&Channel| {
+            ["drawbar_pull", "driving_torque"].contains(&channel.name.as_str())
+        };
+        let loads = self.trace.channels.iter().find(is_load);
+        let seconds = loads.map_or(f64::NAN, |channel| {
+            self.motion.steady(channel).len() as f64 / channel.sample_rate
+        });
+        has_stones && (self.forward_speed() * seconds).abs() < FEW_STONES
     }
 
     /// The slip that the channels show, and the channel that shows it: slip itself, else the wheel's turning
