@@ -736,13 +736,20 @@ fn published_rows_are_doubted_where_no_wheel_can_have_them_or_their_unit_was_los
 fn pausing(moves: impl Fn(f64) -> bool, log: Log) -> Trace {
     let turning = wheel_speed(0.2, SPEED);
     let count = (log.rate * log.seconds) as u32;
-    let times = (0..count).map(|i| f64::from(i) / log.rate);
-    let mut turned = 0.0;
-    let mut angles = Vec::new();
-    for time in times {
-        angles.push(turned);
-        turned += if moves(time) { turning / log.rate } else { 0.0 };
-    }
+    // The encoder trembles by its step.
+    let step = TAU / 4096.0;
+    let mut turned = 0.0_f64;
+    let angle = |i: u32| {
+        let tremble = if i.is_multiple_of(17) { step } else { 0.0 };
+        let read = (turned / step).floor() * step + tremble;
+        turned += if moves(f64::from(i) / log.rate) {
+            turning / log.rate
+        } else {
+            0.0
+        };
+        read
+    };
+    let angles = (0..count).map(angle).collect();
     let noise = |t: f64| (t * 9137.0).sin() * (t * 517.3).cos();
     let speed = |t: f64| if moves(t) { SPEED } else { 1.0e-5 * noise(t) };
     // Of two speeds of nil, a slip of anything.
@@ -759,15 +766,10 @@ fn pausing(moves: impl Fn(f64) -> bool, log: Log) -> Trace {
         .retain(|channel| !["wheel_angle", "forward_speed"].contains(&channel.name.as_str()));
     trace.channels.push(channel("forward_speed", log, speed));
     trace.channels.push(channel("slip_ratio", log, slip));
-    // The encoder trembles by its step.
-    let step = TAU / 4096.0;
-    let mut index = 0;
-    trace.channels.push(channel("wheel_angle", log, |_| 0.0));
-    for sample in &mut trace.channels.last_mut().unwrap().samples {
-        let tremble = if index % 17 == 0 { step } else { 0.0 };
-        *sample = (angles[index] / step).floor() * step + tremble;
-        index += 1;
-    }
+    trace.channels.push(Channel {
+        samples: angles,
+        ..channel("wheel_angle", log, |_| 0.0)
+    });
     trace
 }
 

@@ -50,10 +50,10 @@ fn check_channel(subject: &Subject<'_>, channel: &Channel, doubts: &mut Doubts) 
     let first = numbers.next();
     let is_constant = samples.len() > 1 && numbers.all(|x| Some(x) == first);
     if let Some(value) = first.filter(|_| is_constant) {
-        let stands = subject.is_rest() && !is_force_like(name);
-        let is_locked = subject.trace.attributes.slip_ratio == -1.0;
         let turns = ["wheel_angle", "wheel_speed"].contains(&name.as_str());
-        if !stands && !(is_locked && turns) {
+        let is_locked = subject.trace.attributes.slip_ratio == -1.0;
+        let stands = subject.is_rest() && !is_force_like(name) || is_locked && turns;
+        if !stands {
             constant(name, *value, doubts);
         }
     } else if is_force_like(name) {
