@@ -48,7 +48,6 @@ mod profile;
 mod row;
 mod scope;
 mod search;
-mod slope;
 mod stages;
 mod steady;
 mod usual;

@@ -1,7 +1,9 @@
 //! What one run leaves behind: channels with units and rates, ground truth, provenance.
 
 pub mod clipping;
+pub mod encoder;
 pub mod motion;
+pub mod slope;
 pub mod steadiness;
 pub mod truth;
 pub mod turning;

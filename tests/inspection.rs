@@ -284,3 +284,27 @@ fn published_campaigns_raise_the_doubts_that_they_deserve() {
         assert_eq!(doubts.len(), expected, "{campaign}: {doubts:#?}");
     }
 }
+
+#[test]
+fn a_wheel_that_stops_on_any_ground_and_rig_is_not_doubted() {
+    for (name, rig) in [
+        ("rover_st", "rover_leg"),
+        ("single_wheel_ht", "single_wheel"),
+        ("single_wheel_gt", "single_wheel"),
+    ] {
+        let stop = format!("rig.{rig}.stop_at=2");
+        let parked = simulated(name, &["duration=5", &stop]);
+        let slip = parked.channel("slip_ratio").unwrap();
+        assert!(
+            slip.between(4.0, 10.0).iter().all(|slip| slip.is_nan()),
+            "{name}: {slip:?}"
+        );
+        // Over a stone or two the slip is what they make of it.
+        let gravel = name.ends_with("gt");
+        for trace in [parked.clone(), parked.as_measured()] {
+            let mut found = doubted(&trace);
+            found.retain(|found| !(gravel && found.channel.as_deref() == Some("slip_ratio")));
+            assert_eq!(found, [], "{name}");
+        }
+    }
+}

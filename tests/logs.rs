@@ -16,15 +16,15 @@ use std::time::Instant;
 use tempfile::TempDir;
 
 /// A folder of logs.
-struct Logs(TempDir);
+pub(crate) struct Logs(TempDir);
 
 impl Logs {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
     /// With a file of these bytes.
-    fn with(self, name: &str, bytes: impl AsRef<[u8]>) -> Self {
+    pub(crate) fn with(self, name: &str, bytes: impl AsRef<[u8]>) -> Self {
         fs::write(self.0.path().join(name), bytes).unwrap();
         self
     }
@@ -36,7 +36,7 @@ impl Logs {
     }
 
     /// The runs of a campaign of `[[run]]` and what follows.
-    fn import(&self, run: &str) -> Result<Vec<Trace>, String> {
+    pub(crate) fn import(&self, run: &str) -> Result<Vec<Trace>, String> {
         self.import_all(&format!("version = 1\n[[run]]\n{run}\n"))
     }
 
@@ -52,14 +52,14 @@ impl Logs {
     }
 
     /// The only run.
-    fn run(&self, run: &str) -> Trace {
+    pub(crate) fn run(&self, run: &str) -> Trace {
         let mut runs = self.import(run).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(runs.len(), 1);
         runs.remove(0)
     }
 
     /// Why a run is refused, in one line.
-    fn refused(&self, run: &str) -> String {
+    pub(crate) fn refused(&self, run: &str) -> String {
         let error = self.import(run).expect_err("refused");
         assert!(
             error.chars().all(|c| c == '\n' || !c.is_control()),
@@ -74,11 +74,11 @@ fn data(name: &str) -> PathBuf {
     root.join("tests/data/logs").join(name)
 }
 
-fn channel<'t>(trace: &'t Trace, name: &str) -> &'t Channel {
+pub(crate) fn channel<'t>(trace: &'t Trace, name: &str) -> &'t Channel {
     trace.channel(name).unwrap_or_else(|| panic!("no {name}"))
 }
 
-fn noted(trace: &Trace, part: &str) {
+pub(crate) fn noted(trace: &Trace, part: &str) {
     let notes = &trace.attributes.import_notes;
     assert!(
         notes.iter().any(|note| note.contains(part)),
@@ -87,7 +87,7 @@ fn noted(trace: &Trace, part: &str) {
 }
 
 /// Expects every part in a message.
-fn says(message: &str, parts: &[&str]) {
+pub(crate) fn says(message: &str, parts: &[&str]) {
     for part in parts {
         assert!(message.contains(part), "{part:?} is not in {message}");
     }
@@ -100,7 +100,7 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// A table of `rows`, each written by `row`.
-fn table(header: &str, rows: u32, row: impl Fn(u32) -> String) -> String {
+pub(crate) fn table(header: &str, rows: u32, row: impl Fn(u32) -> String) -> String {
     let rows: String = (0..rows).map(|i| row(i) + "\n").collect();
     format!("{header}\n{rows}")
 }

@@ -8,6 +8,7 @@ use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{AtLimit, Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
 use std::path::Path;
 use std::process::Command;
+use tempfile::TempDir;
 
 /// The first Python that has h5py: the one in use, or the distribution's own, for which
 /// `python3-h5py` is packaged.
@@ -233,4 +234,85 @@ fn a_run_that_cannot_be_read_is_a_finding_of_the_inspection() {
         ("first", Severity::Error)
     );
     assert!(finding.message.contains("load_n"), "{}", finding.message);
+}
+
+/// A run with a channel, a mean and contacts, copied by h5py as programs of these kinds write it.
+fn rewritten(kinds: &[&str]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("source.h5");
+    let mut trace = simulated();
+    trace.channels[0].samples.truncate(200);
+    trace.means = measured().means;
+    let mut writer = RunFileWriter::create(&path, &Provenance::measured()).unwrap();
+    writer.add("first", &trace).unwrap();
+    writer.finish().unwrap();
+    let mut arguments = vec![
+        "rewrite",
+        path.to_str().unwrap(),
+        folder.path().to_str().unwrap(),
+    ];
+    arguments.extend(kinds);
+    python(&arguments);
+    folder
+}
+
+#[test]
+fn a_run_file_is_read_however_matlab_and_h5py_lay_out_its_numbers_and_texts() {
+    let kinds = [
+        "matlab",
+        "matlab_columns",
+        "latest",
+        "big_endian",
+        "integers",
+        "szip",
+        "checked",
+        "scaled",
+        "growing",
+    ];
+    let folder = rewritten(&kinds);
+    let read = |name: &str| {
+        let file = RunFile::open(folder.path().join(name)).unwrap();
+        file.read("first").unwrap_or_else(|error| panic!("{error}"))
+    };
+    let source = read("source.h5");
+    for kind in kinds {
+        let trace = read(&format!("{kind}.h5"));
+        assert_eq!(trace.attributes, source.attributes, "{kind}");
+        assert_eq!(trace.means, source.means, "{kind}");
+        assert_eq!(trace.channels[0], source.channels[0], "{kind}");
+    }
+}
+
+#[test]
+fn numbers_and_compressions_that_cannot_be_read_are_named_with_a_way_out_and_not_called_damage() {
+    let cases = [
+        ("lzf", "compressed by lzf", "compression=\"gzip\""),
+        ("lzf_shuffled", "compressed by lzf", "h5repack -f GZIP=1"),
+        ("lzf_truth", "compressed by lzf", "compression=\"gzip\""),
+        ("half", "floating point numbers of 16 bits", "float32"),
+        (
+            "half_attributes",
+            "floating point numbers of 16 bits",
+            "float32",
+        ),
+        ("half_means", "floating point numbers of 16 bits", "float32"),
+        ("extended", "floating point numbers of 128 bits", "float32"),
+        ("complex", "expected numbers", ""),
+        ("booleans", "expected numbers", ""),
+        ("texts", "expected numbers", ""),
+        ("interrupted", "still open for writing", "h5clear -s"),
+    ];
+    let folder = rewritten(&cases.map(|(kind, ..)| kind));
+    for (kind, found, way_out) in cases {
+        let file = RunFile::open(folder.path().join(format!("{kind}.h5")));
+        let error = file
+            .and_then(|file| file.read("first"))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(found) && error.contains(way_out),
+            "{kind}: {error}"
+        );
+        assert!(!error.contains("damaged"), "{kind}: {error}");
+    }
 }

@@ -189,6 +189,8 @@ fn is_unreadable(error: &RunFileError) -> bool {
         RunFileError::Write { .. } | RunFileError::Unfit { .. } => false,
         RunFileError::Read { .. }
         | RunFileError::NotHdf5 { .. }
+        | RunFileError::StillOpen { .. }
+        | RunFileError::Locked { .. }
         | RunFileError::Damaged { .. }
         | RunFileError::Encoding { .. }
         | RunFileError::Content { .. }

@@ -91,6 +91,7 @@ mod description;
 mod file_kind;
 mod gap;
 mod lead;
+mod line_ends;
 mod moment;
 mod notes;
 mod number;

@@ -90,6 +90,21 @@ pub enum RunFileError {
         /// The file.
         path: PathBuf,
     },
+    /// A program writes the file, or was killed while it did.
+    #[error(
+        "{0} is still open for writing, or its writer was killed: close it there, or run `h5clear -s {0}` on a copy",
+        path.display()
+    )]
+    StillOpen {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another program has it open and lets nobody else read it.
+    #[error("{} is locked: another program has it open; close it there", path.display())]
+    Locked {
+        /// The file.
+        path: PathBuf,
+    },
     /// HDF5 cannot make sense of the file.
     #[error("{} is damaged ({reason}); copy or make it again", path.display())]
     Damaged {
@@ -144,6 +159,8 @@ impl RunFileError {
             | Self::Unfit { path, .. }
             | Self::Read { path, .. }
             | Self::NotHdf5 { path }
+            | Self::StillOpen { path }
+            | Self::Locked { path }
             | Self::Damaged { path, .. }
             | Self::Encoding { path, .. }
             | Self::Content { path, .. }

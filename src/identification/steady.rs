@@ -2,7 +2,7 @@
 
 use super::drift::{Drift, SteadyRow};
 use super::row::{SteadyLoad, Uncertainty};
-use super::slope::Slope;
+use crate::trace::slope::Slope;
 use crate::trace::{Channel, Trace};
 
 /// Why a run gives no rows.
@@ -142,7 +142,8 @@ fn load(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     };
     let slip = known("slip_ratio").unwrap_or(commanded(trace.attributes.slip_ratio));
     let sinkage = known("sinkage").unwrap_or(commanded(f64::NAN));
-    let slope = Slope::of(&trace.attributes)?;
+    let slope = Slope::of(&trace.attributes)
+        .ok_or_else(|| SteadyError::SlopeWithoutMass(trace.attributes.slope_deg.to_string()))?;
     let drawbar_pull = needed("drawbar_pull")?.map(|pull| slope.drawbar_pull(pull));
     let driving_torque = known("driving_torque").unwrap_or(commanded(f64::NAN));
     let load = match known("normal_force") {

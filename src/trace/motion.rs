@@ -3,6 +3,7 @@
 //! A wheel at rest has no slip: rim speed and forward speed are both nil, and their ratio is made of noise
 //! or rounding. What is averaged over a drive leaves its rests out.
 
+use super::encoder::between_steps;
 use super::turning::unwrapped;
 use super::{Channel, Trace, finite_mean};
 
@@ -15,6 +16,9 @@ const REST: f64 = 0.01;
 /// Way [m] of a whole run below which its wheel does not move at all: half a millimetre is what a
 /// carriage's play and an encoder's step come to.
 const STILL: f64 = 0.5e-3;
+
+/// Samples [-] over which the trembling of an encoder at rest is averaged.
+const TREMBLES: usize = 4;
 
 /// Slip [-] up to which a wheel may stand on the command alone while the other channel is not known: with more
 /// it spins in place or is dragged.
@@ -42,41 +46,75 @@ impl Motion {
             let radius = trace.attributes.wheel_radius;
             // A rover wheel's, where nobody knows it.
             let radius = if radius > 0.0 { radius } else { 0.1 };
-            always.ways(&turned(angle), |block| {
-                radius * (block[block.len() - 1] - block[0])
-            })
+            let angle = turned(angle);
+            let angle = Channel {
+                samples: between_steps(&angle.samples),
+                ..angle
+            };
+            (
+                always.turned_ways(&angle, radius),
+                radius * finest_step(&angle),
+            )
         });
-        let forward = trace.channel("forward_speed").map(|speed| {
-            let way = |block: &[f64]| block.iter().sum::<f64>() / block.len() as f64 * BLOCK;
-            always.ways(speed, way)
-        });
+        let tremble = rim.as_ref().map_or(0.0, |(_, step)| 1.01 * step);
+        let rim = rim.map(|(ways, _)| ways);
+        let forward = trace
+            .channel("forward_speed")
+            .map(|speed| always.ways(speed));
         let slips = trace.attributes.slip_ratio.abs() > ROLLS;
-        let ways: Vec<f64> = match (rim, forward) {
-            (Some(rim), Some(forward)) => {
-                rim.iter().zip(&forward).map(|(a, b)| a.max(*b)).collect()
-            }
-            (Some(one), None) | (None, Some(one)) if !slips => one,
+        let ways: Vec<Vec<f64>> = match (rim, forward) {
+            (Some(rim), Some(forward)) => vec![rim, forward],
+            (Some(one), None) | (None, Some(one)) if !slips => vec![one],
             _ => return always,
         };
-        let fastest = ways.iter().copied().fold(0.0, f64::max);
-        let moves_at_all = ways.iter().sum::<f64>() > STILL;
-        let moves = ways.iter().map(|way| moves_at_all && *way > REST * fastest);
+        let moves_at_all = ways.iter().any(|ways| excursion(ways) > STILL);
+        let way = |block: usize| {
+            ways.iter()
+                .map(|ways| ways[block].abs())
+                .fold(0.0, f64::max)
+        };
+        let fastest = (0..count).map(way).fold(0.0, f64::max);
+        let least = (REST * fastest).max(tremble.min(0.25 * fastest));
+        let moves = (0..count).map(|block| moves_at_all && way(block) > least);
         Self {
             start,
             moves: without_starts_and_stops(&moves.collect::<Vec<bool>>()),
         }
     }
 
-    /// Way [m] in each block by its samples that are numbers; unknown ones count as moving.
-    fn ways(&self, channel: &Channel, way: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    /// Way [m] of the rim in each block: between the angles at its ends, which a slow log has beyond them.
+    fn turned_ways(&self, angle: &Channel, radius: f64) -> Vec<f64> {
+        let mut numbers = numbers_over_time(angle);
+        // The last sample stands for its period, as all others do.
+        if let [.., (_, before), (time, last)] = numbers[..] {
+            numbers.push((time + 1.0 / angle.sample_rate, 2.0 * last - before));
+        }
+        let at = |time: f64| interpolated(&numbers, time);
+        // An encoder at rest trembles: of the first and the last quarter of a block the means count.
+        let quarter = |from: f64| {
+            let samples = angle.between(from, from + 0.25 * BLOCK);
+            finite_mean(samples).filter(|_| samples.len() >= TREMBLES)
+        };
+        let way = |index: usize| {
+            let start = self.start + BLOCK * index as f64;
+            let turned = match (quarter(start), quarter(start + 0.75 * BLOCK)) {
+                (Some(first), Some(last)) => (last - first) / 0.75,
+                _ => at(start + BLOCK) - at(start),
+            };
+            radius * turned
+        };
+        (0..self.moves.len()).map(way).collect()
+    }
+
+    /// Way [m] in each block by the mean of its speeds [m/s]; where it has none, by those before and after it.
+    fn ways(&self, speed: &Channel) -> Vec<f64> {
+        let numbers = numbers_over_time(speed);
         let of_block = |index: usize| {
             let start = self.start + BLOCK * index as f64;
-            let block = channel.between(start, start + BLOCK).iter().copied();
-            let numbers: Vec<f64> = block.filter(|x| x.is_finite()).collect();
-            match numbers[..] {
-                [] => 0.0,
-                _ => way(&numbers).abs(),
-            }
+            let within = speed.between(start, start + BLOCK);
+            let mean = finite_mean(within);
+            let mean = mean.unwrap_or_else(|| interpolated(&numbers, start + 0.5 * BLOCK));
+            mean * BLOCK
         };
         (0..self.moves.len()).map(of_block).collect()
     }
@@ -126,6 +164,51 @@ fn without_starts_and_stops(moves: &[bool]) -> Vec<bool> {
     match steadily.contains(&true) {
         true => steadily,
         false => moves.to_vec(),
+    }
+}
+
+/// Smallest step [rad] of a wheel angle, by which it trembles at rest.
+fn finest_step(angle: &Channel) -> f64 {
+    let steps = angle
+        .samples
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs());
+    let finest = steps
+        .filter(|&step| step > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if finest.is_finite() { finest } else { 0.0 }
+}
+
+/// How far [m] the ways of all blocks lead apart: an encoder that trembles leads nowhere.
+fn excursion(ways: &[f64]) -> f64 {
+    let mut place = 0.0;
+    let [mut low, mut high] = [0.0_f64; 2];
+    for way in ways {
+        place += way;
+        low = low.min(place);
+        high = high.max(place);
+    }
+    high - low
+}
+
+/// Times [s] and values of the samples that are numbers.
+fn numbers_over_time(channel: &Channel) -> Vec<(f64, f64)> {
+    let samples = channel.samples.iter().enumerate();
+    samples
+        .filter(|(_, sample)| sample.is_finite())
+        .map(|(index, &sample)| (channel.time(index), sample))
+        .collect()
+}
+
+/// The value at `time` [s] on the straight line between its neighbours; beyond the ends theirs.
+fn interpolated(numbers: &[(f64, f64)], time: f64) -> f64 {
+    let after = numbers.partition_point(|(at, _)| *at <= time);
+    match (after.checked_sub(1).map(|i| numbers[i]), numbers.get(after)) {
+        (Some((from, before)), Some((to, next))) => {
+            before + (next - before) * (time - from) / (to - from)
+        }
+        (Some((_, value)), None) | (None, Some(&(_, value))) => value,
+        (None, None) => 0.0,
     }
 }
 

@@ -27,6 +27,9 @@ pub struct Turning {
     pub angles: Vec<f64>,
     /// The counter's range, where it rolled over at another one than a turn.
     pub roll_over: Option<RollOver>,
+    /// Whether the readings tell how fast it turns; where they lie within one turn and most of their steps do not
+    /// resolve it, whole turns may be lost between two of them.
+    pub is_resolved: bool,
 }
 
 /// A counter that starts again.
@@ -43,15 +46,17 @@ impl Turning {
     pub fn of(readings: &[f64]) -> Self {
         let steps = Steps::of(readings);
         let counter = steps.roll_over();
+        let resolves = steps.resolve_a_turn();
         let period = match counter {
             Some(counter) => counter.range,
-            None if steps.resolve_a_turn() => TAU,
+            None if resolves => TAU,
             None => f64::INFINITY,
         };
         let roll_over = counter.filter(|counter| counter.range != TAU);
         Self {
             angles: continuous(readings, period),
             roll_over,
+            is_resolved: counter.is_some() || resolves || steps.span > TAU,
         }
     }
 }
@@ -176,7 +181,9 @@ mod tests {
         for direction in [1.0, -1.0] {
             let mut wrapped = read(TAU, 4.0, direction, 1000);
             wrapped[400..430].fill(f64::NAN);
-            let Turning { angles, roll_over } = Turning::of(&wrapped);
+            let Turning {
+                angles, roll_over, ..
+            } = Turning::of(&wrapped);
             assert_eq!(roll_over, None);
             for (i, angle) in angles.iter().enumerate().filter(|(_, a)| a.is_finite()) {
                 let expected = direction * STEP * i as f64;
@@ -216,7 +223,7 @@ mod tests {
         ) {
             let direction = if forward { 1.0 } else { -1.0 };
             let count = (2.5 * range / STEP) as u32;
-            let Turning { angles, roll_over } = Turning::of(&read(range, start * range, direction, count));
+            let Turning { angles, roll_over, .. } = Turning::of(&read(range, start * range, direction, count));
             let expected = direction * STEP * f64::from(count - 1);
             // A range within four steps of whole turns is taken for them.
             let turns = TAU * (range / TAU).round().max(1.0);

@@ -3,6 +3,7 @@
 check.py read FILE        checks the file that the test wrote
 check.py write FILE       writes a measured campaign in other types than this program's
 check.py spoil FOLDER WHAT...  writes campaigns with one thing missing or wrong each, to WHAT.h5
+check.py rewrite FILE FOLDER KIND...  copies a run file as other programs would have written it, to KIND.h5
 """
 
 import sys
@@ -161,5 +162,96 @@ def spoil_one(path, what):
             sys.exit(f"no such thing to spoil: {what}")
 
 
+def rewrite(source, folder, *kinds):
+    for kind in kinds:
+        with h5py.File(source, "r") as old:
+            rewrite_one(old, f"{folder}/{kind}.h5", kind)
+
+
+FILE_OPTIONS = {
+    "matlab": {"userblock_size": 512},
+    "latest": {"libver": "latest"},
+    "interrupted": {"libver": "latest"},
+}
+
+SAMPLES = {
+    "matlab": lambda samples: samples.astype("f8").reshape(1, -1),
+    "matlab_columns": lambda samples: samples.astype("f8").reshape(-1, 1),
+    "big_endian": lambda samples: samples.astype(">f8"),
+    "integers": lambda samples: np.round(samples).astype("i2"),
+    "half": lambda samples: samples.astype("f2"),
+    "extended": lambda samples: samples.astype(np.longdouble),
+    "complex": lambda samples: samples.astype("c16"),
+    "booleans": lambda samples: samples > 0,
+    "texts": lambda samples: np.array([str(sample) for sample in samples], dtype=object),
+}
+
+STORAGE = {
+    "szip": {"compression": "szip"},
+    "checked": {"compression": "gzip", "shuffle": True, "fletcher32": True},
+    "scaled": {"scaleoffset": 12},
+    "growing": {"maxshape": (None,), "chunks": (16,)},
+    "lzf": {"compression": "lzf"},
+    "lzf_shuffled": {"compression": "lzf", "shuffle": True},
+}
+
+
+def rewrite_one(old, path, kind):
+    with h5py.File(path, "w", **FILE_OPTIONS.get(kind, {})) as new:
+        attributes(old, new, kind)
+        for name, run in old["runs"].items():
+            copy = new.create_group(f"runs/{name}")
+            attributes(run, copy, kind)
+            for channel, samples in run["channels"].items():
+                change = SAMPLES.get(kind, lambda samples: samples)
+                is_long = samples.size > 32
+                storage = STORAGE.get(kind, {}) if is_long else {}
+                dataset = copy.create_dataset(f"channels/{channel}", data=change(samples[:]), **storage)
+                attributes(samples, dataset, kind)
+            for mean, value in run["means"].items():
+                number = value[()]
+                if kind == "half_means":
+                    number = np.float16(number)
+                if kind.startswith("matlab"):
+                    number = np.array([[number]])
+                attributes(value, copy.create_dataset(f"means/{mean}", data=number), kind)
+            if kind == "lzf_truth":
+                contacts = run["truth/contacts"]
+                copy.create_dataset("truth/contacts", data=contacts[:], chunks=True, compression="lzf")
+    if kind == "matlab":
+        with open(path, "r+b") as file:
+            file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512))
+    if kind == "interrupted":
+        interrupt(path)
+
+
+def interrupt(path):
+    """Leaves the file as a logger that writes for readers (SWMR) and is killed."""
+    import os
+
+    child = os.fork()
+    if child == 0:
+        file = h5py.File(path, "r+", libver="latest")
+        file.swmr_mode = True
+        os._exit(0)
+    os.waitpid(child, 0)
+
+
+def attributes(old, new, kind):
+    for name, value in old.attrs.items():
+        if isinstance(value, str) and kind == "matlab":
+            new.attrs.create(name, np.array([value], dtype=object), dtype=h5py.string_dtype())
+        elif isinstance(value, str) and kind == "matlab_columns":
+            new.attrs[name] = np.bytes_(value) if value else h5py.Empty("S1")
+        elif isinstance(value, str):
+            new.attrs[name] = value
+        elif kind.startswith("matlab"):
+            new.attrs[name] = np.array([float(value)])
+        elif kind == "half_attributes" and isinstance(value, np.floating):
+            new.attrs[name] = np.float16(value)
+        else:
+            new.attrs[name] = value
+
+
 if __name__ == "__main__":
-    {"read": read, "write": write, "spoil": spoil}[sys.argv[1]](*sys.argv[2:])
+    {"read": read, "write": write, "spoil": spoil, "rewrite": rewrite}[sys.argv[1]](*sys.argv[2:])

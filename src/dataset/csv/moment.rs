@@ -260,6 +260,9 @@ impl Part {
     fn no_time(&self, place: &str, text: &str) -> String {
         let way_out = match &self.format {
             Some(format) => format!("format = {format:?} does not read it"),
+            None if text.contains("->") => {
+                "a serial monitor's own time stands before ->; remove it".to_owned()
+            }
             None if text.contains([':', '/', '-', '.']) => {
                 "dates are read as 2024-05-03T10:00:00.5 with or without a zone; state another \
                  way of writing with format = \"%d.%m.%Y %H:%M:%S%.f\""
@@ -351,7 +354,10 @@ fn date(text: &str) -> Option<(Tick, Kind)> {
 
 /// A time written as `format` has it.
 fn formatted(format: &str, text: &str) -> Option<(Tick, Kind)> {
-    let parsed = strtime::parse(format, text).ok()?;
+    // A comma may stand where `%.f` has the point.
+    let parsed =
+        strtime::parse(format, text).or_else(|_| strtime::parse(format, text.replace(',', ".")));
+    let parsed = parsed.ok()?;
     if let Ok(stamp) = parsed.to_timestamp() {
         return dated(stamp, true);
     }

@@ -3,7 +3,10 @@
 use std::cell::Cell;
 
 /// What stands in a cell where nothing was measured.
-const MISSING: [&str; 6] = ["", "nan", "na", "n/a", "null", "-"];
+const MISSING: [&str; 18] = [
+    "", "nan", "na", "n/a", "null", "-", "none", "<na>", "nat", "#n/a", "#na", "#div/0!",
+    "#value!", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "1.#inf",
+];
 
 /// The decimal mark of a file.
 ///
@@ -115,6 +118,27 @@ pub(super) fn is_number(cell: &str) -> bool {
     cell.parse().is_ok_and(finite) || with_comma(cell).is_some()
 }
 
+/// Whether a cell is a number with marks between its thousands, as spreadsheets show one.
+pub(super) fn has_thousands(cell: &str) -> bool {
+    let marks = ['.', ',', '\'', '\u{2019}', ' ', '\u{a0}', '\u{202f}'];
+    let unsigned = cell.trim_start_matches(['+', '-', '\u{2212}']);
+    let groups: Vec<&str> = unsigned.split(marks).collect();
+    let digits = |group: &&str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
+    match groups[..] {
+        [first, thousands, ..] => {
+            first.len() <= 3 && thousands.len() == 3 && groups.iter().all(digits)
+        }
+        _ => false,
+    }
+}
+
+/// Whether a cell is a number with a unit behind it.
+pub(super) fn has_unit(cell: &str) -> bool {
+    let of_number = |c: char| c.is_ascii_digit() || ['+', '-', '.', ','].contains(&c);
+    let number = cell.trim_end_matches(|c| !of_number(c));
+    !number.is_empty() && number != cell && is_number(number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,8 +176,43 @@ mod tests {
 
     #[test]
     fn infinity_and_every_spelling_of_nothing_are_missing() {
-        for cell in ["", " ", "NaN", "n/a", "NULL", "-", "inf", "-Infinity"] {
+        for cell in [
+            "",
+            " ",
+            "NaN",
+            "n/a",
+            "NULL",
+            "-",
+            "inf",
+            "-Infinity",
+            "-nan",
+            "None",
+            "#N/A",
+            "1.#QNAN",
+        ] {
             assert_eq!(read(None, ',', &[cell]), [Content::Missing], "{cell:?}");
+        }
+    }
+
+    #[test]
+    fn marks_between_thousands_and_units_behind_numbers_are_told_from_other_texts() {
+        for cell in [
+            "1.100,5",
+            "1'234.5",
+            "-12\u{202f}345,0",
+            "1,234,567",
+            "1 234",
+        ] {
+            assert!(has_thousands(cell), "{cell}");
+        }
+        for cell in ["03.05.2024", "1.2.3", "high", "12 N", "1,23"] {
+            assert!(!has_thousands(cell), "{cell}");
+        }
+        for cell in ["12 N", "0.5g", "-3,2 %", "1e3 mm"] {
+            assert!(has_unit(cell), "{cell}");
+        }
+        for cell in ["high", "12", "N 12", "1.2.3 m", "x1"] {
+            assert!(!has_unit(cell), "{cell}");
         }
     }
 }

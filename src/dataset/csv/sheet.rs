@@ -13,10 +13,11 @@ mod naming;
 
 use super::gap::Gaps;
 use super::lead::{Aligned, Lead};
+use super::line_ends::LineEnds;
 use super::notes::Notes;
 use super::number::{Content, Decimal};
 use super::text::{self, Text};
-use csv::{ByteRecord, Position, Reader, ReaderBuilder};
+use csv::{ByteRecord, Reader, ReaderBuilder};
 use naming::{Naming, naming};
 use std::collections::VecDeque;
 use std::io::Read;
@@ -58,6 +59,8 @@ pub(super) struct Sheet {
     passed: u64,
     /// Why the row after those read ahead cannot be read.
     broken: Option<String>,
+    /// Whether no row of data was gone to yet.
+    is_at_start: bool,
 }
 
 /// The names of the columns of a file.
@@ -104,9 +107,10 @@ impl Sheet {
     ) -> Result<Self, String> {
         let delimiter = layout.delimiter.unwrap_or(',');
         let decimal = Decimal::of(layout.decimal, delimiter)?;
+        let lines = LineEnds::new(text.reader);
         let source: Box<dyn Read> = match delimiter {
-            ' ' => Box::new(Aligned::new(text.reader)),
-            _ => text.reader,
+            ' ' => Box::new(Aligned::new(lines)),
+            _ => Box::new(lines),
         };
         let lead = Lead::read(source, layout.skip_lines);
         let Lead {
@@ -130,6 +134,7 @@ impl Sheet {
             row: Row::default(),
             passed: lines,
             broken: None,
+            is_at_start: true,
         };
         sheet.look_ahead();
         let naming = naming(&mut sheet.ahead, &comments, layout);
@@ -178,7 +183,8 @@ impl Sheet {
                 }
             }
         }
-        self.header.check(&self.row)?;
+        let is_first = std::mem::take(&mut self.is_at_start);
+        self.header.check(&self.row, is_first)?;
         Ok(true)
     }
 
@@ -197,7 +203,10 @@ impl Sheet {
             }
             other => format!("cannot read {file}: {other:?}"),
         })?;
-        row.line = self.passed + row.cells.position().map_or(0, Position::line);
+        // The reader stands behind the row, which may have passed comments, and lines within quotes.
+        let within = row.cells.as_slice().iter().filter(|&&byte| byte == b'\n');
+        let lines = self.reader.position().line() - 1;
+        row.line = (self.passed + lines).saturating_sub(within.count() as u64);
         Ok(more)
     }
 }
@@ -291,6 +300,16 @@ impl Header {
                     \"windows-1252\""
                 .to_owned();
         }
+        let has_label = |cell: &String| {
+            let labelled = cell.split_once([':', '=']);
+            labelled.is_some_and(|(_, number)| super::number::is_number(number.trim()))
+        };
+        if names.iter().all(has_label) {
+            return format!(
+                "its cells hold names and numbers ({}): write the names once, in a header",
+                shown(&names[0])
+            );
+        }
         if names.iter().any(|name| super::number::is_number(name)) {
             return "its first row holds numbers: if it is no header, name the columns with \
                     names = [...]"
@@ -336,12 +355,7 @@ impl Header {
                 return Ok(f64::NAN);
             }
             Content::OtherMark => self.way_out_of_marks(),
-            Content::Other if text.contains(':') => {
-                "a time stamp belongs to time_s; name another column".to_owned()
-            }
-            Content::Other => "leave a cell empty where nothing was measured, and begin a line \
-                               that is no data with #"
-                .to_owned(),
+            Content::Other => self.way_out_of_text(text.trim(), column).to_owned(),
         };
         let (place, name) = (self.place(row), self.name(column));
         Err(format!(
@@ -362,6 +376,20 @@ impl Header {
         let cell = row.cells.get(column).unwrap_or_default();
         let text = std::str::from_utf8(cell).unwrap_or("\u{fffd}").trim();
         (text, self.decimal.read(text))
+    }
+
+    fn way_out_of_text(&self, text: &str, column: usize) -> &'static str {
+        if text == self.name(column) {
+            "the header stands here again: the log was started anew; part the file here"
+        } else if text.contains(':') {
+            "a time stamp belongs to time_s; name another column"
+        } else if super::number::has_thousands(text) {
+            "write numbers without marks between their thousands"
+        } else if super::number::has_unit(text) {
+            "write the number alone, and its unit in the campaign: unit = \"...\""
+        } else {
+            "leave a cell empty where nothing was measured, and begin a line that is no data with #"
+        }
     }
 
     fn way_out_of_marks(&self) -> String {
@@ -395,7 +423,7 @@ impl Header {
 
     /// Refuses a row of another length than the header, one empty cell at its end apart, and a
     /// cell that runs over its line.
-    fn check(&self, row: &Row) -> Result<(), String> {
+    fn check(&self, row: &Row, is_first: bool) -> Result<(), String> {
         let (expected, len) = (self.naming.names.len(), row.cells.len());
         if row.cells.as_slice().contains(&b'\n') {
             return Err(format!(
@@ -413,9 +441,14 @@ impl Header {
         }
         let way_out = match len {
             _ if self.delimiter == ',' && len == 2 * expected && expected > 1 => {
-                "if commas are decimal here, write the table with ; between cells"
+                "if commas are decimal here, write the table with ; between cells".to_owned()
             }
-            _ => "leave cells empty rather than out",
+            _ if is_first => format!(
+                "leave cells empty rather than out, or if all rows have {len} name those with \
+                 header_rows = {} and names = [...]",
+                1 + self.naming.units.len()
+            ),
+            _ => "leave cells empty rather than out".to_owned(),
         };
         Err(format!(
             "{}: {len} cells in this row, {expected} in the header; {way_out}",

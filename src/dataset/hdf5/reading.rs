@@ -36,7 +36,8 @@ impl RunFile {
     ///
     /// # Errors
     /// `Read` where the file system refuses, `NotHdf5` for another kind of file, `Damaged` for a
-    /// truncated one, `Content` for HDF5 of another format or version.
+    /// truncated one, `StillOpen` and `Locked` for one that another program has open, `Content` for HDF5 of another format or
+    /// version.
     pub fn open(path: impl AsRef<Path>) -> Outcome<Self> {
         let path = path.as_ref().to_owned();
         readable(&path)?;
@@ -211,12 +212,12 @@ fn readable(path: &Path) -> Outcome<()> {
     })
 }
 
-/// Opens a file as soon as nobody else has it locked, or gives up after two seconds.
+/// Opens a file as soon as nobody else has it locked, or gives up after ten seconds.
 ///
 /// HDF5 locks what it opens, and a child process that another thread has just forked holds the
 /// lock until it executes its program.
 fn open_unlocked(path: &Path) -> hdf5::Result<File> {
-    const TRIES: u32 = 40;
+    const TRIES: u32 = 200;
     for _ in 1..TRIES {
         match File::open(path) {
             Err(error) if error.to_string().contains(LOCKED) => std::thread::sleep(PAUSE),
@@ -229,6 +230,9 @@ fn open_unlocked(path: &Path) -> hdf5::Result<File> {
 /// What the system says of a locked file (EAGAIN).
 const LOCKED: &str = "temporarily unavailable";
 
+/// What HDF5 says of a file whose writer has not closed it.
+const OPEN: &str = "already open for";
+
 /// Time between two tries to open a locked file.
 const PAUSE: Duration = Duration::from_millis(50);
 
@@ -238,7 +242,13 @@ fn not_opened(path: &Path, error: &::hdf5::Error) -> RunFileError {
         return RunFileError::NotHdf5 { path };
     }
     let reason = reason(error);
-    RunFileError::Damaged { path, reason }
+    if error.to_string().contains(LOCKED) {
+        RunFileError::Locked { path }
+    } else if reason.contains(OPEN) {
+        RunFileError::StillOpen { path }
+    } else {
+        RunFileError::Damaged { path, reason }
+    }
 }
 
 /// The first of many names.
@@ -437,6 +447,9 @@ fn rows<T: H5Type>(
         return Err(place.content(expected, has.join(", ")));
     }
     let table = dataset(place, parent, name)?;
+    if let Some(unreadable) = missing_filter(&table) {
+        return Err(place.encoded(unreadable));
+    }
     table.read_raw().map_err(|error| place.damaged(&error))
 }
 

@@ -5,7 +5,7 @@
 //! wrong sign, `±2 g`; each in the unit in which the log has it.
 
 use super::doubts::Doubts;
-use super::subject::Subject;
+use super::subject::{SIGMAS, Steady, Subject};
 use super::{Severity, number};
 use crate::quantity::GRAVITY;
 use crate::trace::Channel;
@@ -31,34 +31,39 @@ const BLOCK: f64 = 1.0;
 
 /// Doubts the mean and the size of the acceleration.
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
-    let Some(acceleration) = subject.trace.channel("acceleration_y") else {
+    let Some(steady) = subject.steady("acceleration_y") else {
         return;
     };
-    let Some(mean) = subject.mean("acceleration_y") else {
-        return;
-    };
-    let seen = format!("mean is {} m/s^2", number(mean));
-    if let Some(guess) = gravity(mean) {
+    let acceleration = subject.trace.channel("acceleration_y");
+    let seconds = acceleration.map_or(BLOCK, |channel| {
+        channel.steady().len() as f64 / channel.sample_rate
+    });
+    let seen = format!("mean is {} m/s^2", number(steady.mean));
+    let cos = libm::cos(subject.trace.attributes.slope_deg.to_radians());
+    if let Some(guess) = gravity(steady.mean, cos) {
         doubts.channel("acceleration_y", Severity::Error, &seen, &guess);
-    } else if let Some(drift) = drift(acceleration) {
+    } else if let Some(drift) = drift(steady, cos, seconds) {
         let seen = format!("{seen}, which makes {drift}");
         let guess = "an offset; subtract it on import";
         doubts.channel("acceleration_y", Severity::Warning, &seen, guess);
     }
-    check_size(subject, acceleration, doubts);
+    if let Some(acceleration) = acceleration {
+        check_size(subject, acceleration, doubts);
+    }
 }
 
-/// How gravity came into a `mean` [m/s²], if it did.
-fn gravity(mean: f64) -> Option<String> {
+/// How gravity came into a `mean` [m/s²], if it did, on a track whose slope has this `cos`.
+fn gravity(mean: f64, cos: f64) -> Option<String> {
     let near = |value: f64| (mean / value - 1.0).abs() < NEAR;
     UNITS.iter().find_map(|(unit_of_g, unit)| {
         let told = |gravity: &str| {
             let question = if unit.is_empty() { "" } else { "?" };
             format!("{unit}{gravity}{question}")
         };
-        if near(*unit_of_g) && unit.is_empty() {
+        let is_left_in = near(*unit_of_g) || near(cos * unit_of_g);
+        if is_left_in && unit.is_empty() {
             Some("gravity is still in it; subtract it on import".to_owned())
-        } else if near(*unit_of_g) {
+        } else if is_left_in {
             Some(told("gravity in it"))
         } else if near(-unit_of_g) {
             Some(told(
@@ -72,12 +77,15 @@ fn gravity(mean: f64) -> Option<String> {
     })
 }
 
-/// The vertical speed that the mean acceleration comes to, where that carries the wheel away.
-fn drift(acceleration: &Channel) -> Option<String> {
-    let mean = acceleration.steady_mean()?;
-    let seconds = acceleration.steady().len() as f64 / acceleration.sample_rate;
+/// The vertical speed that the mean acceleration comes to in so many `seconds`, where that carries the wheel away.
+///
+/// A sensor that was tared on the level reads `-g (1 - cos)` on a slope. Samples that are too seldom for the vibration have a
+/// mean by chance.
+fn drift(steady: Steady, cos: f64, seconds: f64) -> Option<String> {
+    let by_slope = GRAVITY * (1.0 - cos);
+    let mean = steady.mean - steady.mean.clamp(-by_slope, 0.0);
     let gained = mean * seconds;
-    (gained.abs() > FASTEST).then(|| {
+    (gained.abs() > FASTEST && mean.abs() > SIGMAS * steady.sd).then(|| {
         format!(
             "{} m/s of vertical speed in {} s",
             number(gained),

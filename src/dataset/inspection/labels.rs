@@ -2,7 +2,7 @@
 //! own sign and unit.
 
 use super::doubts::Doubts;
-use super::subject::{SIGMAS, Subject, ZERO};
+use super::subject::{SIGMAS, Steady, Subject, ZERO};
 use super::{Severity, number};
 use crate::quantity::GRAVITY;
 use crate::quantity::SlipRatio;
@@ -52,7 +52,7 @@ pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
 /// Checks the pull against the load alone, where nothing else has shown it to be wrong.
 pub(super) fn check_grip(subject: &Subject<'_>, doubts: &mut Doubts) {
     let load = subject.trace.attributes.load;
-    if let Some(pull) = subject.mean("drawbar_pull")
+    if let Some(Steady { mean: pull, .. }) = subject.contact("drawbar_pull")
         && pull.abs() > load
         && load > 0.0
         && !doubts.has_any(&["drawbar_pull"])
@@ -125,12 +125,13 @@ fn check_load(subject: &Subject<'_>, doubts: &mut Doubts) {
         return;
     };
     let load = subject.trace.attributes.load;
+    let expected = expected_force(&subject.trace.attributes, force);
     if force < 0.0 && load != 0.0 {
         let seen = format!("mean is {} N", number(force));
         let guess = "the normal force points upward on the wheel; change its sign";
         doubts.channel(name, Severity::Error, &seen, guess);
-    } else if load > 0.0 && (force / load - 1.0).abs() > LOAD_TOLERANCE {
-        let (severity, guess) = match factor(force / load) {
+    } else if load > 0.0 && (force / expected - 1.0).abs() > LOAD_TOLERANCE {
+        let (severity, guess) = match factor(force / expected) {
             Some(guess) => (Severity::Error, guess),
             None => (
                 Severity::Warning,
@@ -143,6 +144,22 @@ fn check_load(subject: &Subject<'_>, doubts: &mut Doubts) {
             number(load)
         );
         doubts.channel(name, severity, &seen, guess);
+    }
+}
+
+/// Normal force [N] that sensors tared on the level read of the commanded load, where they read `force` [N]: on a slope
+/// that of the load's part across it and of the wheel's weight, of which only the bounds are known without its mass.
+fn expected_force(attributes: &RunAttributes, force: f64) -> f64 {
+    let RunAttributes {
+        load,
+        slope_deg,
+        wheel_mass,
+        ..
+    } = *attributes;
+    let cos = libm::cos(slope_deg.to_radians());
+    match wheel_mass {
+        Some(mass) => load * cos + mass * GRAVITY * (1.0 - cos),
+        None => force.max(load * cos).min(load),
     }
 }
 
@@ -167,7 +184,7 @@ fn factor(ratio: f64) -> Option<&'static str> {
 
 fn check_speed(subject: &Subject<'_>, doubts: &mut Doubts) {
     let name = "forward_speed";
-    let Some(speed) = subject.mean(name).filter(|_| !subject.motion.is_rest()) else {
+    let Some(speed) = subject.mean(name).filter(|_| !subject.is_rest()) else {
         return;
     };
     let commanded = subject.trace.attributes.speed;
@@ -207,7 +224,8 @@ fn check_slip(subject: &Subject<'_>, doubts: &mut Doubts) {
     let Some((channel, slip)) = subject.shown_slip() else {
         return;
     };
-    if channel == "wheel_angle" && doubts.has_any(&["wheel_angle", "forward_speed"]) {
+    let is_by_turning = channel != "slip_ratio";
+    if is_by_turning && doubts.has_any(&[channel, "forward_speed"]) {
         return;
     }
     let RunAttributes {
@@ -232,7 +250,10 @@ fn check_slip(subject: &Subject<'_>, doubts: &mut Doubts) {
             number(slip),
             rim(slip, measured)
         );
-        let guess = "the label is wrong; trust the channel";
+        let guess = match (slip + commanded).abs() <= SLIP_TOLERANCE && !is_by_turning {
+            true => "same size, other sign: slip is above 0 where the rim is faster than the wheel",
+            false => "the label is wrong; trust the channel",
+        };
         doubts.channel(channel, Severity::Warning, &seen, guess);
     }
 }
@@ -251,9 +272,17 @@ fn check_signs(subject: &Subject<'_>, doubts: &mut Doubts) {
         wheel_radius,
         ..
     } = subject.trace.attributes;
+    if subject.is_rest() || subject.is_over_one_stone() {
+        return;
+    }
+    let slip_ratio = if slip_ratio.is_finite() {
+        slip_ratio
+    } else {
+        subject.slip()
+    };
     let direction = subject.direction();
     let along = |name: &str, load: f64| {
-        let steady = subject.steady(name)?;
+        let steady = subject.contact(name)?;
         let least = SIGMAS * steady.sd + ZERO * load.max(0.0);
         (steady.mean.abs() > least).then_some(direction * steady.mean)
     };

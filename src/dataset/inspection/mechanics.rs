@@ -24,7 +24,8 @@
 //! ground. Without torque, `−F` alone is at most as much. Heaps before the wheel and stones let it meet
 //! ground higher than it sinks: these are in the [`HEAP`] and in the roughness of ground that is not known to be sand.
 //!
-//! Both hold on the level, and are not asked of runs on a slope.
+//! On a slope both hold for the forces of the contact: what the wheel's own weight adds to the readings is taken off,
+//! and where its mass is unknown neither is asked.
 
 use super::doubts::Doubts;
 use super::subject::{SIGMAS, Steady, Subject, ZERO};
@@ -52,12 +53,14 @@ const STEEPEST: f64 = 60.0;
 /// Slip [-] above which a wheel is driven though nobody measured its torque.
 const DRIVING_SLIP: f64 = 0.05;
 
+/// Torque over radius and load [-] below which a unit that makes it so small explains nothing.
+const LEAST_THRUST: f64 = 1.0e-3;
+
 /// Checks pull and torque against each other, load and sinkage.
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
     let is_doubted = doubts.has_any(&["drawbar_pull", "driving_torque"]);
-    let RunAttributes { slope_deg, .. } = subject.trace.attributes;
-    let is_still = subject.trace.attributes.is_lifted() || subject.motion.is_rest();
-    if is_doubted || is_still || slope_deg != 0.0 {
+    let is_still = subject.trace.attributes.is_lifted() || subject.is_rest();
+    if is_doubted || is_still || subject.is_over_one_stone() {
         return;
     }
     let steepest = STEEPEST.to_radians().tan();
@@ -84,6 +87,7 @@ struct Loads {
     tips: f64,
     /// Load `W` [N].
     load: f64,
+    /// Slip [-]; NaN where nobody knows it, which leaves the power open.
     slip: f64,
     /// `tan θ_1` [-], the largest that the sinkage allows.
     entry: f64,
@@ -94,9 +98,9 @@ impl Loads {
         let RunAttributes {
             wheel_radius,
             lug_height,
-            load,
             ..
         } = subject.trace.attributes;
+        let load = subject.carried();
         let direction = subject.direction();
         let forward = |steady: Steady| Steady {
             mean: direction * steady.mean,
@@ -107,10 +111,14 @@ impl Loads {
             mean: torque.mean / tip_radius,
             sd: torque.sd / tip_radius,
         };
-        let measured = subject.mean("normal_force").unwrap_or(f64::NAN);
+        let measured = subject.contact("normal_force");
+        let measured = measured.map_or(f64::NAN, |steady| steady.mean);
         let loads = Self {
-            pull: forward(subject.steady("drawbar_pull")?),
-            thrust: subject.steady("driving_torque").map(forward).map(over_tips),
+            pull: forward(subject.contact("drawbar_pull")?),
+            thrust: subject
+                .contact("driving_torque")
+                .map(forward)
+                .map(over_tips),
             tips: tip_radius / wheel_radius,
             load: if load > 0.0 {
                 load.max(measured)
@@ -121,7 +129,8 @@ impl Loads {
             entry,
         };
         let known = loads.load > 0.0 && loads.tips.is_finite() && loads.entry.is_finite();
-        (known && (-1.0..=1.0).contains(&loads.slip)).then_some(loads)
+        let is_slip = loads.slip.is_nan() || (-1.0..=1.0).contains(&loads.slip);
+        (known && is_slip).then_some(loads)
     }
 
     /// Rim and forward speed over the faster of them [-].
@@ -131,7 +140,7 @@ impl Loads {
 
     /// What is wrong with the power, if the wheel gives more than it gets.
     fn power(&self) -> Option<String> {
-        let thrust = self.thrust?;
+        let thrust = self.thrust.filter(|_| self.slip.is_finite())?;
         let [rim, forward] = self.speeds();
         let (into, out) = (self.tips * thrust.mean * rim, self.pull.mean * forward);
         let noise = (self.tips * thrust.sd * rim).hypot(self.pull.sd * forward);
@@ -144,11 +153,13 @@ impl Loads {
             number(self.pull.mean),
             number(self.slip)
         );
-        Some(if into > 0.0 {
-            let ratio = number(out / into);
-            format!("{pull} gives {ratio} times the power that the torque puts in")
-        } else {
-            format!("{pull} gives more power than the torque puts in, which brakes")
+        Some(match into {
+            into if into > 0.0 => {
+                let ratio = number(out / into);
+                format!("{pull} gives {ratio} times the power that the torque puts in")
+            }
+            0.0 => format!("{pull} gives power, and the torque puts none in"),
+            _ => format!("{pull} gives power, and the torque brakes"),
         })
     }
 
@@ -188,6 +199,12 @@ impl Loads {
         self.power().is_none() && self.resistance().is_none()
     }
 
+    /// Whether the torque is more than nothing.
+    fn is_felt(&self) -> bool {
+        let least = LEAST_THRUST * self.load;
+        self.thrust.is_none_or(|thrust| thrust.mean.abs() > least)
+    }
+
     fn scaled(&self, [pull, torque]: [f64; 2]) -> Self {
         let times = |steady: Steady, by: f64| Steady {
             mean: by * steady.mean,
@@ -213,7 +230,8 @@ impl Loads {
         ];
         let possible = GUESSES
             .iter()
-            .filter(|(factors, _)| self.scaled(*factors).is_possible());
+            .map(|(factors, guess)| (self.scaled(*factors), guess))
+            .filter(|(loads, _)| loads.is_possible() && loads.is_felt());
         let mut guesses: Vec<&str> = possible.map(|(_, guess)| *guess).take(2).collect();
         guesses.push("a zero of pull, torque or sinkage that was not taken off");
         format!("{}?", guesses.join(", "))

@@ -3,13 +3,16 @@
 use super::doubts::Doubts;
 use super::subject::Subject;
 use super::{Severity, number};
-use crate::trace::{Channel, RunAttributes, Trace};
+use crate::trace::{Channel, RunAttributes};
 
 /// How many times its noise [-] a sensor must read to have an offset: chance does so once in 400.
 const NOISES: f64 = 3.0;
 
 /// Shortest rest [s] that tells an offset.
 const REST: f64 = 0.5;
+
+/// Readings [-] at rest that tell a sensor's noise: one or two of a slow log do not.
+const FEWEST: usize = 5;
 
 /// Turning [rad] within which a wheel stands still: a fifth of a degree is 0.5 mm of rim.
 const STILL: f64 = 3.5e-3;
@@ -18,12 +21,13 @@ const STILL: f64 = 3.5e-3;
 const NEGLIGIBLE: f64 = 0.02;
 
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
-    check_unloaded(subject.trace, doubts);
+    check_unloaded(subject, doubts);
     check_standing(subject, doubts);
 }
 
 /// Doubts forces on a wheel that carries none: all of them at rest; those from the ground anyway.
-fn check_unloaded(trace: &Trace, doubts: &mut Doubts) {
+fn check_unloaded(subject: &Subject<'_>, doubts: &mut Doubts) {
+    let trace = subject.trace;
     if !trace.attributes.is_lifted() {
         return;
     }
@@ -35,6 +39,13 @@ fn check_unloaded(trace: &Trace, doubts: &mut Doubts) {
     let is_force = |unit: &str| ["N", "N m"].contains(&unit);
     let idle = |name: &str, unit: &str| is_force(unit) && (rests || from_ground(name));
     let mut doubt = |name: &str, unit: &str, reading: Reading| {
+        let Some(weightless) = subject.without_weight(name, reading.mean) else {
+            return;
+        };
+        let reading = Reading {
+            mean: weightless,
+            ..reading
+        };
         if idle(name, unit) && reading.is_offset() {
             let seen = format!("reads {} without load", reading.described(unit));
             let guess = "subtract it on import";
@@ -55,15 +66,21 @@ fn check_unloaded(trace: &Trace, doubts: &mut Doubts) {
     }
 }
 
-/// Doubts a pull or torque on a wheel that stands before it begins to turn.
+/// Doubts a pull or torque on a wheel that stands before it begins to turn; on a slope they hold it.
 fn check_standing(subject: &Subject<'_>, doubts: &mut Doubts) {
     let trace = subject.trace;
+    let RunAttributes {
+        load,
+        wheel_radius,
+        slope_deg,
+        ..
+    } = trace.attributes;
+    if slope_deg != 0.0 || subject.is_turning_unresolved() {
+        return;
+    }
     let Some(rest) = subject.turning.as_ref().and_then(|(angle, _)| rest(angle)) else {
         return;
     };
-    let RunAttributes {
-        load, wheel_radius, ..
-    } = trace.attributes;
     for (name, size) in [
         ("drawbar_pull", load),
         ("driving_torque", load * wheel_radius),
@@ -71,7 +88,8 @@ fn check_standing(subject: &Subject<'_>, doubts: &mut Doubts) {
         let Some(channel) = trace.channel(name) else {
             continue;
         };
-        let Some(reading) = Reading::of(channel.between(rest.start, rest.end)) else {
+        let readings = channel.between(rest.start, rest.end);
+        let Some(reading) = Reading::of(readings).filter(|_| readings.len() >= FEWEST) else {
             continue;
         };
         if reading.is_offset() && reading.mean.abs() > NEGLIGIBLE * size {

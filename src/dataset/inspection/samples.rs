@@ -50,7 +50,9 @@ fn check_channel(subject: &Subject<'_>, channel: &Channel, doubts: &mut Doubts) 
     let first = numbers.next();
     let is_constant = samples.len() > 1 && numbers.all(|x| Some(x) == first);
     if let Some(value) = first.filter(|_| is_constant) {
-        let stands = subject.motion.is_rest() && !is_force_like(name);
+        let turns = ["wheel_angle", "wheel_speed"].contains(&name.as_str());
+        let is_locked = subject.trace.attributes.slip_ratio == -1.0;
+        let stands = subject.is_rest() && !is_force_like(name) || is_locked && turns;
         if !stands {
             constant(name, *value, doubts);
         }

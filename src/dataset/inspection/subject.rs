@@ -1,9 +1,13 @@
 //! A run as the checks see it: angles continuous, rests left out, each quantity with its uncertainty.
 
 use crate::quantity::SlipRatio;
+use crate::terrain::class::TerrainLabel;
+use crate::trace::encoder::{between_steps, is_too_coarse};
 use crate::trace::motion::Motion;
+use crate::trace::slope::Slope;
 use crate::trace::turning::Turning;
-use crate::trace::{Channel, Trace};
+use crate::trace::{Channel, RunAttributes, Trace};
+use std::f64::consts::{PI, TAU};
 
 /// Blocks [-] over which the scatter of a steady mean is measured.
 const BLOCKS: usize = 8;
@@ -14,12 +18,17 @@ pub(super) const SIGMAS: f64 = 3.0;
 /// Zero error of pull and torque at the rim, over the load [-], that nobody notices.
 pub(super) const ZERO: f64 = 0.03;
 
+/// Way [m] over a stone or two.
+const FEW_STONES: f64 = 0.05;
+
 /// A run, and what several checks ask of it.
 pub(super) struct Subject<'t> {
     pub(super) trace: &'t Trace,
     pub(super) motion: Motion,
-    /// The wheel angle, continuous.
+    /// The wheel angle, continuous and between the steps of its encoder.
     pub(super) turning: Option<(Channel, Turning)>,
+    /// What the wheel's own weight does to forces; `None` on a slope with a wheel of unknown mass.
+    slope: Option<Slope>,
 }
 
 /// A steady value and its standard uncertainty.
@@ -35,7 +44,7 @@ impl<'t> Subject<'t> {
         let turning = trace.channel("wheel_angle").map(|angle| {
             let turning = Turning::of(&angle.samples);
             let continuous = Channel {
-                samples: turning.angles.clone(),
+                samples: between_steps(&turning.angles),
                 ..angle.clone()
             };
             (continuous, turning)
@@ -44,7 +53,24 @@ impl<'t> Subject<'t> {
             trace,
             motion: Motion::of(trace),
             turning,
+            slope: Slope::of(&trace.attributes),
         }
+    }
+
+    /// Whether the wheel moves at no time: by its channels, or by the command where none shows it.
+    pub(super) fn is_rest(&self) -> bool {
+        let RunAttributes {
+            speed, slip_ratio, ..
+        } = self.trace.attributes;
+        let shows = |name: &&str| {
+            self.trace.channel(name).is_some()
+                || self.trace.means.iter().any(|mean| mean.name == **name)
+        };
+        let is_shown = ["wheel_angle", "wheel_speed", "forward_speed"]
+            .iter()
+            .any(shows);
+        let is_commanded = speed == 0.0 && (slip_ratio == 0.0 || slip_ratio.is_nan());
+        self.motion.is_rest() || (is_commanded && !is_shown)
     }
 
     /// Steady value of a quantity while the wheel moves; at rest too where it never moves.
@@ -75,10 +101,87 @@ impl<'t> Subject<'t> {
         Steady::of(&numbers)
     }
 
+    /// As [`steady`](Self::steady), of the contact's forces: less the part of the wheel's own weight on a slope.
+    pub(super) fn contact(&self, name: &str) -> Option<Steady> {
+        let steady = self.steady(name)?;
+        let mean = self.without_weight(name, steady.mean)?;
+        Some(Steady { mean, ..steady })
+    }
+
+    /// What `reading` of a channel has without the wheel's own weight, if that is known.
+    pub(super) fn without_weight(&self, name: &str, reading: f64) -> Option<f64> {
+        let has_weight = ["drawbar_pull", "normal_force"].contains(&name);
+        match (has_weight, self.slope) {
+            (true, slope) => Some(slope?.contact(name, reading)),
+            (false, _) => Some(reading),
+        }
+    }
+
+    /// Commanded load [N] that presses on the track.
+    pub(super) fn carried(&self) -> f64 {
+        let RunAttributes {
+            load, slope_deg, ..
+        } = self.trace.attributes;
+        load * libm::cos(slope_deg.to_radians())
+    }
+
+    /// The channel that shows how fast the wheel turns: the angle, or the speed from which it was integrated.
+    pub(super) fn turning_channel(&self) -> &'static str {
+        let is_integrated = self.trace.attributes.angle_zero_unknown;
+        match self.turning.is_some() && !is_integrated {
+            true => "wheel_angle",
+            false => "wheel_speed",
+        }
+    }
+
+    /// Whether the wheel's angle is read too seldom, or in too large steps, to tell how fast it turns.
+    pub(super) fn is_turning_unresolved(&self) -> bool {
+        let (Some((angle, turning)), Some(readings)) =
+            (&self.turning, self.trace.channel("wheel_angle"))
+        else {
+            return false;
+        };
+        let numbers = || readings.samples.iter().copied().filter(|x| x.is_finite());
+        let span =
+            numbers().fold(f64::NEG_INFINITY, f64::max) - numbers().fold(f64::INFINITY, f64::min);
+        let step = self.expected_wheel_speed().map_or(0.0, f64::abs) / angle.sample_rate;
+        let loses_turns = step > PI && (0.1..=TAU).contains(&span);
+        !turning.is_resolved || loses_turns || is_too_coarse(&turning.angles)
+    }
+
+    /// Wheel speed [rad/s] by forward speed and slip, as commanded, else as measured.
+    pub(super) fn expected_wheel_speed(&self) -> Option<f64> {
+        let RunAttributes {
+            speed,
+            slip_ratio,
+            wheel_radius,
+            ..
+        } = self.trace.attributes;
+        let forward = if speed.is_finite() {
+            speed
+        } else {
+            self.forward_speed()
+        };
+        let slip = if slip_ratio.is_finite() {
+            slip_ratio
+        } else {
+            self.mean("slip_ratio")?
+        };
+        let speed = SlipRatio::new(slip)
+            .ok()?
+            .wheel_speed(wheel_radius, forward)?;
+        (speed.is_finite() && speed != 0.0).then_some(speed)
+    }
+
     /// Wheel speed [rad/s] over the steady part while it moves: the slope between the ends of its longest
     /// stretch of motion.
     pub(super) fn wheel_speed(&self) -> Option<f64> {
-        let (angle, _) = self.turning.as_ref()?;
+        let Some((angle, _)) = &self.turning else {
+            return self.mean("wheel_speed");
+        };
+        if self.is_turning_unresolved() {
+            return None;
+        }
         let quarter = angle.samples.len() / 4;
         self.speed_within(angle, quarter..angle.samples.len() - quarter)
             .or_else(|| self.speed_within(angle, 0..angle.samples.len()))
@@ -106,10 +209,28 @@ impl<'t> Subject<'t> {
         measured.unwrap_or(self.trace.attributes.speed)
     }
 
+    /// Whether the loads are those of a stone or two of gravel, down which a wheel may roll by itself.
+    pub(super) fn is_over_one_stone(&self) -> bool {
+        let has_stones = matches!(
+            self.trace.attributes.terrain,
+            Some(
+                TerrainLabel::Gravel | TerrainLabel::HardWithGravel | TerrainLabel::SandWithGravel
+            )
+        );
+        let is_load = |channel: &&Channel| {
+            ["drawbar_pull", "driving_torque"].contains(&channel.name.as_str())
+        };
+        let loads = self.trace.channels.iter().find(is_load);
+        let seconds = loads.map_or(f64::NAN, |channel| {
+            self.motion.steady(channel).len() as f64 / channel.sample_rate
+        });
+        has_stones && (self.forward_speed() * seconds).abs() < FEW_STONES
+    }
+
     /// The slip that the channels show, and the channel that shows it: slip itself, else the wheel's turning
     /// against the forward speed, measured or commanded. None of a wheel at rest.
     pub(super) fn shown_slip(&self) -> Option<(&'static str, f64)> {
-        if self.motion.is_rest() {
+        if self.is_rest() {
             return None;
         }
         if let Some(slip) = self.mean("slip_ratio") {
@@ -120,7 +241,7 @@ impl<'t> Subject<'t> {
         let known = [radius, wheel_speed, forward].iter().all(|x| x.is_finite());
         known.then(|| {
             let slip = SlipRatio::from_motion(radius, wheel_speed, forward);
-            ("wheel_angle", slip.get())
+            (self.turning_channel(), slip.get())
         })
     }
 
@@ -132,7 +253,18 @@ impl<'t> Subject<'t> {
 
     /// 1 forward, also where nobody knows the speed; -1 in reverse.
     pub(super) fn direction(&self) -> f64 {
-        if self.trace.attributes.speed < 0.0 {
+        let speed = self.trace.attributes.speed;
+        let speed = if speed.is_finite() {
+            speed
+        } else {
+            self.forward_speed()
+        };
+        let speed = if speed.is_finite() {
+            Some(speed)
+        } else {
+            self.wheel_speed()
+        };
+        if speed.is_some_and(|speed| speed < 0.0) {
             -1.0
         } else {
             1.0

@@ -3,29 +3,28 @@
 use super::doubts::Doubts;
 use super::subject::Subject;
 use super::{Severity, number};
-use crate::quantity::SlipRatio;
 use crate::trace::RunAttributes;
 use std::f64::consts::TAU;
 
 /// How far a ratio of speeds may lie off a factor between units [-]; slip that was not held changes it.
 const NEAR: f64 = 0.1;
 
-/// Sample rate [Hz] of an acceleration below which its time cannot be in seconds: a lug's blow lasts some
-/// milliseconds, and who logs an accelerometer once a second learns nothing.
-const NO_ACCELERATION: f64 = 2.0;
-
-/// Sample rate [Hz] of an acceleration below which it shows no vibration.
+/// Sample rate [Hz] of an acceleration below which it shows no vibration: a lug's blow lasts some milliseconds.
 const SLOW_ACCELERATION: f64 = 20.0;
+
+/// Sample rate [Hz] below which a log is slow: a rover's own, or one whose time is in milliseconds.
+const SLOW_LOG: f64 = 2.0;
 
 /// Length [s] of a record that no single run has: two hours.
 const LONGEST_RUN: f64 = 7200.0;
 
 /// Way [m] that no rig has, and that a rover drives in one run only where it is logged as seldom as
-/// [`NO_ACCELERATION`].
+/// [`SLOW_LOG`].
 const LONGEST_WAY: f64 = 100.0;
 
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
     check_counter(subject, doubts);
+    check_resolution(subject, doubts);
     let is_other_unit = check_unit(subject, doubts);
     check_direction(subject, doubts);
     if !is_other_unit {
@@ -41,8 +40,11 @@ fn check_counter(subject: &Subject<'_>, doubts: &mut Doubts) {
         .and_then(|(_, turning)| turning.roll_over);
     if let Some(counter) = roll_over {
         let seen = format!(
-            "starts again {} times after {} rad ({} turns); taken for one angle that goes on",
-            counter.times,
+            "starts again {} after {} rad ({} turns); taken for one angle that goes on",
+            match counter.times {
+                1 => "once".to_owned(),
+                times => format!("{times} times"),
+            },
             number(counter.range),
             number(counter.range / TAU)
         );
@@ -50,28 +52,49 @@ fn check_counter(subject: &Subject<'_>, doubts: &mut Doubts) {
     }
 }
 
-/// Doubts the unit of an angle that turns a factor between units faster than it should.
+/// States an angle that does not tell how fast the wheel turns.
+fn check_resolution(subject: &Subject<'_>, doubts: &mut Doubts) {
+    if subject.is_turning_unresolved() && !subject.is_rest() {
+        let seen = "is read too seldom or in too large steps to tell how fast the wheel turns; what needs that is \
+                    left out";
+        doubts.channel("wheel_angle", Severity::Info, seen, "");
+    }
+}
+
+/// A ratio of the turning to the one expected, and the unit that would explain it.
+type Guess = (f64, &'static str);
+
+/// Units of an angle.
+const ANGLES: [Guess; 3] = [
+    (360.0 / TAU, "in degrees?"),
+    (1.0 / TAU, "in turns?"),
+    (60.0 / TAU, "integrated from revolutions per minute?"),
+];
+
+/// Units of time, of an angle over time. Without a command, a forward speed in mm/s looks the same: it is doubted as
+/// a speed.
+const TIMES: [Guess; 2] = [
+    (1.0e-3, "time in milliseconds?"),
+    (1.0e3, "in milliradians, or time in thousands of seconds?"),
+];
+
+/// Units of a wheel speed.
+const SPEEDS: [Guess; 3] = [
+    (360.0 / TAU, "in degrees per second?"),
+    (1.0 / TAU, "in turns per second?"),
+    (60.0 / TAU, "in revolutions per minute?"),
+];
+
+/// Doubts the unit of an angle or of a wheel speed that turns a factor between units faster than it should.
 fn check_unit(subject: &Subject<'_>, doubts: &mut Doubts) -> bool {
-    const UNITS: [(f64, &str); 3] = [
-        (360.0 / TAU, "in degrees?"),
-        (1.0 / TAU, "in turns?"),
-        (60.0 / TAU, "integrated from revolutions per minute?"),
-    ];
-    // Without a command, a speed in mm/s looks the same: it is doubted as a speed.
-    const UNITS_OF_TIME: [(f64, &str); 2] = [
-        (1.0e-3, "time in milliseconds?"),
-        (1.0e3, "in milliradians, or time in thousands of seconds?"),
-    ];
-    let Some((turning, expected)) = subject.wheel_speed().zip(expected_wheel_speed(subject)) else {
+    let turning = subject.wheel_speed().filter(|_| !subject.is_rest());
+    let Some((turning, expected)) = turning.zip(subject.expected_wheel_speed()) else {
         return false;
     };
-    let ratio = (turning / expected).abs();
-    let near = |(factor, _): &&(f64, &str)| (ratio / factor - 1.0).abs() < NEAR;
-    let units_of_time = match subject.trace.attributes.speed.is_finite() {
-        true => &UNITS_OF_TIME[..],
-        false => &[],
-    };
-    let Some((_, guess)) = UNITS.iter().chain(units_of_time).find(near) else {
+    let off = |factor: f64| ((turning / expected).abs() / factor - 1.0).abs();
+    let guesses = guesses(subject).into_iter();
+    let nearest = guesses.min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+    let Some((_, guess)) = nearest.filter(|(factor, _)| off(*factor) < NEAR) else {
         return false;
     };
     let seen = format!(
@@ -79,47 +102,37 @@ fn check_unit(subject: &Subject<'_>, doubts: &mut Doubts) -> bool {
         number(turning),
         number(expected)
     );
-    doubts.channel("wheel_angle", Severity::Error, &seen, guess);
+    doubts.channel(subject.turning_channel(), Severity::Error, &seen, guess);
     true
 }
 
-/// Wheel speed [rad/s] by forward speed and slip, as measured, else as commanded.
-fn expected_wheel_speed(subject: &Subject<'_>) -> Option<f64> {
+/// What may be wrong with the unit of what shows the wheel's turning.
+fn guesses(subject: &Subject<'_>) -> Vec<Guess> {
     let RunAttributes {
         speed,
-        slip_ratio,
         wheel_radius,
         ..
     } = subject.trace.attributes;
-    let forward = if speed.is_finite() {
-        speed
-    } else {
-        subject.forward_speed()
-    };
-    let slip = if slip_ratio.is_finite() {
-        slip_ratio
-    } else {
-        subject.mean("slip_ratio")?
-    };
-    let speed = SlipRatio::new(slip)
-        .ok()?
-        .wheel_speed(wheel_radius, forward)?;
-    (speed.is_finite() && speed != 0.0).then_some(speed)
+    match subject.turning_channel() {
+        "wheel_angle" if speed.is_finite() => [&ANGLES[..], &TIMES[..]].concat(),
+        "wheel_angle" => ANGLES.to_vec(),
+        _ => [&SPEEDS[..], &[(wheel_radius, "the rim's speed in m/s?")]].concat(),
+    }
 }
 
 fn check_direction(subject: &Subject<'_>, doubts: &mut Doubts) {
     let speed = subject.trace.attributes.speed;
     if let Some(turning) = subject.wheel_speed()
         && turning * speed < 0.0
-        && !subject.motion.is_rest()
+        && !subject.is_rest()
     {
         let seen = format!(
             "turns at {} rad/s while the run is commanded {} mm/s",
             number(turning),
             number(1.0e3 * speed)
         );
-        let guess = "the wheel angle grows when driving forward; change its sign";
-        doubts.channel("wheel_angle", Severity::Error, &seen, guess);
+        let guess = "the wheel turns above 0 when driving forward; change its sign";
+        doubts.channel(subject.turning_channel(), Severity::Error, &seen, guess);
     }
 }
 
@@ -132,21 +145,9 @@ fn check_time(subject: &Subject<'_>, doubts: &mut Doubts) {
     if let Some(channel) = acceleration
         && channel.sample_rate < SLOW_ACCELERATION
     {
-        let rate = number(channel.sample_rate);
-        let (severity, guess) = if channel.sample_rate < NO_ACCELERATION {
-            (Severity::Error, "time in milliseconds?")
-        } else {
-            (
-                Severity::Warning,
-                "too slow to show a vibration, or time in milliseconds?",
-            )
-        };
-        doubts.channel(
-            &channel.name,
-            severity,
-            &format!("sampled at {rate} Hz"),
-            guess,
-        );
+        let seen = format!("sampled at {} Hz", number(channel.sample_rate));
+        let guess = "too slow to show a vibration, or time in milliseconds?";
+        doubts.channel(&channel.name, Severity::Warning, &seen, guess);
         return;
     }
     let Some(longest) = trace
@@ -158,7 +159,7 @@ fn check_time(subject: &Subject<'_>, doubts: &mut Doubts) {
     };
     let duration = longest.duration();
     let way = (subject.forward_speed() * duration).abs();
-    let slow = longest.sample_rate < NO_ACCELERATION;
+    let slow = longest.sample_rate < SLOW_LOG;
     if duration > LONGEST_RUN || (slow && way > LONGEST_WAY) {
         let way = if way.is_finite() {
             format!(" and {} m", number(way))

@@ -14,7 +14,7 @@ pub(super) struct Naming {
     pub(super) names: Vec<String>,
     /// Rows between the names and the data.
     pub(super) units: Vec<Vec<String>>,
-    /// Rows without a number further below, which may be the header after a preamble.
+    /// Rows without a number below the names, of which one may be the header after a preamble.
     later: Vec<(u64, Vec<String>)>,
     /// What was taken for granted.
     pub(super) notes: Vec<String>,
@@ -57,7 +57,9 @@ pub(super) fn naming(
     let later = ahead
         .iter()
         .filter(|row| !row.texts().iter().any(|cell| is_number(cell)));
-    naming.later = later.map(|row| (row.line, row.texts())).collect();
+    naming
+        .later
+        .extend(later.map(|row| (row.line, row.texts())));
     Ok(naming)
 }
 
@@ -175,11 +177,12 @@ fn from_rows(ahead: &mut VecDeque<Row>, layout: &Layout<'_>) -> Naming {
         ));
     }
     let units = rows.iter().map(Row::texts).collect();
+    let later = rows.iter().map(|row| (row.line, row.texts()));
     Naming {
         names,
         units,
+        later: later.collect(),
         notes,
-        ..Naming::default()
     }
 }
 

@@ -1,8 +1,7 @@
 //! Loads of the contact from what force sensors read on a slope.
 
-use super::steady::SteadyError;
+use super::RunAttributes;
 use crate::quantity::GRAVITY;
-use crate::trace::RunAttributes;
 
 /// A track of slope `β`, uphill above 0, and sensors that were tared on the level.
 ///
@@ -14,7 +13,7 @@ use crate::trace::RunAttributes;
 /// part of that tare presses on the track no more, and the weight has a part along the track. Torque does
 /// not change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Slope {
+pub struct Slope {
     /// Part of a vertical load [-] that is normal to the track.
     cos: f64,
     /// Normal force [N] that the sensors read in excess of the contact's.
@@ -24,18 +23,14 @@ pub(super) struct Slope {
 }
 
 impl Slope {
-    /// The slope of a run.
-    ///
-    /// # Errors
-    /// `SlopeWithoutMass` on a slope whose run does not state the wheel's mass.
-    pub fn of(run: &RunAttributes) -> Result<Self, SteadyError> {
+    /// The slope of a run; `None` where it is not level and does not state the wheel's mass.
+    pub fn of(run: &RunAttributes) -> Option<Self> {
         let mass = match (run.slope_deg, run.wheel_mass) {
             (0.0, _) => 0.0,
-            (_, Some(mass)) => mass,
-            (slope, None) => return Err(SteadyError::SlopeWithoutMass(slope.to_string())),
+            (_, mass) => mass?,
         };
         let (sin, cos) = libm::sincos(run.slope_deg.to_radians());
-        Ok(Self {
+        Some(Self {
             cos,
             normal_excess: mass * GRAVITY * (1.0 - cos),
             pull_shortage: mass * GRAVITY * sin,
@@ -50,6 +45,15 @@ impl Slope {
     /// Drawbar pull [N] of the contact where the sensors read `drawbar_pull` [N].
     pub fn drawbar_pull(&self, drawbar_pull: f64) -> f64 {
         drawbar_pull + self.pull_shortage
+    }
+
+    /// What the contact has where the sensors of `channel` read `reading`: a pull or a normal force less the weight's part.
+    pub fn contact(&self, channel: &str, reading: f64) -> f64 {
+        match channel {
+            "drawbar_pull" => self.drawbar_pull(reading),
+            "normal_force" => self.normal_force(reading),
+            _ => reading,
+        }
     }
 
     /// Normal force [N] of the contact under a vertical load [N].
@@ -93,9 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn on_a_slope_a_wheel_of_unknown_mass_is_refused_with_the_way_out() {
-        let message = Slope::of(&run(-5.0, None)).unwrap_err().to_string();
-        assert!(message.starts_with("the track slopes by -5°"), "{message}");
-        assert!(message.contains("mass_kg"), "{message}");
+    fn on_a_slope_a_wheel_of_unknown_mass_has_unknown_forces() {
+        assert_eq!(Slope::of(&run(-5.0, None)), None);
     }
 }
