@@ -146,7 +146,6 @@ pub struct Simulation {
     load: f64,
     rate: SampleRate,
     step: u64,
-    has_stones: bool,
     failed: bool,
 }
 
@@ -192,7 +191,6 @@ impl Simulation {
         let mut simulation = Self {
             world,
             mount,
-            has_stones: ground.has_stones(),
             ground,
             wheel,
             geometry,
@@ -232,7 +230,7 @@ impl Simulation {
     }
 
     fn let_down(&mut self) -> Result<(), SimulationError> {
-        let seconds = if self.has_stones {
+        let seconds = if self.world.stones().is_some() {
             LET_DOWN_ON_STONES
         } else {
             LET_DOWN
