@@ -13,6 +13,8 @@ mod ground_force;
 mod hard_contact;
 mod motion;
 mod mount;
+mod nearest;
+mod outline;
 pub mod rig;
 #[cfg(test)]
 mod rolling;

@@ -544,7 +544,7 @@ mod tests {
 
     impl Led {
         fn new(wheel: Wheel) -> Self {
-            let flat = Profile::new(None, None, 1.0e-3, Seed(0), 0);
+            let flat = Profile::new(&crate::terrain::Relief::default(), 1.0e-3, Seed(0), 0);
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             let motion = WheelMotion {
                 cos: 1.0,
@@ -639,6 +639,7 @@ mod tests {
             count: 12,
             height: 0.015,
             thickness: 0.003,
+            edge_radius: None,
         });
         let mut led = Led::new(Wheel { lugs, ..smooth() });
         led.roll(0.5, 0.004);
