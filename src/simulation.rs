@@ -13,6 +13,8 @@ mod ground_force;
 mod hard_contact;
 mod motion;
 mod mount;
+mod nearest;
+mod outline;
 pub mod rig;
 #[cfg(test)]
 mod rolling;
@@ -146,7 +148,6 @@ pub struct Simulation {
     load: f64,
     rate: SampleRate,
     step: u64,
-    has_stones: bool,
     failed: bool,
 }
 
@@ -192,7 +193,6 @@ impl Simulation {
         let mut simulation = Self {
             world,
             mount,
-            has_stones: ground.has_stones(),
             ground,
             wheel,
             geometry,
@@ -232,7 +232,7 @@ impl Simulation {
     }
 
     fn let_down(&mut self) -> Result<(), SimulationError> {
-        let seconds = if self.has_stones {
+        let seconds = if self.world.stones().is_some() {
             LET_DOWN_ON_STONES
         } else {
             LET_DOWN

@@ -10,6 +10,7 @@ use class::TerrainLabel;
 use profile::Profile;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Hunt-Crossley contact of lug edge or rim with stone: `F = F_0 (δ/δ_0)ⁿ (1 + d δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -55,6 +56,64 @@ pub struct Joints {
     pub depth: f64,
     /// Standard deviation of the height of neighbouring bricks [m].
     pub step: f64,
+    /// Radius [m] of the bricks' edges, at least the joint's depth; if absent, that of edges which meet the joint's
+    /// bottom at 45°.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_radius: Option<f64>,
+}
+
+impl Joints {
+    /// Radius [m] of the bricks' edges.
+    ///
+    /// A lug under load `W` leaves a flank of slope `m` only at a pull of `W (m + μ) / (1 - m μ)`, which grows without bound
+    /// towards `m μ = 1`. With edges that end at 45° and the friction of metal on stone, 0.6, the lug needs `4 W`.
+    pub fn edge_radius(&self) -> f64 {
+        self.edge_radius
+            .unwrap_or(self.depth / (1.0 - FRAC_1_SQRT_2))
+    }
+}
+
+/// A step up, climbed by a face of 75°: no height over the track is vertical, and beyond 60° a wheel of the friction of
+/// metal on stone finds no hold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ledge {
+    /// Where its face begins, from the start of the track [m].
+    pub position: f64,
+    /// Height [m].
+    pub height: f64,
+    /// Radius [m] of its upper edge; 5 mm if absent.
+    #[serde(default = "Ledge::usual_edge")]
+    pub edge_radius: f64,
+}
+
+/// What makes the height of fixed ground.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Relief {
+    /// Roughness.
+    pub roughness: Option<Roughness>,
+    /// Joints between bricks.
+    pub joints: Option<Joints>,
+    /// A step up.
+    pub ledge: Option<Ledge>,
+}
+
+impl From<Roughness> for Relief {
+    fn from(roughness: Roughness) -> Self {
+        Self {
+            roughness: Some(roughness),
+            ..Self::default()
+        }
+    }
+}
+
+impl From<Joints> for Relief {
+    fn from(joints: Joints) -> Self {
+        Self {
+            joints: Some(joints),
+            ..Self::default()
+        }
+    }
 }
 
 /// Free stones: convex polygons.
@@ -105,6 +164,9 @@ pub enum TerrainSpec {
         /// Joints between them.
         #[serde(skip_serializing_if = "Option::is_none")]
         joints: Option<Joints>,
+        /// A step up.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        ledge: Option<Ledge>,
     },
     /// GT: a settled pile of free stones.
     Gravel {
@@ -174,17 +236,25 @@ impl TerrainSpec {
         }
     }
 
-    /// Roughness and joints of the fixed surface.
-    fn surface(&self) -> (Option<&Roughness>, Option<&Joints>) {
-        match self {
+    /// What makes the height of the fixed surface.
+    fn relief(&self) -> Relief {
+        match *self {
             Self::Hard {
-                roughness, joints, ..
-            } => (Some(roughness), joints.as_ref()),
-            Self::GravelOnHard { roughness, .. } => (Some(roughness), None),
-            Self::Sand { roughness, .. } | Self::GravelInSand { roughness, .. } => {
-                (roughness.as_ref(), None)
-            }
-            Self::Reference { .. } | Self::Gravel { .. } | Self::Sequence(_) => (None, None),
+                roughness,
+                joints,
+                ledge,
+                ..
+            } => Relief {
+                roughness: Some(roughness),
+                joints,
+                ledge,
+            },
+            Self::GravelOnHard { roughness, .. } => roughness.into(),
+            Self::Sand { roughness, .. } | Self::GravelInSand { roughness, .. } => Relief {
+                roughness,
+                ..Relief::default()
+            },
+            Self::Reference { .. } | Self::Gravel { .. } | Self::Sequence(_) => Relief::default(),
         }
     }
 }
@@ -228,14 +298,37 @@ impl Roughness {
 
 impl Joints {
     /// # Errors
-    /// `RangeError` for a spacing or width that is not positive, a joint wider than a brick, or
-    /// a depth or step outside [0, 0.1] m.
+    /// `RangeError` for a spacing or width that is not positive, a joint wider than a brick, a depth or step outside
+    /// [0, 0.1] m, or edges with a radius below the depth.
     pub fn check(&self) -> Result<(), RangeError> {
         RangeError::positive("joint spacing", "m", self.spacing)?;
         RangeError::positive("joint width", "m", self.width)?;
         below("joint width", self.width, "spacing", self.spacing)?;
         RangeError::check("joint depth", "m", self.depth, [0.0, 0.1])?;
         RangeError::check("step between bricks", "m", self.step, [0.0, 0.1])?;
+        let edges = [self.depth, 1.0];
+        RangeError::check("edge radius of a brick", "m", self.edge_radius(), edges)?;
+        Ok(())
+    }
+}
+
+impl Ledge {
+    fn usual_edge() -> f64 {
+        0.005
+    }
+
+    /// # Errors
+    /// `RangeError` for a height outside [0, 0.5] m or an edge radius outside [1 mm, 0.5 m].
+    pub fn check(&self) -> Result<(), RangeError> {
+        let anywhere = [f64::MIN, f64::MAX];
+        RangeError::check("ledge position", "m", self.position, anywhere)?;
+        RangeError::check("ledge height", "m", self.height, [0.0, 0.5])?;
+        RangeError::check(
+            "edge radius of a ledge",
+            "m",
+            self.edge_radius,
+            [0.001, 0.5],
+        )?;
         Ok(())
     }
 }
@@ -267,10 +360,12 @@ impl TerrainSpec {
                 contact,
                 roughness,
                 joints,
+                ledge,
             } => {
                 contact.check()?;
                 roughness.check()?;
-                joints.as_ref().map_or(Ok(()), Joints::check)
+                joints.as_ref().map_or(Ok(()), Joints::check)?;
+                ledge.as_ref().map_or(Ok(()), Ledge::check)
             }
             Self::Gravel { stones, depth } => {
                 stones.check()?;
@@ -421,8 +516,8 @@ impl Terrain {
 
     /// Height of the fixed surface of `stretch`.
     pub fn profile(&self, stretch: &Stretch) -> Profile {
-        let (roughness, joints) = stretch.ground.surface();
-        Profile::new(roughness, joints, NODE, self.seed, self.run)
+        let relief = stretch.ground.relief();
+        Profile::new(&relief, NODE, self.seed, self.run)
     }
 
     /// Where the run's draws come from.

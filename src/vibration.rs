@@ -3,7 +3,9 @@
 //! against.
 //!
 //! They know the wheel's outline, the ground's height and nothing of forces: the wheel is rigid,
-//! rolls without slipping and never leaves the ground.
+//! rolls without slipping and never leaves the ground. Its lugs are edges without thickness. The simulated ones are
+//! plates: one of 3 mm whose end is all round lifts the axle by 1 % less than (10) says, one with sharp edges by 16 % less,
+//! for it reaches `(r + l - e) cos φ + (t/2 - e) |sin φ| + e` below the axle.
 //!
 //! Angles count as everywhere: the wheel angle grows when driving forward, lug 0 points straight
 //! down at 0, and `φ`, the angle of a lug from straight down, is positive ahead, so that `φ`
@@ -38,6 +40,7 @@ fn olig() -> crate::wheel::Wheel {
             count: 6,
             height: 0.005,
             thickness: 0.003,
+            edge_radius: None,
         }),
         ..crate::wheel::Wheel::single_wheel()
     }

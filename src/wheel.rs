@@ -1,7 +1,8 @@
 //! The wheel: rim, lugs, mass. A smooth wheel is a wheel with no lugs.
 //!
-//! Lugs are straight, parallel to the axle and end in an edge at the radius `r + l`, as in the
-//! paper's Eq. (5): hard ground meets the edge, soil meets the whole lug.
+//! Lugs are straight plates, parallel to the axle, that end at the radius `r + l`. Their end has round edges; with its
+//! default, one arc over the thickness, it rolls on flat ground within 1 % as the edge without thickness of the paper's
+//! Eq. (5) and (10).
 
 pub mod flaws;
 
@@ -20,6 +21,19 @@ pub struct Lugs {
     pub height: f64,
     /// Thickness [m] along the rim.
     pub thickness: f64,
+    /// Radius [m] of the edges of its end; half the thickness, an end that is all round, if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge_radius: Option<f64>,
+}
+
+/// Least radius [m] of an edge: that of a cut sheet.
+const SHARPEST: f64 = 5.0e-5;
+
+impl Lugs {
+    /// Radius [m] of the edges of its end.
+    pub fn edge_radius(&self) -> f64 {
+        self.edge_radius.unwrap_or(0.5 * self.thickness)
+    }
 }
 
 /// A rigid wheel.
@@ -90,6 +104,7 @@ impl Wheel {
             count: 28,
             height: 0.015,
             thickness: 0.003,
+            edge_radius: None,
         });
         Self {
             radius: 0.14,
@@ -108,6 +123,7 @@ impl Wheel {
             count: 24,
             height: 0.010,
             thickness: 0.003,
+            edge_radius: None,
         });
         Self {
             radius: 0.155,
@@ -130,18 +146,21 @@ impl Wheel {
         RangeError::positive("wheel inertia", "kg·m²", self.inertia)?;
         RangeError::check("wheel friction", "-", self.friction, [0.0, 2.0])?;
         self.flaws.check(self.radius)?;
-        let Some(Lugs {
+        let Some(lugs) = self.lugs else {
+            return Ok(self);
+        };
+        let Lugs {
             count,
             height,
             thickness,
-        }) = self.lugs
-        else {
-            return Ok(self);
-        };
+            ..
+        } = lugs;
         RangeError::check("lug count", "-", f64::from(count), [0.0, 64.0])?;
         RangeError::positive("lug height", "m", height)?;
         RangeError::check("lug height", "m", height, [0.0, self.radius])?;
         RangeError::positive("lug thickness", "m", thickness)?;
+        let thickest = [SHARPEST.min(0.5 * thickness), 0.5 * thickness];
+        RangeError::check("edge radius of a lug", "m", lugs.edge_radius(), thickest)?;
         let pitch = TAU * self.radius / f64::from(count);
         if thickness >= pitch {
             return Err(RangeError {
@@ -195,6 +214,7 @@ impl Wheel {
                 count: lug_count,
                 height: lug_height,
                 thickness: f64::NAN,
+                edge_radius: None,
             }),
             flaws: Flaws::default(),
         }
@@ -234,6 +254,7 @@ mod tests {
             count: 6,
             height: 0.005,
             thickness: 0.003,
+            edge_radius: None,
         });
         assert!(
             !Wheel {
@@ -250,6 +271,7 @@ mod tests {
             count: 40,
             height: 0.01,
             thickness: 0.03,
+            edge_radius: None,
         });
         let message = Wheel {
             lugs,

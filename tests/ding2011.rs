@@ -72,6 +72,7 @@ fn points() -> Vec<Point> {
             count: record[4].parse().unwrap(),
             height: number(3),
             thickness: LUG_THICKNESS,
+            edge_radius: None,
         };
         Point {
             wheel: Wheel {

@@ -457,6 +457,26 @@ fn added_noise_has_the_rms_stated_and_its_other_form_is_slow() {
 }
 
 #[test]
+fn a_drive_shakes_the_axle_by_noise_or_by_a_line_of_its_mesh_that_grow_with_the_square_of_speed() {
+    // The wheel turns at 0.05 m/s / 0.14 m / (1 - 0.1) = 0.397 rad/s: (3.97)² of what it is at 0.1.
+    let expected = 2.0e-3 * 3.97 * 3.97;
+    for form in [Form::Own, Form::Other] {
+        let shaken = added("acceleration_y", "drive_vibration=0.002", form);
+        // 2 s of a band of 157 Hz hold some 600 independent values; 15 % is five standard errors.
+        near(rms(shaken.iter().copied()), expected, 0.15);
+        assert!(
+            added("normal_force", "drive_vibration=0.002", form)
+                .iter()
+                .all(|x| *x == 0.0)
+        );
+    }
+    // 500 periods a turn.
+    let line = added("acceleration_y", "drive_vibration=0.002", Form::Other);
+    let mesh = 500.0 * 0.397 / TAU;
+    assert!(tone(&line, mesh) > 0.8 * expected * 2.0_f64.sqrt());
+}
+
+#[test]
 fn a_saturated_channel_stops_at_its_rail_and_a_soft_one_before_it() {
     let peak = |trace: &Trace| {
         samples(trace, "acceleration_y")

@@ -1,6 +1,6 @@
 //! The paper's kinematic models against the rigid-body simulation.
 //!
-//! The simulated wheel presses 10.6 µm into its ground under the load of 100 N; no model of a rigid
+//! The models' lugs are edges, and so are the simulated ones here, 0.1 mm thick. The simulated wheel presses 10.6 µm into its ground under the load of 100 N; no model of a rigid
 //! wheel knows that, and it is the tolerance of what follows.
 
 use crate::common::*;
@@ -23,6 +23,7 @@ fn olig() -> Wheel {
         count: 6,
         height: 0.005,
         thickness: 0.003,
+        edge_radius: None,
     });
     Wheel {
         lugs,
@@ -33,7 +34,7 @@ fn olig() -> Wheel {
 /// Eq. (5) and (10), for many lugs and for few whose rim comes down between them.
 #[test]
 fn on_flat_ground_the_axle_follows_eq_5_to_the_indentation_of_the_ground() {
-    for (wheel, seconds) in [(Wheel::single_wheel(), 4.0), (olig(), 9.0)] {
+    for (wheel, seconds) in [(edged(Wheel::single_wheel()), 4.0), (edged(olig()), 9.0)] {
         let states = run(&reference(), &wheel, &rig(0.02, 0.0, 100.0), 16e3, seconds);
         for state in steady(&states) {
             let rim = flat_ground::rim_height(&wheel, state.wheel_angle);
@@ -51,7 +52,7 @@ fn on_flat_ground_the_axle_follows_eq_5_to_the_indentation_of_the_ground() {
 /// The reference vibration as an accelerometer sees it, from a 17-bit encoder read at 2 kHz.
 #[test]
 fn velocity_jumps_when_and_by_as_much_as_the_recorded_wheel_angle_says() {
-    for (wheel, seconds) in [(Wheel::single_wheel(), 5.0), (olig(), 9.0)] {
+    for (wheel, seconds) in [(edged(Wheel::single_wheel()), 5.0), (edged(olig()), 9.0)] {
         let states = run(&reference(), &wheel, &rig(0.02, 0.0, 100.0), 16e3, seconds);
         let count = TAU / f64::from(1 << 17);
         let readings: Vec<f64> = states
@@ -185,7 +186,9 @@ fn bricks() -> TerrainSpec {
             width: 0.06,
             depth: 0.01,
             step: 0.004,
+            edge_radius: None,
         }),
+        ledge: None,
     }
 }
 
@@ -194,7 +197,7 @@ fn bricks() -> TerrainSpec {
 /// compared at the simulated position, and the path by its share of the swing.
 #[test]
 fn over_fixed_stones_the_axle_stands_where_the_outline_says_and_the_same_lugs_miss() {
-    for wheel in [Wheel::single_wheel(), Wheel::rover()] {
+    for wheel in [Wheel::single_wheel(), Wheel::rover()].map(edged) {
         let (states, path) = simulated_and_rolled(&bricks(), &wheel, 0.02, 0.24);
         let terrain = Terrain::generate(&bricks(), Seed(1), 0);
         let mut profile = terrain.profile(&terrain.stretches()[0]);

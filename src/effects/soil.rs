@@ -131,6 +131,7 @@ const LUG_ACTION: Effect = Effect {
                 count,
                 height,
                 thickness: height.min(thickest),
+                edge_radius: None,
             }),
         };
         Ok(())

@@ -16,6 +16,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     SERVO_RIPPLE,
     ENCODER_SCALE,
     CARRIAGE_SCALE,
+    DRIVE_VIBRATION,
 ];
 
 /// Fewest lugs of a wheel on which one may be short.
@@ -352,3 +353,44 @@ fn shorten(
     setup.wheel.flaws.short_lugs = shared_by;
     Ok(())
 }
+
+const DRIVE_VIBRATION: Effect = Effect {
+    name: "drive_vibration",
+    title: "motor and gear shake the axle",
+    edits: "sensors.accelerometer.drive_vibration",
+    stage: Stage::Sensors,
+    seats: &[Seat::new(
+        "m/s^2",
+        [0.0, 0.5],
+        [5.0e-4, 1.1e-3, 2.9e-3],
+        Prior::LogNormal {
+            median: 1.1e-3,
+            factor: 2.4,
+        },
+    )],
+    signature: Signature {
+        channels: &["acceleration_y"],
+        bound: Bound::Condition,
+        dependence: "noise below 100 Hz that grows with the square of wheel speed, its root mean square stated at \
+                     0.1 rad/s; on every ground, and on the lifted wheel",
+    },
+    confusers: &["added_noise", "motor_cogging", "mains_hum"],
+    source: Source::Cited(
+        "ISO 10816-1, class I: 0.71, 1.8 and 4.5 mm/s rms bound the zones of small machines at rated speed; by a gear \
+         of 100:1 at 3000 rpm and the square law 0.5, 1.1 and 2.9 mm/s^2 at 0.1 rad/s",
+    ),
+    law: |setup, rms, _| {
+        let vibration = &mut setup.sensors.accelerometer.drive_vibration;
+        vibration.broadband = libm::hypot(vibration.broadband, rms);
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "a line at the gear's mesh, order 500 of the wheel, of the same root mean square",
+        not_on: &[],
+        law: |setup, rms, _| {
+            let vibration = &mut setup.sensors.accelerometer.drive_vibration;
+            vibration.mesh = libm::hypot(vibration.mesh, rms);
+            Ok(())
+        },
+    }),
+};

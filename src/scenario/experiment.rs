@@ -309,6 +309,7 @@ mod tests {
             .with_all(&[
                 "effect.added_noise.normal_force=0.5",
                 "effect.channel_delay=0.01",
+                "effect.drive_vibration=0.002",
             ])
             .unwrap();
         let go_on = &mut |_| ControlFlow::Continue(());

@@ -15,14 +15,13 @@
 //! class I (small machines): 0.71, 1.8 and 4.5 mm/s rms bound its zones at a motor's rated speed. A gear of 100:1 at 3000
 //! rpm, its vibration near 100 Hz and the square law put them at 0.5, 1.1 and 2.9 mm/s² at 0.1 rad/s.
 
-use super::noise::WhiteNoise;
-use super::single_pole::SinglePole;
+use super::noise::LowPassedNoise;
 use super::transducer::not_negative;
 use crate::quantity::RangeError;
 use crate::simulation::WheelState;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::SQRT_2;
 
 /// Wheel speed [rad/s] at which its size is stated.
 const STATED_AT: f64 = 0.1;
@@ -63,7 +62,7 @@ impl DriveVibration {
 /// A drive that vibrates.
 pub(super) struct Vibrating {
     figures: DriveVibration,
-    noise: Option<(WhiteNoise, SinglePole)>,
+    broadband: Option<LowPassedNoise>,
 }
 
 impl Vibrating {
@@ -72,16 +71,9 @@ impl Vibrating {
         if figures.mesh == 0.0 && figures.broadband == 0.0 {
             return None;
         }
-        // A low pass of first order lets π/2 of its corner through.
-        let density = figures.broadband / libm::sqrt(0.5 * PI * CORNER);
-        let noise = WhiteNoise::of_density(density, rate, rng);
-        let low_pass = SinglePole::new(CORNER, rate).map(|mut low_pass| {
-            low_pass.apply(&mut [0.0]);
-            low_pass
-        });
         Some(Self {
             figures,
-            noise: noise.zip(low_pass),
+            broadband: LowPassedNoise::new(figures.broadband, CORNER, rate, rng),
         })
     }
 
@@ -92,11 +84,7 @@ impl Vibrating {
         } = self.figures;
         let speed = state.wheel_speed / STATED_AT;
         let line = SQRT_2 * mesh * libm::cos(mesh_order * state.wheel_angle);
-        let broadband = self.noise.as_mut().map_or(0.0, |(noise, low_pass)| {
-            let mut sample = [noise.draw()];
-            low_pass.apply(&mut sample);
-            sample[0]
-        });
+        let broadband = self.broadband.as_mut().map_or(0.0, LowPassedNoise::draw);
         speed * speed * (line + broadband)
     }
 }

@@ -1,7 +1,9 @@
 //! White Gaussian noise, quickly and with the same bits everywhere.
 
+use super::single_pole::SinglePole;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
 /// Layers that cover the bell.
@@ -46,6 +48,40 @@ impl WhiteNoise {
     /// One number.
     pub(super) fn draw(&mut self) -> f64 {
         self.standard_deviation * self.edges.draw(&mut self.rng)
+    }
+}
+
+/// White noise behind a low pass of first order.
+pub(super) struct LowPassedNoise {
+    white: WhiteNoise,
+    low_pass: SinglePole,
+}
+
+impl LowPassedNoise {
+    /// Noise of root mean square `rms` [unit] behind a `corner` [Hz], on samples at `rate` [Hz]; none where it is 0.
+    pub(super) fn new(rms: f64, corner: f64, rate: f64, rng: ChaCha8Rng) -> Option<Self> {
+        // A low pass of first order lets π/2 of its corner through.
+        let density = rms / libm::sqrt(FRAC_PI_2 * corner);
+        let mut low_pass = SinglePole::new(corner, rate)?;
+        low_pass.apply(&mut [0.0]);
+        Some(Self {
+            white: WhiteNoise::of_density(density, rate, rng)?,
+            low_pass,
+        })
+    }
+
+    /// Adds noise to every sample.
+    pub(super) fn add_to(&mut self, samples: &mut [f64]) {
+        for sample in samples {
+            *sample += self.draw();
+        }
+    }
+
+    /// One number.
+    pub(super) fn draw(&mut self) -> f64 {
+        let mut sample = [self.white.draw()];
+        self.low_pass.apply(&mut sample);
+        sample[0]
     }
 }
 

@@ -1,9 +1,9 @@
 //! What every analogue channel has: bandwidth, gain, bias, noise, range, resolution.
 
-use super::noise::WhiteNoise;
+use super::noise::{LowPassedNoise, WhiteNoise};
 use super::second_order::SecondOrder;
 use super::single_pole::SinglePole;
-use crate::quantity::RangeError;
+use crate::quantity::{RangeError, nearest_whole};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
@@ -150,51 +150,20 @@ pub(super) fn not_negative(
 
 /// Nearest multiple of `resolution`, halves to even; the value itself where the resolution is 0.
 pub(super) fn quantised(value: f64, resolution: f64) -> f64 {
-    /// A sum with it has no room for a fraction; unlike `round` this stays in vector registers.
-    const ROUNDER: f64 = 1.5 * (1_u64 << 52) as f64;
     const LARGEST: f64 = (1_u64 << 51) as f64;
     let steps = value / resolution;
     if steps.abs() < LARGEST {
-        ((steps + ROUNDER) - ROUNDER) * resolution
+        nearest_whole(steps) * resolution
     } else {
         value
     }
 }
 
-/// Slow noise.
-struct Rumble {
-    noise: WhiteNoise,
-    low_pass: SinglePole,
-    /// Room for a block, reused.
-    spare: Vec<f64>,
-}
-
-impl Rumble {
-    /// Noise of root mean square `rms` [unit] at `rate` [Hz], in a stream beside that of `rng`; none
-    /// where it is 0.
-    fn new(rms: f64, rate: f64, rng: &ChaCha8Rng) -> Option<Self> {
-        let mut rng = rng.clone();
-        rng.set_stream(1);
-        // A low pass of first order lets π/2 of its corner through.
-        let density = rms / libm::sqrt(RUMBLE * std::f64::consts::FRAC_PI_2);
-        let mut low_pass = SinglePole::new(RUMBLE, rate)?;
-        low_pass.apply(&mut [0.0]);
-        Some(Self {
-            noise: WhiteNoise::of_density(density, rate, rng)?,
-            low_pass,
-            spare: Vec::new(),
-        })
-    }
-
-    fn add_to(&mut self, samples: &mut [f64]) {
-        self.spare.clear();
-        self.spare.resize(samples.len(), 0.0);
-        self.noise.add_to(&mut self.spare);
-        self.low_pass.apply(&mut self.spare);
-        for (sample, noise) in samples.iter_mut().zip(&self.spare) {
-            *sample += noise;
-        }
-    }
+/// The stream of random numbers beside that of `rng`.
+fn beside(rng: &ChaCha8Rng) -> ChaCha8Rng {
+    let mut beside = rng.clone();
+    beside.set_stream(1);
+    beside
 }
 
 /// A [`Transducer`] at work on samples at the sensor rate.
@@ -203,7 +172,7 @@ pub(super) struct Reading {
     low_pass: Option<SecondOrder>,
     single_pole: Option<SinglePole>,
     noise: Option<WhiteNoise>,
-    rumble: Option<Rumble>,
+    rumble: Option<LowPassedNoise>,
     /// The reading that is held.
     held: f64,
     period: f64,
@@ -216,7 +185,7 @@ impl Reading {
         Self {
             figures,
             single_pole: SinglePole::new(figures.single_pole, rate),
-            rumble: Rumble::new(figures.rumble, rate, &rng),
+            rumble: LowPassedNoise::new(figures.rumble, RUMBLE, rate, beside(&rng)),
             held: 0.0,
             low_pass: SecondOrder::new(figures.bandwidth, FRAC_1_SQRT_2, rate),
             noise: WhiteNoise::of_density(figures.noise_density, rate, rng),

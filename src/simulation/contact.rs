@@ -1,11 +1,21 @@
-//! The wheel as the ground meets it: edges of its lowest lugs, and what the ground answers.
+//! The wheel as the ground meets it: its lowest lugs and its rim, and what the ground answers.
 
 use super::motion::{WheelMotion, Wrench};
+use super::outline::{Outline, Placed};
 use crate::wheel::Wheel;
 use crate::wheel::flaws::Flaws;
 use libm::{cos, sin};
 
-/// One point of the wheel that may touch the ground.
+/// A part of the wheel that may touch the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// The lug of this number.
+    Lug(usize),
+    /// The rim.
+    Rim,
+}
+
+/// The middle of a lug's end: where the lug meets soil.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
     /// Lug it belongs to.
@@ -70,6 +80,9 @@ pub(super) struct WheelGeometry {
     lugs: Vec<[f64; 2]>,
     /// Radius to every lug's edge [m].
     tips: Vec<f64>,
+    /// Half a lug's thickness, and the radius of its edges [m].
+    half_thickness: f64,
+    edge_radius: f64,
     flaws: Flaws,
     /// Lugs on either side of the lowest that may touch.
     spread: i64,
@@ -102,6 +115,8 @@ impl WheelGeometry {
             tips: (0..wheel.lug_count())
                 .map(|lug| wheel.radius + wheel.height_of_lug(lug))
                 .collect(),
+            half_thickness: wheel.lugs.map_or(0.0, |lugs| 0.5 * lugs.thickness),
+            edge_radius: wheel.lugs.map_or(0.0, |lugs| lugs.edge_radius()),
             flaws: wheel.flaws,
             spread,
         }
@@ -112,16 +127,14 @@ impl WheelGeometry {
         self.flaws.rim_centre(motion.cos, motion.sin)
     }
 
-    /// Edges of the lowest lugs, foremost last when driving forward; `motion` is that of the rim's
-    /// centre. A lug that is worn down to the rim has none.
-    pub fn lowest_edges(&self, motion: &WheelMotion) -> impl Iterator<Item = Edge> + '_ {
+    /// The lowest lugs, foremost last when driving forward. One that is worn down to the rim is none.
+    fn lowest_lugs(&self, motion: &WheelMotion) -> impl Iterator<Item = usize> + use<'_> {
         let count = self.lugs.len() as i64;
         let lowest = if count > 0 {
             (motion.angle / self.lug_angle).round() as i64
         } else {
             0
         };
-        let WheelMotion { x, y, cos, sin, .. } = *motion;
         let steps = if count > 0 {
             -self.spread..self.spread + 1
         } else {
@@ -129,19 +142,73 @@ impl WheelGeometry {
         };
         let lugs = steps.map(move |step| (lowest + step).rem_euclid(count) as usize);
         lugs.filter(|lug| self.tips[*lug] > self.radius)
-            .map(move |lug| {
-                let radius = self.tips[lug];
-                let [cos_place, sin_place] = self.lugs[lug];
-                // Angle from straight down, positive ahead: place on the rim less the angle turned.
-                let ahead = radius * (sin_place * cos - cos_place * sin);
-                let down = radius * (cos_place * cos + sin_place * sin);
-                Edge {
-                    lug,
-                    x: x + ahead,
-                    y: y - down,
-                    arm: [ahead, -down],
-                    radius,
-                }
-            })
+    }
+
+    /// Edges of the lowest lugs; `motion` is that of the rim's centre.
+    pub fn lowest_edges(&self, motion: &WheelMotion) -> impl Iterator<Item = Edge> + use<'_> {
+        let motion = *motion;
+        self.lowest_lugs(&motion).map(move |lug| {
+            let radius = self.tips[lug];
+            let [ahead, up] = self.axis(lug, &motion).map(|part| radius * part);
+            Edge {
+                lug,
+                x: motion.x + ahead,
+                y: motion.y + up,
+                arm: [ahead, up],
+                radius,
+            }
+        })
+    }
+
+    /// Parts of the wheel that may touch the ground.
+    pub fn lowest_parts(&self, motion: &WheelMotion) -> impl Iterator<Item = Part> + use<'_> {
+        self.lowest_lugs(motion)
+            .map(Part::Lug)
+            .chain(std::iter::once(Part::Rim))
+    }
+
+    /// A part in its place; `motion` is that of the rim's centre.
+    #[inline]
+    pub fn placed(&self, part: Part, motion: &WheelMotion) -> Placed {
+        let (outline, axis) = match part {
+            Part::Lug(lug) => (self.lug_outline(lug), self.axis(lug, motion)),
+            Part::Rim => (self.rim_outline(), [0.0, -1.0]),
+        };
+        Placed {
+            outline,
+            centre: [motion.x, motion.y],
+            axis,
+        }
+    }
+
+    /// A plate from the rim to its edge. One that is worn to less than the radius of its edges ends in their arc.
+    fn lug_outline(&self, lug: usize) -> Outline {
+        Outline {
+            core: [
+                self.radius - self.edge_radius,
+                self.tips[lug] - self.edge_radius,
+            ],
+            half: self.half_thickness - self.edge_radius,
+            radius: self.edge_radius,
+        }
+    }
+
+    fn rim_outline(&self) -> Outline {
+        Outline {
+            core: [0.0, 0.0],
+            half: 0.0,
+            radius: self.radius,
+        }
+    }
+
+    /// Unit vector from the rim's centre to a lug: its angle from straight down, positive ahead, is its place on the rim
+    /// less the angle turned.
+    #[inline]
+    fn axis(&self, lug: usize, WheelMotion { cos, sin, .. }: &WheelMotion) -> [f64; 2] {
+        let [cos_place, sin_place] = self.lugs[lug];
+        [
+            sin_place * cos - cos_place * sin,
+            -(cos_place * cos + sin_place * sin),
+        ]
     }
 }

@@ -10,11 +10,13 @@
 //! Where a stretch ends, its surface dives at [`RAMP`] under what comes next, as slate dips under
 //! drifted sand: a wheel that arrives sunk in soil climbs it, and meets no wall.
 //!
-//! A lug is its edge: flanks meet no bricks. It presses dust out from under itself until single
-//! grains are left, so dust bears nothing here; it makes the ground slippery.
+//! A lug is a plate with round edges: its end and its flanks meet the ground where the two come closest
+//! ([`super::nearest`]), along their common normal. It presses dust out from under itself until single grains are left, so
+//! dust bears nothing here; it makes the ground slippery.
 
-use super::contact::{Edge, Mobility, Reach, WheelGeometry};
+use super::contact::{Mobility, Part, Reach, WheelGeometry};
 use super::motion::{WheelMotion, Wrench};
+use super::nearest::{GapAlong, NEAR, Nearest, NearestPlaces, minima};
 use crate::soil::power::power;
 use crate::terrain::HardContact;
 use crate::terrain::profile::{Profile, Surface};
@@ -30,9 +32,7 @@ pub(super) struct HardGround {
     contact: HardContact,
     friction: f64,
     range: [f64; 2],
-    /// Stretch of the tangential spring at every lug's edge [m].
-    stretch: [f64; 64],
-    rim_stretch: f64,
+    nearest: NearestPlaces,
     /// Highest ground near the wheel and where that was looked up [m].
     ceiling: [f64; 2],
 }
@@ -46,17 +46,27 @@ struct Step<'m> {
 }
 
 impl Step<'_> {
-    /// The damping [N·s/m] that a contact at `point` may have along `direction`: what stops the approach within the
+    /// The damping [N·s/m] that a contact at `arm` [m] from the rim's centre may have along `direction`: what stops the approach within the
     /// step. More would return it and make the contact oscillate at the rate of the steps, where these are coarse for the
     /// little that moves at the end of a long lever.
-    fn damped(&self, damping: f64, point: &Edge, direction: [f64; 2]) -> f64 {
-        let most = self.dt * self.mobility.at(point.arm, direction);
+    fn damped(&self, damping: f64, arm: [f64; 2], direction: [f64; 2]) -> f64 {
+        let most = self.dt * self.mobility.at(arm, direction);
         if damping * most > 1.0 {
             1.0 / most
         } else {
             damping
         }
     }
+}
+
+/// Ground in contact with the wheel.
+struct Touch {
+    /// From the rim's centre [m].
+    arm: [f64; 2],
+    /// The ground's slope [-].
+    slope: f64,
+    /// How deep the two lie in one another [m].
+    indentation: f64,
 }
 
 /// Slope at which hard ground dives under its neighbours [-]: 15°.
@@ -91,15 +101,13 @@ impl HardGround {
     /// Ground on `range` [m] under `wheel`.
     pub fn new(profile: Profile, contact: HardContact, wheel: &Wheel, range: [f64; 2]) -> Self {
         let friction = friction_on_dust(wheel.friction, contact.dust);
-        let (stretch, ceiling) = ([0.0; 64], [f64::NAN, f64::NAN]);
         Self {
             profile,
             contact,
             friction,
             range,
-            stretch,
-            rim_stretch: 0.0,
-            ceiling,
+            nearest: NearestPlaces::default(),
+            ceiling: [f64::NAN, f64::NAN],
         }
     }
 
@@ -116,32 +124,48 @@ impl HardGround {
 
     /// Load of the ground on the wheel over one step of `dt` [s].
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
-        let ceiling = self.ceiling(wheel, motion.x);
+        if self.nearest.are_due(wheel, motion) {
+            self.search(wheel, motion);
+        }
         let step = Step {
             motion,
             mobility: wheel.mobility,
             dt,
         };
         let mut reach = Reach::default();
-        for edge in wheel.lowest_edges(motion) {
-            if edge.y >= ceiling || !self.reaches(edge.x) {
-                self.stretch[edge.lug] = 0.0;
-                continue;
-            }
-            let mut stretch = self.stretch[edge.lug];
-            let wrench = self.press(&edge, &step, &mut stretch);
-            self.stretch[edge.lug] = stretch;
-            if wrench.force() > wheel.touch_force {
-                reach.touching |= 1 << edge.lug;
+        let mut places = std::mem::take(&mut self.nearest.places);
+        for place in &mut places {
+            let wrench = self.press_at(place, wheel, &step);
+            if let Part::Lug(lug) = place.part
+                && wrench.force() > wheel.touch_force
+            {
+                reach.touching |= 1 << lug;
             }
             reach.wrench += wrench;
         }
-        if motion.y - wheel.radius < ceiling {
-            reach.wrench += self.push_rim(wheel, &step);
-        } else {
-            self.rim_stretch = 0.0;
-        }
+        self.nearest.places = places;
         reach
+    }
+
+    /// Looks for all places where the wheel is near.
+    fn search(&mut self, wheel: &WheelGeometry, motion: &WheelMotion) {
+        let ceiling = self.ceiling(wheel, motion.x) + NEAR;
+        let mut found = Vec::new();
+        for part in wheel.lowest_parts(motion) {
+            let placed = wheel.placed(part, motion);
+            let Some([low, high]) = placed.below(ceiling) else {
+                continue;
+            };
+            let margin = 2.0 * self.profile.spacing();
+            let nodes = self.profile.nodes(low - margin, high + margin);
+            let gap = |x: f64| placed.gap([x, self.surface(x).height]).distance;
+            let gaps: Vec<[f64; 2]> = nodes
+                .filter(|[x, _]| self.reaches(*x))
+                .map(|[x, _]| [x, gap(x)])
+                .collect();
+            found.extend(minima(part, &placed, &gaps, |x| self.surface(x)));
+        }
+        self.nearest.renew(found, motion);
     }
 
     /// Highest ground that wheel could touch.
@@ -178,20 +202,32 @@ impl HardGround {
         x >= self.range[0] - RAMP_LENGTH && x < self.range[1] + RAMP_LENGTH
     }
 
+    /// Load on the wheel where it is near, and the place a step later.
+    fn press_at(&self, place: &mut Nearest, wheel: &WheelGeometry, step: &Step<'_>) -> Wrench {
+        let surface = self.surface(place.x);
+        let placed = wheel.placed(place.part, step.motion);
+        let GapAlong { gap, slope } = GapAlong::at(&placed, place.x, &surface);
+        let touch = Touch {
+            arm: [place.x - step.motion.x, surface.height - step.motion.y],
+            slope: surface.slope,
+            indentation: -gap,
+        };
+        place.follow(slope);
+        self.press(&touch, step, &mut place.stretch)
+    }
+
     /// Normal force and friction at one point of the wheel.
-    fn press(&self, point: &Edge, step: &Step<'_>, stretch: &mut f64) -> Wrench {
-        let motion = step.motion;
-        let surface = self.surface(point.x);
-        let scale = 1.0 / sqrt(1.0 + surface.slope * surface.slope);
-        let indentation = (surface.height - point.y) * scale;
-        if indentation <= 0.0 {
+    fn press(&self, touch: &Touch, step: &Step<'_>, stretch: &mut f64) -> Wrench {
+        let (motion, slope) = (step.motion, touch.slope);
+        if touch.indentation <= 0.0 {
             *stretch = 0.0;
             return Wrench::default();
         }
-        let [rx, ry] = point.arm;
+        let scale = 1.0 / sqrt(1.0 + slope * slope);
+        let [rx, ry] = touch.arm;
         let (vx, vy) = (motion.vx + motion.omega * ry, motion.vy - motion.omega * rx);
-        let rate = -(vy - surface.slope * vx) * scale;
-        let sliding = (vx + surface.slope * vy) * scale;
+        let rate = -(vy - slope * vx) * scale;
+        let sliding = (vx + slope * vy) * scale;
         let HardContact {
             reference_load,
             reference_indentation,
@@ -199,83 +235,22 @@ impl HardGround {
             dissipation,
             dust: _,
         } = self.contact;
-        let elastic = reference_load * power(indentation / reference_indentation, exponent);
-        let damping = |along| step.damped(dissipation * elastic, point, along);
-        let normal = (elastic + damping([-surface.slope * scale, scale]) * rate).max(0.0);
+        let elastic = reference_load * power(touch.indentation / reference_indentation, exponent);
+        let damping = |along| step.damped(dissipation * elastic, touch.arm, along);
+        let normal = (elastic + damping([-slope * scale, scale]) * rate).max(0.0);
         let tangential = Tangential {
             stiffness: MINDLIN * exponent * reference_load / reference_indentation,
-            damping: MINDLIN * damping([scale, surface.slope * scale]),
+            damping: MINDLIN * damping([scale, slope * scale]),
             limit: self.friction * normal,
         };
         let friction = tangential.friction(sliding, step.dt, stretch);
-        let fx = (friction - normal * surface.slope) * scale;
-        let fy = (normal + friction * surface.slope) * scale;
+        let fx = (friction - normal * slope) * scale;
+        let fy = (normal + friction * slope) * scale;
         Wrench {
             fx,
             fy,
             torque: ry * fx - rx * fy,
         }
-    }
-
-    /// The rim against every summit that reaches into it.
-    fn push_rim(&mut self, wheel: &WheelGeometry, step: &Step<'_>) -> Wrench {
-        let motion = step.motion;
-        let mut points: Vec<Edge> = Vec::new();
-        let r = wheel.radius;
-        let half = sqrt(
-            (r * r - {
-                let above = (motion.y - self.ceiling[1]).max(0.0);
-                above * above
-            })
-            .max(0.0),
-        );
-        let depth = |x: f64| {
-            let u = x - motion.x;
-            self.surface(x).height - (motion.y - sqrt((r * r - u * u).max(0.0)))
-        };
-        let near: Vec<[f64; 2]> = self
-            .profile
-            .nodes(
-                motion.x - half - 2.0 * self.profile.spacing(),
-                motion.x + half + 2.0 * self.profile.spacing(),
-            )
-            .filter(|[x, _]| self.reaches(*x))
-            .map(|[x, _]| [x - motion.x, depth(x)])
-            .collect();
-        for three in near.windows(3) {
-            let [[_, before], [u, here], [_, after]] = [three[0], three[1], three[2]];
-            if here > before && here >= after {
-                let bend = before - 2.0 * here + after;
-                let shift = if bend < 0.0 {
-                    0.5 * (before - after) / bend
-                } else {
-                    0.0
-                };
-                let u = (u + shift * self.profile.spacing()).clamp(-r, r);
-                let down = sqrt(r * r - u * u);
-                points.push(Edge {
-                    lug: 0,
-                    x: motion.x + u,
-                    y: motion.y - down,
-                    arm: [u, -down],
-                    radius: r,
-                });
-            }
-        }
-        // All summits stretch the rim's one spring alike; the most loaded one tells how far.
-        let before = self.rim_stretch;
-        let (mut sum, mut most) = (Wrench::default(), 0.0);
-        self.rim_stretch = 0.0;
-        for point in &points {
-            let mut stretch = before;
-            let wrench = self.press(point, step, &mut stretch);
-            if wrench.force() > most {
-                most = wrench.force();
-                self.rim_stretch = stretch;
-            }
-            sum += wrench;
-        }
-        sum
     }
 }
 
@@ -304,6 +279,7 @@ mod tests {
     use super::*;
     use crate::quantity::Seed;
     use crate::terrain::Joints;
+    use crate::wheel::Lugs;
 
     #[test]
     fn dust_takes_friction_from_that_of_stone_to_that_of_grains() {
@@ -315,74 +291,118 @@ mod tests {
         assert_eq!(friction_on_dust(0.2, 0.001), 0.2);
     }
 
-    /// Pull [N] at every step while a lug's edge under `load` [N] is drawn at 5 mm/s out of a joint
-    /// over the bevel ahead, with how far up that bevel it is (0 to 1).
-    fn drawn_out_of_a_joint(joints: &Joints, load: f64) -> Vec<[f64; 2]> {
-        let (mass, speed, dt) = (12.0, 0.005, 1.0 / 128_000.0);
-        let contact = HardContact {
-            reference_load: 94.0,
-            reference_indentation: 1.0e-5,
-            exponent: 1.11,
-            dissipation: 100.0,
-            dust: 0.0,
-        };
-        let mut profile = Profile::new(None, Some(joints), 2.5e-4, Seed(5), 0);
+    const STONE: HardContact = HardContact {
+        reference_load: 94.0,
+        reference_indentation: 1.0e-5,
+        exponent: 1.11,
+        dissipation: 100.0,
+        dust: 0.0,
+    };
+
+    const JOINTS: Joints = Joints {
+        spacing: 0.2,
+        width: 0.005,
+        depth: 0.002,
+        step: 0.0,
+        edge_radius: None,
+    };
+
+    /// Ground with `joints`, and the middle [m] of one of them.
+    fn jointed(joints: &Joints) -> (Profile, f64) {
+        let mut profile = Profile::new(&(*joints).into(), 2.5e-4, Seed(5), 0);
         profile.extend(0.0, 1.0);
-        let bottom = (0..4000).map(|i| 0.1 + f64::from(i) * 1.0e-4);
-        let mut bottom = bottom.filter(|x| profile.at(*x).height <= -joints.depth);
+        let low = (0..200_000).map(|i| 0.1 + f64::from(i) * 1.0e-6);
+        let mut low = low.skip_while(|x| profile.at(*x).height > -0.5 * joints.depth);
+        let first = low.next().unwrap();
+        let last = low
+            .take_while(|x| profile.at(*x).height <= -0.5 * joints.depth)
+            .last();
+        let middle = 0.5 * (first + last.unwrap());
+        (profile, middle)
+    }
+
+    /// Pull [N] at every step while a wheel that does not turn, under `load` [N], is drawn at 5 mm/s until the lug that it
+    /// stands on has left its joint.
+    fn drawn_out_of_a_joint(wheel: &Wheel, joints: &Joints, load: f64) -> Vec<f64> {
+        let (mass, speed, dt) = (12.0, 0.005, 1.0 / 128_000.0);
+        let (profile, middle) = jointed(joints);
         let mut motion = WheelMotion {
-            x: bottom.next().unwrap() + 0.25 * joints.width,
-            y: -joints.depth,
+            x: middle,
+            y: wheel.tip_radius() - joints.depth,
+            cos: 1.0,
             vx: speed,
             ..WheelMotion::default()
         };
-        let ground = HardGround::new(profile, contact, &Wheel::single_wheel(), [-9.0, 9.0]);
-        let (mut stretch, mut pulls) = (0.0, Vec::new());
-        while motion.y < -1.0e-5 {
-            let edge = Edge {
-                lug: 0,
-                x: motion.x,
-                y: motion.y,
-                arm: [0.0, 0.0],
-                radius: 0.0,
-            };
-            let step = Step {
-                motion: &motion,
-                mobility: Mobility::default(),
-                dt,
-            };
-            let wrench = ground.press(&edge, &step, &mut stretch);
+        let mut ground = HardGround::new(profile, STONE, wheel, [-9.0, 9.0]);
+        let geometry = WheelGeometry::new(wheel, load);
+        let mut pulls = Vec::new();
+        while motion.y < wheel.tip_radius() - 2.0e-5 {
+            let wrench = ground.push(&geometry, &motion, dt).wrench;
             motion.vy += (wrench.fy - load) / mass * dt;
             motion.y += motion.vy * dt;
             motion.x += speed * dt;
-            pulls.push([1.0 + motion.y / joints.depth, -wrench.fx]);
-            assert!(pulls.len() < 1_000_000, "the edge never leaves the joint");
+            pulls.push(-wrench.fx);
+            assert!(pulls.len() < 1_000_000, "the lug never leaves the joint");
         }
         pulls
     }
 
     #[test]
-    fn a_lug_drawn_out_of_a_bevelled_joint_lets_go_at_the_pull_of_a_wedge() {
+    fn a_lug_drawn_out_of_a_joint_lets_go_at_the_pull_of_a_wedge_of_45_degrees() {
+        let wheel = Wheel::single_wheel();
+        let (load, friction) = (100.0, wheel.friction);
+        // An end of 1.5 mm on the bottom meets an edge of 5.33 mm where both are 45° steep: their centres are the sum of the
+        // radii apart, and the sum less the depth in height.
+        let radius = JOINTS.edge_radius() - 0.0015;
         let joints = Joints {
-            spacing: 0.2,
-            width: 0.005,
-            depth: 0.002,
-            step: 0.0,
+            edge_radius: Some(radius),
+            ..JOINTS
         };
-        let (load, friction) = (100.0, Wheel::single_wheel().friction);
-        let pulls = drawn_out_of_a_joint(&joints, load);
-        let on_flank = pulls.iter().filter(|[up, _]| (0.3..0.7).contains(up));
-        let (sum, count) = on_flank.fold((0.0, 0.0), |(s, n), [_, pull]| (s + pull, n + 1.0));
-        // At 45°: W (1 + μ)/(1 - μ).
+        let pulls = drawn_out_of_a_joint(&wheel, &joints, load);
+        // W (1 + μ)/(1 - μ), by means over 10 ms.
+        let means = pulls
+            .chunks(1280)
+            .map(|part| part.iter().sum::<f64>() / part.len() as f64);
+        let peak = means.fold(0.0, f64::max);
         let expected = load * (1.0 + friction) / (1.0 - friction);
+        assert!((peak / expected - 1.0).abs() < 0.1, "{peak} for {expected}");
+        let largest = pulls.iter().fold(0.0, |most: f64, pull| most.max(*pull));
+        assert!(largest < 1.5 * expected, "{largest}");
+    }
+
+    #[test]
+    fn a_lug_too_thick_for_a_joint_stands_on_both_its_edges() {
+        let mut wheel = Wheel::single_wheel();
+        let thickness = 0.02;
+        wheel.lugs = wheel.lugs.map(|lugs| Lugs { thickness, ..lugs });
+        let (profile, middle) = jointed(&JOINTS);
+        let geometry = WheelGeometry::new(&wheel, 100.0);
+        // An arc of 10 mm between two of 6.83 mm: their centres are 7.33 mm aside and the sum of the radii apart.
+        let (own, edge) = (0.5 * thickness, JOINTS.edge_radius());
+        let aside = 0.5 * JOINTS.width + sqrt((2.0 * edge - JOINTS.depth) * JOINTS.depth);
+        let up = sqrt((own + edge) * (own + edge) - aside * aside);
+        let centre = up - edge;
+        let touching = |below: f64| {
+            let motion = WheelMotion {
+                x: middle,
+                y: centre - below + wheel.tip_radius() - own,
+                cos: 1.0,
+                ..WheelMotion::default()
+            };
+            let mut ground = HardGround::new(profile.clone(), STONE, &wheel, [-9.0, 9.0]);
+            let reach = ground.push(&geometry, &motion, 1.0e-5);
+            (ground.nearest.places.len(), reach.wrench)
+        };
+        let (places, free) = touching(-2.0e-6);
+        assert!(places == 2 && free.force() == 0.0, "{places} {free:?}");
+        let (_, pressed) = touching(1.0e-5);
+        // Each edge bears by its own indentation, 10 µm times the cosine of the normal.
+        let cosine = up / (own + edge);
+        let each = 94.0 * libm::pow(cosine, 1.11);
         assert!(
-            (sum / count / expected - 1.0).abs() < 0.1,
-            "{}",
-            sum / count
+            (pressed.fy / (2.0 * each * cosine) - 1.0).abs() < 0.05,
+            "{pressed:?} {each}"
         );
-        let peak = pulls
-            .iter()
-            .fold(0.0, |most: f64, [_, pull]| most.max(*pull));
-        assert!(peak < 10.0 * load, "{peak}");
+        assert!(pressed.fx.abs() < 0.05 * pressed.fy);
     }
 }

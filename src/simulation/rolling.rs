@@ -8,8 +8,8 @@ use super::rig::{Drive, Rig, RoverLeg};
 use super::world::{WheelBody, World};
 use crate::quantity::GRAVITY;
 use crate::quantity::{SampleRate, Seed};
-use crate::terrain::HardContact;
 use crate::terrain::profile::Profile;
+use crate::terrain::{HardContact, Relief};
 use crate::wheel::{Lugs, Wheel};
 
 const RATE: f64 = 64_000.0;
@@ -34,7 +34,7 @@ fn roll(
 ) {
     let weight = wheel.mass * GRAVITY;
     let geometry = WheelGeometry::new(wheel, weight);
-    let profile = Profile::new(None, None, 1.0e-3, Seed(0), 0);
+    let profile = Profile::new(&Relief::default(), 1.0e-3, Seed(0), 0);
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
     let mut ground = HardGround::new(profile, contact, wheel, everywhere);
     let indentation = contact.reference_indentation
@@ -87,6 +87,7 @@ fn a_free_rolling_lugged_wheel_loses_per_lug_what_rimless_wheel_theory_says() {
         count: 20,
         height: 0.015,
         thickness: 0.003,
+        edge_radius: None,
     });
     let wheel = Wheel {
         lugs,

@@ -229,9 +229,10 @@ impl SoilTrack {
 
     /// Load of the soil on the wheel over one step of `dt` [s].
     pub fn push(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, dt: f64) -> Reach {
+        let rolling = rolling_speed(wheel, motion);
         self.since_field += dt;
-        self.way += rolling_speed(wheel, motion) * dt;
-        if self.is_due(wheel, motion) {
+        self.way += rolling * dt;
+        if self.is_due(rolling, motion.y) {
             let first = !self.since_field.is_finite();
             let elapsed = if first { dt } else { self.since_field };
             self.field = self.stress_field(wheel, motion, elapsed);
@@ -240,11 +241,11 @@ impl SoilTrack {
         self.field.at(motion)
     }
 
-    /// Whether the field has to be worked out anew.
-    fn is_due(&self, wheel: &WheelGeometry, motion: &WheelMotion) -> bool {
+    /// Whether the field has to be worked out anew for a wheel that rolls at this speed [m/s] at this `height` [m].
+    fn is_due(&self, rolling: f64, height: f64) -> bool {
         const EARLY: f64 = 1.0 - 1.0e-9;
-        let moved = self.way >= ADVANCE || (motion.y - self.field.height).abs() >= HEAVE;
-        let slow = rolling_speed(wheel, motion) < SLOW;
+        let moved = self.way >= ADVANCE || (height - self.field.height).abs() >= HEAVE;
+        let slow = rolling < SLOW;
         self.since_field >= EARLY / FULL_RATE && (moved || slow)
     }
 
@@ -543,7 +544,7 @@ mod tests {
 
     impl Led {
         fn new(wheel: Wheel) -> Self {
-            let flat = Profile::new(None, None, 1.0e-3, Seed(0), 0);
+            let flat = Profile::new(&crate::terrain::Relief::default(), 1.0e-3, Seed(0), 0);
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             let motion = WheelMotion {
                 cos: 1.0,
@@ -638,6 +639,7 @@ mod tests {
             count: 12,
             height: 0.015,
             thickness: 0.003,
+            edge_radius: None,
         });
         let mut led = Led::new(Wheel { lugs, ..smooth() });
         led.roll(0.5, 0.004);

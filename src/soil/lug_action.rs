@@ -91,6 +91,7 @@ mod tests {
             count,
             height: 0.010,
             thickness: 0.001,
+            edge_radius: None,
         });
         Wheel {
             lugs,

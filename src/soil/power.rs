@@ -10,6 +10,7 @@
 //! with both remainders by their series to the fourth order: the next terms are below 2e-13 and 5e-14. Nothing but sums,
 //! products and table entries made by `libm`, so the bits are the same on every machine.
 
+use crate::quantity::nearest_whole;
 use std::f64::consts::LN_2;
 use std::sync::LazyLock;
 
@@ -68,9 +69,7 @@ pub fn power(base: f64, exponent: f64) -> f64 {
 
 #[inline]
 fn power_of_two(y: f64, tables: &Tables) -> f64 {
-    /// A sum with it has no room for a fraction.
-    const ROUNDER: f64 = 1.5 * (1_u64 << MANTISSA) as f64;
-    let steps = (y * POWERS as f64 + ROUNDER) - ROUNDER;
+    let steps = nearest_whole(y * POWERS as f64);
     let t = (y - steps / POWERS as f64) * LN_2;
     let series = 1.0 + t * (1.0 + t * (1.0 / 2.0 + t * (1.0 / 6.0 + t * (1.0 / 24.0))));
     let steps = steps as i64;

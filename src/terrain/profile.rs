@@ -6,7 +6,7 @@
 //! Roughness is a sum of cosines with random phases whose powers follow the stated spectrum; the
 //! alternative, filtered noise on a ring, repeats itself and must know the length of the run.
 
-use super::{Joints, Roughness};
+use super::{Joints, Ledge, Relief, Roughness};
 use crate::quantity::Seed;
 use libm::{cos, log, pow, sqrt};
 use rand::RngExt;
@@ -24,6 +24,7 @@ const BLOCK: i64 = 256;
 struct Generator {
     waves: Vec<Wave>,
     joints: Option<Joints>,
+    ledge: Option<Ledge>,
     seed: Seed,
     run: u64,
 }
@@ -56,18 +57,14 @@ pub struct Surface {
 }
 
 impl Profile {
-    /// A profile with nodes every `spacing` [m]; without roughness and joints it is flat.
-    pub fn new(
-        roughness: Option<&Roughness>,
-        joints: Option<&Joints>,
-        spacing: f64,
-        seed: Seed,
-        run: u64,
-    ) -> Self {
+    /// A profile with nodes every `spacing` [m]; without any relief it is flat.
+    pub fn new(relief: &Relief, spacing: f64, seed: Seed, run: u64) -> Self {
+        let roughness = relief.roughness.as_ref();
         let waves = roughness.map_or_else(Vec::new, |roughness| waves(roughness, seed, run));
         let generator = Generator {
             waves,
-            joints: joints.copied(),
+            joints: relief.joints,
+            ledge: relief.ledge,
             seed,
             run,
         };
@@ -170,14 +167,15 @@ impl Generator {
             .iter()
             .map(|w| w.amplitude * cos(w.number * x + w.phase))
             .sum();
+        let joints = self.joints.as_ref();
+        let ledge = self.ledge.as_ref();
         rough
-            + self
-                .joints
-                .as_ref()
-                .map_or(0.0, |joints| self.brick(joints, x))
+            + joints.map_or(0.0, |joints| self.brick(joints, x))
+            + ledge.map_or(0.0, |ledge| risen(ledge, x))
     }
 
-    /// Height of the brick at `x` over the datum, or of the joint beside it.
+    /// Height of the brick at `x` over the datum, or of the joint beside it, whose bottom leads from one brick's level to
+    /// the next one's.
     fn brick(&self, joints: &Joints, x: f64) -> f64 {
         let cell = (x / joints.spacing).floor() as i64;
         let edge = |k: i64| {
@@ -190,9 +188,19 @@ impl Generator {
         } else if x >= edge(cell + 1) {
             brick += 1;
         }
-        let to_joint = (x - edge(brick)).min(edge(brick + 1) - x);
-        let top = joints.step * self.normal("brick", brick);
-        top - joints.depth * groove(to_joint, joints)
+        let (behind, ahead) = (x - edge(brick), edge(brick + 1) - x);
+        let (to_joint, neighbour) = if behind < ahead {
+            (behind, brick - 1)
+        } else {
+            (ahead, brick + 1)
+        };
+        let top = |brick| joints.step * self.normal("brick", brick);
+        let towards = (0.5 - to_joint / joints.width).max(0.0);
+        let mut level = top(brick);
+        if towards > 0.0 {
+            level += towards * (top(neighbour) - level);
+        }
+        level - groove(to_joint, joints)
     }
 
     fn brick_rng(&self, what: &str, index: i64) -> rand_chacha::ChaCha8Rng {
@@ -207,15 +215,41 @@ impl Generator {
     }
 }
 
-/// Depth of a joint's groove from 0 to 1 at a distance [m] from its middle, with edges bevelled at
-/// 45° or less.
-///
-/// A lug under load `W` leaves a flank of slope `m` only at a pull of `W (m + μ) / (1 - m μ)`, which
-/// grows without bound towards `m μ = 1`. Bricks have broken and rounded edges; at 45° and the
-/// friction of metal on stone, 0.6, the lug needs `4 W`. A steeper flank holds it like a wedge.
+/// Depth [m] of a joint's groove at a distance [m] from its middle: its bottom, then the round edge of the brick.
 fn groove(to_joint: f64, joints: &Joints) -> f64 {
-    let bevel = (0.25 * joints.width).max(joints.depth).max(1.0e-3);
-    ((0.5 * joints.width + bevel - to_joint) / bevel).clamp(0.0, 1.0)
+    let (radius, depth) = (joints.edge_radius(), joints.depth);
+    let run = sqrt((2.0 * radius - depth) * depth);
+    let on_edge = (to_joint - 0.5 * joints.width).max(0.0);
+    below_top(run - on_edge, radius)
+}
+
+/// Depth [m] of a round edge below its top, this far [m] down its run.
+fn below_top(down: f64, radius: f64) -> f64 {
+    let down = down.clamp(0.0, radius);
+    radius - sqrt(radius * radius - down * down)
+}
+
+/// Tangent and cosine of the angle at which a ledge's face leans, 75°.
+const FACE: [f64; 2] = [3.732_050_807_568_877, 0.258_819_045_102_520_7];
+
+/// Height [m] that a ledge adds at `x` [m].
+fn risen(ledge: &Ledge, x: f64) -> f64 {
+    let Ledge {
+        position,
+        height,
+        edge_radius,
+    } = *ledge;
+    let [tangent, cosine] = FACE;
+    // The edge is as round as its height allows.
+    let round = (edge_radius * (1.0 - cosine)).min(height);
+    let run = sqrt((2.0 * edge_radius - round) * round);
+    let on_face = (x - position).max(0.0);
+    let face = (height - round) / tangent;
+    if on_face < face {
+        tangent * on_face
+    } else {
+        height - below_top(face + run - on_face, edge_radius)
+    }
 }
 
 /// Cosines with wave numbers spread evenly over the logarithm of the band.
@@ -257,7 +291,7 @@ mod tests {
     };
 
     fn rough(run: u64) -> Profile {
-        let mut profile = Profile::new(Some(&SLATE), None, 2.5e-4, Seed(3), run);
+        let mut profile = Profile::new(&SLATE.into(), 2.5e-4, Seed(3), run);
         profile.extend(0.0, 2.0);
         profile
     }
@@ -294,7 +328,7 @@ mod tests {
 
     #[test]
     fn ground_is_the_same_whichever_way_it_is_made() {
-        let mut backward = Profile::new(Some(&SLATE), None, 2.5e-4, Seed(3), 0);
+        let mut backward = Profile::new(&SLATE.into(), 2.5e-4, Seed(3), 0);
         backward.extend(1.9, 2.0);
         backward.extend(0.0, 2.0);
         for x in [0.0, 0.7331, 1.5] {
@@ -313,22 +347,54 @@ mod tests {
         }
     }
 
+    const JOINTS: Joints = Joints {
+        spacing: 0.2,
+        width: 0.005,
+        depth: 0.002,
+        step: 0.0,
+        edge_radius: None,
+    };
+
+    fn bricks(step: f64) -> Profile {
+        let joints = Joints { step, ..JOINTS };
+        let mut profile = Profile::new(&joints.into(), 2.5e-4, Seed(5), 0);
+        profile.extend(-10.0, 10.0);
+        profile
+    }
+
     #[test]
     fn joints_lie_deep_between_bricks() {
-        let joints = Joints {
-            spacing: 0.2,
-            width: 0.005,
-            depth: 0.002,
-            step: 0.0,
+        let profile = bricks(0.0);
+        let deep = profile.nodes(-10.0, 10.0).filter(|[_, h]| *h < -0.001);
+        // A bottom of 5 mm, and on either side what an arc of 6.83 mm that is 2 mm high leaves of itself below 1 mm:
+        // 4.83 - 3.56 mm. One every 200 mm.
+        let share = deep.count() as f64 * 2.5e-4 / 20.0;
+        assert!((share - 0.00754 / 0.2).abs() < 0.003, "{share}");
+    }
+
+    #[test]
+    fn the_edges_of_bricks_end_at_45_degrees_and_their_joints_lead_from_brick_to_brick() {
+        let steepest = bricks(0.0).steepest_step(-10.0, 10.0) / 2.5e-4;
+        assert!((0.9..=1.0).contains(&steepest), "{steepest}");
+        // Neighbours differ by 1.4 mm of standard deviation, over 5 mm.
+        let steepest = bricks(0.001).steepest_step(-10.0, 10.0) / 2.5e-4;
+        assert!(steepest < 1.9, "{steepest}");
+    }
+
+    #[test]
+    fn a_ledge_rises_by_its_face_to_its_height() {
+        let ledge = Ledge {
+            position: 0.1,
+            height: 0.05,
+            edge_radius: 0.005,
         };
-        let mut profile = Profile::new(None, Some(&joints), 2.5e-4, Seed(5), 0);
-        profile.extend(-10.0, 10.0);
-        let low = profile
-            .nodes(-10.0, 10.0)
-            .filter(|[_, h]| *h < -0.001)
-            .count() as f64;
-        // Grooves are 5 mm wide and bevelled, one every 200 mm.
-        let share = low * 2.5e-4 / 20.0;
-        assert!((0.02..0.04).contains(&share), "{share}");
+        assert_eq!(risen(&ledge, 0.1), 0.0);
+        assert_eq!(risen(&ledge, 0.2), 0.05);
+        let rise = |x: f64| (risen(&ledge, x + 1e-7) - risen(&ledge, x - 1e-7)) / 2.0e-7;
+        assert!((rise(0.105) - 75.0_f64.to_radians().tan()).abs() < 1e-6);
+        // Where face and arc meet, both have the face's slope.
+        let round = 0.005 * (1.0 - 75.0_f64.to_radians().cos());
+        let meet = 0.1 + (0.05 - round) / 75.0_f64.to_radians().tan();
+        assert!((rise(meet + 2e-7) - 75.0_f64.to_radians().tan()).abs() < 0.01);
     }
 }

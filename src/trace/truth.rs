@@ -422,6 +422,7 @@ mod tests {
             count: 10,
             height: 0.01,
             thickness: 0.003,
+            edge_radius: None,
         };
         let wheel = Wheel {
             lugs: Some(lugs),

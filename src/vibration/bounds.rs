@@ -169,7 +169,7 @@ mod tests {
             longest: 0.2,
             shortest: 0.002,
         };
-        let mut profile = Profile::new(Some(&roughness), None, 2.5e-4, Seed(1), 0);
+        let mut profile = Profile::new(&roughness.into(), 2.5e-4, Seed(1), 0);
         let ground = |x: f64| {
             profile.extend(x, x);
             profile.at(x).height
@@ -276,6 +276,7 @@ mod tests {
             count: 6,
             height: 0.015,
             thickness: 0.003,
+            edge_radius: None,
         });
         Wheel {
             lugs,

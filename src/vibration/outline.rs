@@ -124,6 +124,7 @@ mod tests {
             count: 6,
             height: 0.005,
             thickness: 0.003,
+            edge_radius: None,
         });
         let olig = Wheel {
             lugs,

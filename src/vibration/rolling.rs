@@ -239,7 +239,7 @@ mod tests {
             longest: 0.2,
             shortest: 0.002,
         };
-        let mut profile = Profile::new(Some(&roughness), None, 2.5e-4, Seed(2), run);
+        let mut profile = Profile::new(&roughness.into(), 2.5e-4, Seed(2), run);
         move |x| {
             profile.extend(x, x);
             profile.at(x).height

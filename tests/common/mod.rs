@@ -9,7 +9,7 @@ use lugwheel::simulation::{Simulation, WheelState};
 use lugwheel::soil::departures::Departures;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::{HardContact, Roughness, Terrain, TerrainSpec};
-use lugwheel::wheel::Wheel;
+use lugwheel::wheel::{Lugs, Wheel};
 use std::path::Path;
 use std::time::Duration;
 
@@ -142,6 +142,7 @@ pub fn slate() -> TerrainSpec {
         contact: CONTACT,
         roughness,
         joints: None,
+        ledge: None,
     }
 }
 
@@ -157,4 +158,14 @@ pub fn opened_for_editing(path: &Path) -> hdf5::File {
     });
     let mut opened = attempts.filter_map(Result::ok);
     opened.next().expect("a run file that nobody writes")
+}
+
+/// This wheel with lugs as thin as the paper's, which are edges.
+pub fn edged(wheel: Wheel) -> Wheel {
+    let lugs = wheel.lugs.map(|lugs| Lugs {
+        thickness: 1.0e-4,
+        edge_radius: None,
+        ..lugs
+    });
+    Wheel { lugs, ..wheel }
 }
