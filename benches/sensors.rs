@@ -1,14 +1,23 @@
-//! Cost of the sensor chain: time for one second of states, with noise on every channel.
+//! Cost of the sensor chain: time for one second of states, with noise on every channel, and for a motion of 10 s that is
+//! measured again.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lugwheel::quantity::{SampleRate, Seed};
-use lugwheel::sensors::{SensorChain, Sensors};
+use lugwheel::scenario::Scenario;
+use lugwheel::sensors::{Observed, SensorChain, Sensors};
 use lugwheel::simulation::WheelState;
+use std::ops::ControlFlow;
 
 /// One second: 128 000 samples at the sensor rate, whatever the physics rate.
 fn second(sensors: &Sensors, physics_rate: f64) -> usize {
     let rate = SampleRate::new(physics_rate).expect("a whole rate");
-    let mut chain = SensorChain::new(sensors, rate, 0.14, Seed(1), 0).expect("rates that divide");
+    let observed = Observed {
+        physics_rate: rate,
+        wheel_radius: 0.14,
+        seed: Seed(1),
+        run: 0,
+    };
+    let mut chain = SensorChain::new(sensors, &observed).expect("rates that divide");
     let mut state = WheelState::default();
     for step in 0..rate.whole() {
         state.time = f64::from(step) * rate.period();
@@ -33,9 +42,32 @@ fn chain(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A motion of 10 s on slate at its default rate, read again by a laboratory's sensors: by the whole chain, and by its linear
+/// part at the output rate.
+fn again(criterion: &mut Criterion) {
+    let path = format!(
+        "{}/scenarios/single_wheel_ht.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let scenario = Scenario::load(path).expect("a ready scenario");
+    let scenario = scenario.with("duration=10").expect("a key of it");
+    let go_on = &mut |_| ControlFlow::Continue(());
+    let recording = scenario.record(Seed(1), 0, go_on).expect("it runs");
+    let sensors = Sensors::realistic();
+    let many = recording.for_many(&sensors).expect("rates that divide");
+    let mut group = criterion.benchmark_group("10 s of motion measured again");
+    group.bench_function("whole chain", |bencher| {
+        bencher.iter(|| recording.measure(&sensors));
+    });
+    group.bench_function("linear chain", |bencher| {
+        bencher.iter(|| many.measure(&sensors));
+    });
+    group.finish();
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = chain
+    targets = chain, again
 }
 criterion_main!(benches);

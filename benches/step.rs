@@ -5,7 +5,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use lugwheel::quantity::{SampleRate, Seed};
 use lugwheel::scenario::Scenario;
-use lugwheel::sensors::{SensorChain, Sensors};
+use lugwheel::sensors::{Observed, SensorChain, Sensors};
 use lugwheel::simulation::Simulation;
 use lugwheel::terrain::Terrain;
 use rapier2d::prelude::*;
@@ -86,9 +86,13 @@ impl Underway {
         let terrain = Terrain::generate(&scenario.terrain, Seed(1), 0);
         let simulation = Simulation::new(&terrain, &scenario.wheel, &scenario.rig, rate)
             .expect("a ready scenario");
-        let radius = scenario.wheel.radius;
-        let chain = SensorChain::new(&scenario.sensors, rate, radius, Seed(1), 0)
-            .expect("a ready scenario");
+        let observed = Observed {
+            physics_rate: rate,
+            wheel_radius: scenario.wheel.radius,
+            seed: Seed(1),
+            run: 0,
+        };
+        let chain = SensorChain::new(&scenario.sensors, &observed).expect("a ready scenario");
         Self { simulation, chain }
     }
 

@@ -30,7 +30,7 @@
 //!
 //! ```
 //! use lugwheel::quantity::Seed;
-//! use lugwheel::sensors::SensorChain;
+//! use lugwheel::sensors::{Observed, SensorChain};
 //! use lugwheel::scenario::Scenario;
 //! use lugwheel::simulation::Simulation;
 //! use lugwheel::terrain::Terrain;
@@ -39,7 +39,9 @@
 //! let scenario = Scenario::from_toml(&text, "quick.toml")?.with("duration=0.1")?;
 //! let (seed, run, rate) = (Seed(1), 0, scenario.physics_rate());
 //! let terrain = Terrain::generate(&scenario.terrain, seed, run);
-//! let mut chain = SensorChain::new(&scenario.sensors, rate, scenario.wheel.radius, seed, run)?;
+//! let wheel_radius = scenario.wheel.radius;
+//! let observed = Observed { physics_rate: rate, wheel_radius, seed, run };
+//! let mut chain = SensorChain::new(&scenario.sensors, &observed)?;
 //! let steps = (scenario.duration * rate.hertz()) as usize;
 //! for state in Simulation::new(&terrain, &scenario.wheel, &scenario.rig, rate)?.take(steps) {
 //!     chain.push(&state?);

@@ -17,10 +17,12 @@ mod fast_channel;
 mod fir;
 pub mod force_torque;
 mod interpolator;
+pub mod linear_chain;
 mod noise;
 mod sampling;
 mod second_order;
 mod single_pole;
+mod slow_channels;
 #[cfg(test)]
 mod spectrum;
 pub mod transducer;
@@ -32,12 +34,13 @@ use crate::trace::Channel;
 use accelerometer::{Accelerometer, Axis};
 use decimator::whole_ratio;
 use drive_vibration::Vibrating;
-use encoder::{Encoder, Latch};
+use encoder::Encoder;
 use fast_channel::{FastChannel, Signal};
 use force_torque::ForceTorque;
-use sampling::Instants;
 use serde::{Deserialize, Serialize};
-use vision::{Camera, Vision};
+use slow_channels::SlowChannels;
+use transducer::Transducer;
+use vision::Vision;
 
 /// All sensors of a rig and how they are sampled.
 ///
@@ -121,91 +124,119 @@ impl Sensors {
     }
 }
 
-/// The sensors at work on one run; memory grows with the samples kept, not with the physics rate.
-pub struct SensorChain {
-    output_rate: f64,
+/// The run whose motion sensors look at. Their noise belongs to it, one stream a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observed {
+    /// Rate [Hz] of the states.
+    pub physics_rate: SampleRate,
+    /// Rim radius [m].
+    pub wheel_radius: f64,
+    /// Where the series' draws come from.
+    pub seed: Seed,
+    /// Number of the run in its series.
+    pub run: u64,
+}
+
+/// Name and unit of every analogue channel: acceleration, the three loads, forward speed.
+const ANALOGUE: [(&str, &str); 5] = [
+    ("acceleration_y", "m/s^2"),
+    ("normal_force", "N"),
+    ("drawbar_pull", "N"),
+    ("driving_torque", "N m"),
+    ("forward_speed", "m/s"),
+];
+
+impl Sensors {
+    /// The figures of every analogue channel.
+    fn transducers(&self) -> [Transducer; ANALOGUE.len()] {
+        let loads = &self.force_torque;
+        [
+            self.accelerometer.acceleration_y,
+            loads.normal_force,
+            loads.drawbar_pull,
+            loads.driving_torque,
+            self.encoder.forward_speed,
+        ]
+    }
+
+    /// The analogue channel of this place at work on a run.
+    fn analogue_channel(
+        &self,
+        place: usize,
+        observed: &Observed,
+    ) -> Result<FastChannel, RangeError> {
+        let (name, unit) = ANALOGUE[place];
+        let signal = Signal {
+            name,
+            unit,
+            transducer: self.transducers()[place],
+        };
+        let rng = observed.seed.rng(&format!("sensors.{name}"), observed.run);
+        let mut channel = FastChannel::new(self, observed.physics_rate, signal, rng)?;
+        if place == 0 {
+            channel.stand_on(self.accelerometer.mount(self.rate.hertz()));
+        }
+        Ok(channel)
+    }
+}
+
+/// What the analogue channels are given: quantities as they act on the sensors.
+struct Quantities {
     axis: Axis,
     drive: Option<Vibrating>,
     force_torque: ForceTorque,
-    fast: [FastChannel; 5],
-    latch: Latch,
-    camera: Camera,
-    frame_rate: f64,
-    slip_baseline: f64,
+}
+
+impl Quantities {
+    /// Of states at `rate` [Hz].
+    fn new(sensors: &Sensors, observed: &Observed, rate: f64) -> Self {
+        let accelerometer = &sensors.accelerometer;
+        let rng = observed.seed.rng("sensors.drive_vibration", observed.run);
+        Self {
+            axis: accelerometer.axis(),
+            drive: Vibrating::new(accelerometer.drive_vibration, rate, rng),
+            force_torque: sensors.force_torque,
+        }
+    }
+
+    /// At the next state.
+    fn of(&mut self, state: &WheelState) -> [f64; ANALOGUE.len()] {
+        let [normal, pull, torque] = self.force_torque.bridges(&state.hub);
+        let mut acceleration = self.axis.along(state);
+        if let Some(drive) = &mut self.drive {
+            acceleration += drive.acceleration(state);
+        }
+        [acceleration, normal, pull, torque, state.forward_speed]
+    }
+}
+
+/// The sensors at work on one run; memory grows with the samples kept, not with the physics rate.
+pub struct SensorChain {
+    quantities: Quantities,
+    fast: Vec<FastChannel>,
+    slow: SlowChannels,
     /// Time [s] of the first state.
     start: f64,
     steps: u64,
 }
 
 impl SensorChain {
-    /// Sensors on a wheel of rim radius `wheel_radius` [m] whose states come at `physics_rate`.
-    /// Their noise belongs to `run` of `seed`, one stream a channel.
+    /// Sensors on a wheel whose states come one after another.
     ///
     /// # Errors
     /// `RangeError` where [`Sensors::check`] finds one, or where the physics rate does not divide
     /// the sensor rate.
-    pub fn new(
-        sensors: &Sensors,
-        physics_rate: SampleRate,
-        wheel_radius: f64,
-        seed: Seed,
-        run: u64,
-    ) -> Result<Self, RangeError> {
+    pub fn new(sensors: &Sensors, observed: &Observed) -> Result<Self, RangeError> {
         sensors.check()?;
+        let physics_rate = observed.physics_rate;
         whole_ratio("physics rate", physics_rate, "sensor rate", sensors.rate)?;
-        RangeError::positive("wheel radius", "m", wheel_radius)?;
-        let Sensors {
-            accelerometer,
-            force_torque,
-            encoder,
-            vision,
-            ..
-        } = *sensors;
-        let fast = |name: &'static str, unit, transducer| {
-            let rng = seed.rng(&format!("sensors.{name}"), run);
-            let signal = Signal {
-                name,
-                unit,
-                transducer,
-            };
-            FastChannel::new(sensors, physics_rate, signal, rng)
-        };
-        let instants = |rate: f64, delay: f64| {
-            let steps = physics_rate.hertz() / rate * (1.0 + sensors.clock_error);
-            Instants::new(steps, delay * physics_rate.hertz())
-        };
-        let output_rate = sensors.output_rate.hertz();
-        let mut acceleration = fast("acceleration_y", "m/s^2", accelerometer.acceleration_y)?;
-        acceleration.stand_on(accelerometer.mount(sensors.rate.hertz()));
+        RangeError::positive("wheel radius", "m", observed.wheel_radius)?;
+        let places = 0..ANALOGUE.len();
+        let fast = places.map(|place| sensors.analogue_channel(place, observed));
         Ok(Self {
-            output_rate,
-            axis: accelerometer.axis(),
-            drive: Vibrating::new(
-                accelerometer.drive_vibration,
-                physics_rate.hertz(),
-                seed.rng("sensors.drive_vibration", run),
-            ),
-            force_torque,
-            fast: [
-                acceleration,
-                fast("normal_force", "N", force_torque.normal_force)?,
-                fast("drawbar_pull", "N", force_torque.drawbar_pull)?,
-                fast("driving_torque", "N m", force_torque.driving_torque)?,
-                fast("forward_speed", "m/s", encoder.forward_speed)?,
-            ],
-            latch: Latch::new(
-                encoder.wheel_angle,
-                instants(output_rate, encoder.wheel_angle.delay),
-                seed.rng("sensors.wheel_angle", run),
-            ),
-            camera: Camera::new(
-                vision,
-                wheel_radius,
-                instants(vision.frame_rate, vision.delay),
-                (seed, run),
-            ),
-            frame_rate: vision.frame_rate,
-            slip_baseline: vision.baseline(),
+            quantities: Quantities::new(sensors, observed, physics_rate.hertz()),
+            fast: fast.collect::<Result<_, _>>()?,
+            slow: SlowChannels::new(sensors, observed),
             start: 0.0,
             steps: 0,
         })
@@ -216,17 +247,11 @@ impl SensorChain {
         if self.steps == 0 {
             self.start = state.time;
         }
-        let [normal, pull, torque] = self.force_torque.bridges(&state.hub);
-        let mut acceleration = self.axis.along(state);
-        if let Some(drive) = &mut self.drive {
-            acceleration += drive.acceleration(state);
-        }
-        let values = [acceleration, normal, pull, torque, state.forward_speed];
+        let values = self.quantities.of(state);
         for (channel, value) in self.fast.iter_mut().zip(values) {
             channel.push(value);
         }
-        self.latch.push(self.steps, state.wheel_angle);
-        self.camera.push(self.steps, state);
+        self.slow.push(self.steps, state);
         self.steps += 1;
     }
 
@@ -235,31 +260,10 @@ impl SensorChain {
     /// the first frame that has a partner; raw ones last, if kept.
     pub fn finish(self) -> Vec<Channel> {
         let start = self.start;
-        let (mut channels, raw): (Vec<_>, Vec<_>) =
-            self.fast.into_iter().map(|fast| fast.finish(start)).unzip();
+        let fast = self.fast.into_iter();
+        let (mut channels, raw): (Vec<_>, Vec<_>) = fast.map(|fast| fast.finish(start)).unzip();
         let count = channels[0].samples.len();
-        let Camera {
-            sinkage,
-            slip_ratio,
-            ..
-        } = self.camera;
-        let angles = self.latch.finish(count);
-        let slip_start = start + self.slip_baseline;
-        channels.push(channel(
-            "wheel_angle",
-            "rad",
-            self.output_rate,
-            start,
-            angles,
-        ));
-        channels.push(channel("sinkage", "m", self.frame_rate, start, sinkage));
-        channels.push(channel(
-            "slip_ratio",
-            "1",
-            self.frame_rate,
-            slip_start,
-            slip_ratio,
-        ));
+        channels.extend(self.slow.finish(start, count));
         channels.extend(raw.into_iter().flatten());
         channels
     }
@@ -288,6 +292,15 @@ mod tests {
         SampleRate::new(f64::from(hertz)).unwrap()
     }
 
+    fn observed(physics: u32, run: u64) -> Observed {
+        Observed {
+            physics_rate: rate(physics),
+            wheel_radius: 0.14,
+            seed: SEED,
+            run,
+        }
+    }
+
     /// A wheel that rolls steadily at a slip of 0.2 while a tone shakes and loads it.
     fn shaken(time: f64, frequency: f64) -> WheelState {
         let tone = libm::sin(TAU * frequency * time);
@@ -307,7 +320,7 @@ mod tests {
     }
 
     fn measured(sensors: &Sensors, physics: u32, seconds: f64, frequency: f64) -> Vec<Channel> {
-        let mut chain = SensorChain::new(sensors, rate(physics), 0.14, SEED, 17).unwrap();
+        let mut chain = SensorChain::new(sensors, &observed(physics, 17)).unwrap();
         for step in 0..(seconds * f64::from(physics)) as u32 {
             chain.push(&shaken(f64::from(step) / f64::from(physics), frequency));
         }
@@ -344,8 +357,7 @@ mod tests {
     #[test]
     fn ideal_sensors_pass_constants_without_changing_a_bit() {
         for physics in [128_000, 8_000] {
-            let mut chain =
-                SensorChain::new(&Sensors::default(), rate(physics), 0.14, SEED, 0).unwrap();
+            let mut chain = SensorChain::new(&Sensors::default(), &observed(physics, 0)).unwrap();
             for _ in 0..physics / 4 {
                 let mut state = shaken(0.0173, 7.0);
                 state.position = 0.0;
@@ -414,7 +426,7 @@ mod tests {
         let mut sensors = Sensors::default();
         sensors.accelerometer.acceleration_y.noise_density = 1e-3;
         let chain = |run| {
-            let mut chain = SensorChain::new(&sensors, rate(8_000), 0.14, SEED, run).unwrap();
+            let mut chain = SensorChain::new(&sensors, &observed(8_000, run)).unwrap();
             (0..80_000).for_each(|_| chain.push(&WheelState::default()));
             chain.finish().swap_remove(0).samples
         };
@@ -437,7 +449,7 @@ mod tests {
     fn the_same_seed_and_run_give_the_same_bits_and_another_run_does_not() {
         let sensors = Sensors::realistic();
         let samples = |run| {
-            let mut chain = SensorChain::new(&sensors, rate(8_000), 0.14, SEED, run).unwrap();
+            let mut chain = SensorChain::new(&sensors, &observed(8_000, run)).unwrap();
             (0..8_000).for_each(|k| chain.push(&shaken(f64::from(k) / 8e3, 9.0)));
             chain.finish()
         };
@@ -516,7 +528,7 @@ mod tests {
             sensors.check().unwrap_err().to_string(),
             "output rate [Hz] must divide the sensor rate 128000 Hz; use 32000 or 25600, got 40000"
         );
-        let error = SensorChain::new(&Sensors::default(), rate(9_000), 0.14, SEED, 0).err();
+        let error = SensorChain::new(&Sensors::default(), &observed(9_000, 0)).err();
         assert_eq!(
             error.unwrap().to_string(),
             "physics rate [Hz] must divide the sensor rate 128000 Hz; use 8000 or 6400, got 9000"

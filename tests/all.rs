@@ -39,6 +39,7 @@ mod read_with_h5py;
 mod ready_studies;
 mod recognition_faults;
 mod recognize;
+mod remeasurement;
 mod report;
 mod scenarios;
 mod slate_rig;

@@ -15,7 +15,7 @@ use super::record::{Record, RecordError, Unusable};
 use super::spectrum::gaussian_gain;
 use super::{Extractor, Settings, Statistics, Window};
 use crate::quantity::{RangeError, SampleRate, Seed};
-use crate::sensors::{SensorChain, Sensors};
+use crate::sensors::{Observed, SensorChain, Sensors};
 use crate::simulation::WheelState;
 use crate::trace::{RunAttributes, Trace};
 use crate::vibration::flat_ground;
@@ -214,7 +214,13 @@ fn sensed(
     let mut jumps = lug_changes(wheel, &angles, rate.hertz())
         .into_iter()
         .peekable();
-    let mut chain = SensorChain::new(sensors, rate, wheel.radius, Seed(0), run)?;
+    let observed = Observed {
+        physics_rate: rate,
+        wheel_radius: wheel.radius,
+        seed: Seed(0),
+        run,
+    };
+    let mut chain = SensorChain::new(sensors, &observed)?;
     for (step, &wheel_angle) in angles.iter().enumerate() {
         let time = step as f64 * rate.period();
         let mut upward = flat_ground::acceleration(wheel, wheel_angle, wheel_speed, 0.0);

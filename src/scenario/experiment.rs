@@ -4,7 +4,7 @@ use super::Scenario;
 use super::recording::{Motion, Recording};
 use crate::effects::{EffectError, Setup};
 use crate::quantity::{RangeError, Seed};
-use crate::sensors::{SensorChain, Sensors};
+use crate::sensors::{Observed, SensorChain, Sensors};
 use crate::simulation::rig::Rig;
 use crate::simulation::{Simulation, SimulationError, WheelState};
 use crate::terrain::class::TerrainLabel;
@@ -115,8 +115,7 @@ impl Scenario {
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Trace, ExperimentError> {
         let experiment = self.experiment()?;
-        let (rate, radius) = (self.physics_rate(), self.wheel.radius);
-        let mut chain = SensorChain::new(&experiment.sensors, rate, radius, seed, run)?;
+        let mut chain = SensorChain::new(&experiment.sensors, &self.observed(seed, run))?;
         let see = &mut |state: &WheelState| chain.push(state);
         let truth = self.drive(&experiment, (seed, run), progress, see)?;
         Ok(Trace {
@@ -142,14 +141,21 @@ impl Scenario {
         let see = &mut |state: &WheelState| motion.push(state);
         let truth = self.drive(&experiment, (seed, run), progress, see)?;
         Ok(Recording {
-            rate: self.physics_rate(),
-            wheel_radius: self.wheel.radius,
-            seed,
-            run,
+            observed: self.observed(seed, run),
             attributes: self.attributes(&truth, run),
             truth,
             motion,
         })
+    }
+
+    /// A run of it, as sensors look at it.
+    fn observed(&self, seed: Seed, run: u64) -> Observed {
+        Observed {
+            physics_rate: self.physics_rate(),
+            wheel_radius: self.wheel.radius,
+            seed,
+            run,
+        }
     }
 
     /// Drives the wheel along its track; `see` gets every state of the record.

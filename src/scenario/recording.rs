@@ -4,10 +4,11 @@
 //! ([`crate::effects::Stage::Sensors`]) leaves it alone: record it once, and measure it with each
 //! set of sensors. What the sensors look at takes 88 bytes a step, 1.4 MB a second at 16 kHz.
 
-use crate::quantity::{RangeError, SampleRate, Seed};
-use crate::sensors::{SensorChain, Sensors};
+use crate::quantity::RangeError;
+use crate::sensors::linear_chain::LinearChain;
+use crate::sensors::{Observed, SensorChain, Sensors};
 use crate::simulation::{Loads, WheelState};
-use crate::trace::{RunAttributes, Trace, Truth};
+use crate::trace::{Channel, RunAttributes, Trace, Truth};
 
 /// All that sensors look at in a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,10 +27,7 @@ struct Sight {
 /// The motion of one run, kept to be measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    pub(super) rate: SampleRate,
-    pub(super) wheel_radius: f64,
-    pub(super) seed: Seed,
-    pub(super) run: u64,
+    pub(super) observed: Observed,
     pub(super) attributes: RunAttributes,
     pub(super) truth: Truth,
     pub(super) motion: Motion,
@@ -61,23 +59,52 @@ impl Recording {
     /// # Errors
     /// `RangeError` for sensors that cannot be, or a rate that does not divide.
     pub fn measure(&self, sensors: &Sensors) -> Result<Trace, RangeError> {
-        let Self {
-            rate,
-            wheel_radius,
-            seed,
-            run,
-            ..
-        } = *self;
-        let mut chain = SensorChain::new(sensors, rate, wheel_radius, seed, run)?;
-        for sight in &self.motion.0 {
-            chain.push(&sight.state());
-        }
-        Ok(Trace {
+        let mut chain = SensorChain::new(sensors, &self.observed)?;
+        self.states().for_each(|state| chain.push(&state));
+        Ok(self.trace(chain.finish()))
+    }
+
+    /// The motion ready to be measured many times by sensors at the rates of `sensors`.
+    ///
+    /// # Errors
+    /// `RangeError` for a rate that does not divide.
+    pub fn for_many(&self, sensors: &Sensors) -> Result<Remeasured<'_>, RangeError> {
+        let chain = LinearChain::new(self.states(), self.observed, sensors)?;
+        Ok(Remeasured {
+            recording: self,
+            chain,
+        })
+    }
+
+    fn states(&self) -> impl Iterator<Item = WheelState> + Clone {
+        self.motion.0.iter().map(Sight::state)
+    }
+
+    fn trace(&self, channels: Vec<Channel>) -> Trace {
+        Trace {
             attributes: self.attributes.clone(),
-            channels: chain.finish(),
+            channels,
             means: Vec::new(),
             truth: Some(self.truth.clone()),
-        })
+        }
+    }
+}
+
+/// A motion that is measured many times, by [`LinearChain`].
+pub struct Remeasured<'r> {
+    recording: &'r Recording,
+    chain: LinearChain,
+}
+
+impl Remeasured<'_> {
+    /// The trace that these sensors make of the motion: that of [`Recording::measure`] within the errors that
+    /// [`crate::sensors::linear_chain`] states, with other draws of noise.
+    ///
+    /// # Errors
+    /// `RangeError` for sensors that cannot be.
+    pub fn measure(&self, sensors: &Sensors) -> Result<Trace, RangeError> {
+        let channels = self.chain.read(sensors, self.recording.states())?;
+        Ok(self.recording.trace(channels))
     }
 }
 

@@ -101,6 +101,11 @@ pub(super) struct Axis {
 }
 
 impl Axis {
+    /// Weights of the upward and the forward acceleration [-], and what is added [m/s²].
+    pub(super) fn weights(&self) -> [f64; 3] {
+        [self.upward, self.forward, self.offset]
+    }
+
     /// Acceleration [m/s²] along the axis.
     pub(super) fn along(&self, state: &WheelState) -> f64 {
         self.upward * state.vertical_acceleration

@@ -59,6 +59,15 @@ impl DriveVibration {
     }
 }
 
+impl DriveVibration {
+    /// A magnitude [m/s²] that it does not exceed in these states, six standard deviations of noise counted.
+    pub(super) fn bound(&self, states: &[WheelState]) -> f64 {
+        let speeds = states.iter().map(|state| state.wheel_speed.abs());
+        let speed = speeds.fold(0.0, f64::max) / STATED_AT;
+        speed * speed * (SQRT_2 * self.mesh + 6.0 * self.broadband)
+    }
+}
+
 /// A drive that vibrates.
 pub(super) struct Vibrating {
     figures: DriveVibration,

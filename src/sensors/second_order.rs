@@ -1,5 +1,6 @@
 //! Low pass of second order: a sensor's bandwidth, or the resonance of its mount.
 
+use realfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// `ω²/(s² + 2ζωs + ω²)` by the bilinear transform, exact at its corner.
@@ -29,6 +30,13 @@ impl SecondOrder {
             state: [0.0; 2],
             reference: None,
         })
+    }
+
+    /// Its response where a step back in time is `z⁻¹`.
+    pub(super) fn response(&self, step_back: Complex<f64>) -> Complex<f64> {
+        let [a1, a2] = self.a;
+        let both = step_back * step_back;
+        self.b0 * (1.0 + 2.0 * step_back + both) / (1.0 + a1 * step_back + a2 * both)
     }
 
     /// Filters in place.

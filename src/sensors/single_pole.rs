@@ -1,5 +1,7 @@
 //! Low pass of first order: a resistor and a capacitor.
 
+use realfft::num_complex::Complex;
+
 /// `1/(1 + s/ω)` by the bilinear transform, exact at its corner; it starts settled at its first
 /// sample.
 pub(super) struct SinglePole {
@@ -22,6 +24,11 @@ impl SinglePole {
             state: 0.0,
             reference: None,
         })
+    }
+
+    /// Its response where a step back in time is `z⁻¹`.
+    pub(super) fn response(&self, step_back: Complex<f64>) -> Complex<f64> {
+        self.b * (1.0 + step_back) / (1.0 + self.a * step_back)
     }
 
     /// Filters in place.
