@@ -206,9 +206,10 @@ fn over_fixed_stones_the_axle_stands_where_the_outline_says_and_the_same_lugs_mi
             let ground = |x: f64| profile.at(x).height;
             let stands = footing(&wheel, ground, state.position, state.wheel_angle);
             let pressed_in = stands.axle_height - state.height;
-            // On a stone's flank the ground carries more than the load, and gives way as much more.
+            // On a stone's flank the ground carries more than the load, and gives way as much more; an edge of 50 µm radius
+            // stands there by up to 3 µm higher than one of none.
             assert!(
-                (0.4 * INDENTATION..3.0 * INDENTATION).contains(&pressed_in),
+                (0.2 * INDENTATION..3.0 * INDENTATION).contains(&pressed_in),
                 "{pressed_in}"
             );
         }

@@ -202,17 +202,23 @@ impl HardGround {
         x >= self.range[0] - RAMP_LENGTH && x < self.range[1] + RAMP_LENGTH
     }
 
-    /// Load on the wheel where it is near, and the place a step later.
+    /// Load on the wheel where it is nearest to the ground, the place followed to there.
+    ///
+    /// The contact lies where the gap is least now, not where it was a step ago: a wheel at 0.5 m/s whose load acts a step
+    /// behind gains 0.1 % of its energy a metre.
     fn press_at(&self, place: &mut Nearest, wheel: &WheelGeometry, step: &Step<'_>) -> Wrench {
         let surface = self.surface(place.x);
         let placed = wheel.placed(place.part, step.motion);
         let GapAlong { gap, slope } = GapAlong::at(&placed, place.x, &surface);
+        let way = place.follow(slope);
         let touch = Touch {
-            arm: [place.x - step.motion.x, surface.height - step.motion.y],
+            arm: [
+                place.x - step.motion.x,
+                surface.height + surface.slope * way - step.motion.y,
+            ],
             slope: surface.slope,
-            indentation: -gap,
+            indentation: -(gap + 0.5 * slope * way),
         };
-        place.follow(slope);
         self.press(&touch, step, &mut place.stretch)
     }
 

@@ -71,10 +71,12 @@ impl GapAlong {
 }
 
 impl Nearest {
-    /// Follows the minimum by a Newton step, from where the gap has this `slope` [-].
+    /// Follows the minimum by a Newton step, from where the gap has this `slope` [-]; the way [m] there.
     #[inline]
-    pub fn follow(&mut self, slope: f64) {
-        self.x -= (slope / self.curvature).clamp(-SEARCHED, SEARCHED);
+    pub fn follow(&mut self, slope: f64) -> f64 {
+        let way = -(slope / self.curvature).clamp(-SEARCHED, SEARCHED);
+        self.x += way;
+        way
     }
 }
 
