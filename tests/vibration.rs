@@ -202,21 +202,25 @@ fn over_fixed_stones_the_axle_stands_where_the_outline_says_and_the_same_lugs_mi
         let terrain = Terrain::generate(&bricks(), Seed(1), 0);
         let mut profile = terrain.profile(&terrain.stretches()[0]);
         profile.extend(-1.0, 1.0);
+        let mut touched = 0_u64;
         for state in &states {
             let ground = |x: f64| profile.at(x).height;
             let stands = footing(&wheel, ground, state.position, state.wheel_angle);
+            if let Support::Lug(lug) = stands.support {
+                touched |= 1 << lug;
+            }
             let pressed_in = stands.axle_height - state.height;
-            // On a stone's flank the ground carries more than the load, and gives way as much more; an edge of 50 µm radius
-            // stands there by up to 3 µm higher than one of none.
+            // On a stone's flank the ground carries more than the load, and gives way as much more. There an edge of 50 µm
+            // radius stands higher than one of none, by 50 µm (1/cos 30° - 1) where lugs meet the roundest bricks.
+            let higher = 5.0e-5 * (1.0 / 30.0_f64.to_radians().cos() - 1.0);
             assert!(
-                (0.2 * INDENTATION..3.0 * INDENTATION).contains(&pressed_in),
+                (0.4 * INDENTATION - higher..3.0 * INDENTATION).contains(&pressed_in),
                 "{pressed_in}"
             );
         }
         let swing = range(path.iter().map(|pose| pose.rim_height));
         let error = height_error(&wheel, &states, &path);
         assert!(error < 0.06 * swing, "{error} of {swing}");
-        let touched = touched_on_path(&path);
         assert_eq!(touched_in_simulation(&states), touched);
         let counted = path[path.len() - 1].lugs_counted;
         assert!(
