@@ -112,7 +112,7 @@ impl Sensors {
     /// `RangeError` for the first figure that cannot, such as an output rate that does not divide
     /// the sensor rate; it names the nearest that do.
     pub fn check(&self) -> Result<(), RangeError> {
-        whole_ratio("output rate", self.output_rate, "sensor rate", self.rate)?;
+        self.decimation()?;
         RangeError::check("clock error", "-", self.clock_error, [-0.1, 0.1])?;
         RangeError::check("alias leak", "-", self.alias_leak, [0.0, 1.0])?;
         RangeError::check("alias mean", "-", self.alias_mean, [0.0, 1.0])?;
@@ -147,6 +147,14 @@ const ANALOGUE: [(&str, &str); 5] = [
 ];
 
 impl Sensors {
+    /// Samples at the sensor rate per sample kept.
+    ///
+    /// # Errors
+    /// `RangeError` where that is no whole number.
+    fn decimation(&self) -> Result<u32, RangeError> {
+        whole_ratio("output rate", self.output_rate, "sensor rate", self.rate)
+    }
+
     /// The figures of every analogue channel.
     fn transducers(&self) -> [Transducer; ANALOGUE.len()] {
         let loads = &self.force_torque;

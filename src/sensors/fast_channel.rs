@@ -154,12 +154,7 @@ struct Sampler {
 
 impl Sampler {
     fn new(sensors: &Sensors, transducer: Transducer, rng: ChaCha8Rng) -> Result<Self, RangeError> {
-        let factor = whole_ratio(
-            "output rate",
-            sensors.output_rate,
-            "sensor rate",
-            sensors.rate,
-        )?;
+        let factor = sensors.decimation()?;
         Ok(Self {
             mount: None,
             reading: Reading::new(transducer, sensors.rate.hertz(), rng),

@@ -22,7 +22,7 @@
 //! last 0.1 s aside, where the two continue the quantity differently. Noise and drive vibration have the same spectra and
 //! other draws.
 
-use super::decimator::{Decimator, whole_ratio};
+use super::decimator::Decimator;
 use super::drive_vibration::Vibrating;
 use super::fast_channel::{FastChannel, Signal};
 use super::noise::WhiteNoise;
@@ -36,7 +36,7 @@ use crate::simulation::WheelState;
 use crate::trace::Channel;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Quantities of a motion: acceleration upward and forward, normal force, drawbar pull, driving torque, forward speed.
@@ -345,7 +345,7 @@ impl Filters {
     fn of(transducer: &Transducer, rate: f64) -> Self {
         Self {
             mount: None,
-            low_pass: SecondOrder::new(transducer.bandwidth, FRAC_1_SQRT_2, rate),
+            low_pass: transducer.low_pass(rate),
             single_pole: SinglePole::new(transducer.single_pole, rate),
             delay: transducer.delay,
         }
@@ -406,9 +406,7 @@ impl Transform {
         let mut impulse = anti_alias_impulse(sensors)?;
         impulse.resize(size, 0.0);
         impulse.rotate_left(IMPULSE);
-        let mut spectrum = forward.make_output_vec();
-        // The lengths are the plan's own.
-        let _ = forward.process(&mut impulse, &mut spectrum);
+        let spectrum = spectrum(&*forward, impulse);
         let (rate, output_rate) = (sensors.rate.hertz(), sensors.output_rate.hertz());
         let bins = spectrum.iter().enumerate().map(|(k, response)| {
             let frequency = output_rate * k as f64 / size as f64;
@@ -427,7 +425,7 @@ impl Transform {
 
     /// Samples behind a filter that has this response; it is settled at the first.
     fn filtered(&self, samples: &[f64], response: impl Fn(&Bin) -> Complex<f64>) -> Vec<f64> {
-        let mut spectrum = self.spectrum(looped(samples, self.forward.len()));
+        let mut spectrum = spectrum(&*self.forward, looped(samples, self.forward.len()));
         let parts = spectrum.iter_mut().zip(&self.bins);
         parts.for_each(|(part, bin)| *part *= response(bin));
         self.samples(spectrum, samples.len())
@@ -437,17 +435,10 @@ impl Transform {
     fn anti_aliased(&self, noise: &[f64]) -> Vec<f64> {
         let mut padded = noise.to_vec();
         padded.resize(self.forward.len(), 0.0);
-        let mut spectrum = self.spectrum(padded);
+        let mut spectrum = spectrum(&*self.forward, padded);
         let parts = spectrum.iter_mut().zip(&self.bins);
         parts.for_each(|(part, bin)| *part *= bin.anti_alias);
         self.samples(spectrum, noise.len())
-    }
-
-    fn spectrum(&self, mut samples: Vec<f64>) -> Vec<Complex<f64>> {
-        let mut spectrum = self.forward.make_output_vec();
-        // The lengths are the plan's own.
-        let _ = self.forward.process(&mut samples, &mut spectrum);
-        spectrum
     }
 
     fn samples(&self, mut spectrum: Vec<Complex<f64>>, count: usize) -> Vec<f64> {
@@ -463,6 +454,14 @@ impl Transform {
         samples.iter_mut().for_each(|x| *x /= size as f64);
         samples
     }
+}
+
+/// The transform of as many samples as it is planned for.
+fn spectrum(transform: &dyn RealToComplex<f64>, mut samples: Vec<f64>) -> Vec<Complex<f64>> {
+    let mut spectrum = transform.make_output_vec();
+    // The lengths are the plan's own.
+    let _ = transform.process(&mut samples, &mut spectrum);
+    spectrum
 }
 
 /// The smallest even size from `least` on that has no prime factor above 5.
@@ -495,12 +494,7 @@ fn looped(samples: &[f64], size: usize) -> Vec<f64> {
 
 /// The anti-alias filter's answer, at the output rate, to an impulse of unit area at sample [`IMPULSE`].
 fn anti_alias_impulse(sensors: &Sensors) -> Result<Vec<f64>, RangeError> {
-    let factor = whole_ratio(
-        "output rate",
-        sensors.output_rate,
-        "sensor rate",
-        sensors.rate,
-    )?;
+    let factor = sensors.decimation()?;
     let mut impulse = vec![0.0; 2 * IMPULSE * factor as usize];
     impulse[IMPULSE * factor as usize] = f64::from(factor);
     let mut decimator = Decimator::new(sensors.rate, sensors.output_rate)?;

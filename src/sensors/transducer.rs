@@ -106,6 +106,13 @@ impl Transducer {
     }
 }
 
+impl Transducer {
+    /// Its bandwidth as a Butterworth low pass at the sensor `rate` [Hz].
+    pub(super) fn low_pass(&self, rate: f64) -> Option<SecondOrder> {
+        SecondOrder::new(self.bandwidth, FRAC_1_SQRT_2, rate)
+    }
+}
+
 /// Whether a filter's corner [Hz] lies below half the sensor `rate` [Hz], or is `inf`.
 pub(super) fn corner(quantity: &'static str, value: f64, rate: f64) -> Result<(), RangeError> {
     if value == f64::INFINITY || (value > 0.0 && value < rate / 2.0) {
@@ -187,7 +194,7 @@ impl Reading {
             single_pole: SinglePole::new(figures.single_pole, rate),
             rumble: LowPassedNoise::new(figures.rumble, RUMBLE, rate, beside(&rng)),
             held: 0.0,
-            low_pass: SecondOrder::new(figures.bandwidth, FRAC_1_SQRT_2, rate),
+            low_pass: figures.low_pass(rate),
             noise: WhiteNoise::of_density(figures.noise_density, rate, rng),
             period: 1.0 / rate,
             taken: 0,
