@@ -117,6 +117,24 @@ pub fn is_part(name: &OsStr) -> bool {
     name.to_string_lossy().starts_with(PREFIX)
 }
 
+/// Whether there is nothing at `path`, or a folder with nothing but parts.
+///
+/// # Errors
+/// Where it cannot be read.
+pub fn is_vacant(path: &Path) -> io::Result<bool> {
+    let entries = match fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(true),
+        Err(error) => return Err(error),
+    };
+    for entry in entries {
+        if !is_part(&entry?.file_name()) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
 /// Removes the parts in `folder` whose writer was killed, and never one whose writer lives. What cannot
 /// be removed stays.
 pub fn remove_abandoned_parts(folder: &Path) {

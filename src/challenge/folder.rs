@@ -151,13 +151,7 @@ pub fn by_method(folder: &Path, name: &str, ablation: Option<Ablation>) -> PathB
 
 /// Whether there is nothing at `path`, or an empty folder.
 pub(super) fn is_empty(path: &Path) -> Result<bool, ChallengeError> {
-    match std::fs::read_dir(path) {
-        Ok(entries) => Ok(!entries
-            .flatten()
-            .any(|it| !whole_file::is_part(&it.file_name()))),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
-        Err(source) => Err(unreadable(path, source)),
-    }
+    whole_file::is_vacant(path).map_err(|source| unreadable(path, source))
 }
 
 pub(super) fn make_folder(path: &Path) -> Result<(), ChallengeError> {

@@ -81,7 +81,8 @@ impl Claim<'_> {
     /// `TargetError`, or the system's reason where the folder cannot be made or read.
     pub fn folder(self, target: &Path) -> anyhow::Result<()> {
         self.own_folder(target)?;
-        let is_empty = || is_empty(target).map_err(|it| self.refused("read", target, &it));
+        let is_empty =
+            || whole_file::is_vacant(target).map_err(|it| self.refused("read", target, &it));
         if !self.force && !is_empty()? {
             return Err(TargetError::NotEmpty(target.to_owned()).into());
         }
@@ -169,16 +170,6 @@ fn found(target: &Path) -> io::Result<Option<Metadata>> {
         Err(error) if matches!(error.kind(), NotFound | NotADirectory) => Ok(None),
         Err(error) => Err(error),
     }
-}
-
-/// Whether a folder holds nothing but files that are being written.
-fn is_empty(folder: &Path) -> io::Result<bool> {
-    for entry in fs::read_dir(folder)? {
-        if !whole_file::is_part(&entry?.file_name()) {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }
 
 /// Whether two paths lead to one file.

@@ -33,7 +33,8 @@ impl Folder {
             fingerprint: study.fingerprint(),
         };
         let origin = folder.origin(study);
-        let empty = is_empty(path).map_err(|source| file_error("read", path, source))?;
+        let empty =
+            whole_file::is_vacant(path).map_err(|source| file_error("read", path, source))?;
         if !empty && before == Before::Nobody {
             let folder = path.to_owned();
             return Err(StudyError::NotEmpty { folder });
@@ -164,19 +165,4 @@ pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -
 
 fn make_folder(path: &Path) -> Result<(), StudyError> {
     std::fs::create_dir_all(path).map_err(|source| file_error("make the folder", path, source))
-}
-
-/// Whether there is nothing at `path`, or a folder with nothing but files being written.
-fn is_empty(path: &Path) -> io::Result<bool> {
-    let entries = match std::fs::read_dir(path) {
-        Ok(entries) => entries,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(true),
-        Err(error) => return Err(error),
-    };
-    for entry in entries {
-        if !whole_file::is_part(&entry?.file_name()) {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }
