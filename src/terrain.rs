@@ -63,6 +63,16 @@ pub struct Joints {
 }
 
 impl Joints {
+    /// Those of level bricks.
+    #[cfg(test)]
+    pub(crate) const LEVEL: Self = Self {
+        spacing: 0.2,
+        width: 0.005,
+        depth: 0.002,
+        step: 0.0,
+        edge_radius: None,
+    };
+
     /// Radius [m] of the bricks' edges.
     ///
     /// A lug under load `W` leaves a flank of slope `m` only at a pull of `W (m + μ) / (1 - m μ)`, which grows without bound

@@ -1,8 +1,7 @@
 //! Every effect shows as its entry in the catalogue says.
 
-use crate::common::{drive, leg, mean, reference, rig, rms, run, steady};
+use crate::common::{drive, leg, mean, ready, recorded, reference, rig, rms, run, steady};
 use lugwheel::effects::{Application, Form, Setup, catalogue};
-use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::scenario::recording::Recording;
 use lugwheel::sensors::Sensors;
@@ -14,7 +13,6 @@ use lugwheel::trace::Trace;
 use lugwheel::wheel::Wheel;
 use std::collections::HashSet;
 use std::f64::consts::TAU;
-use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
 /// Steps per second of the physics here: loads and heights, no spectra beyond 200 Hz.
@@ -308,16 +306,6 @@ fn a_rover_leg_can_have_every_effect_of_a_rig() {
 
 // ---- what sensors make of one motion ----
 
-fn shipped(name: &str, edits: &[&str]) -> Scenario {
-    let path = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    Scenario::load(path).unwrap().with_all(edits).unwrap()
-}
-
-fn recorded(scenario: &Scenario) -> Recording {
-    let go_on = &mut |_| ControlFlow::Continue(());
-    scenario.record(Seed(3), 0, go_on).unwrap()
-}
-
 /// Two seconds of the paper's wheel on sand, and on slate.
 static SAND: LazyLock<(Scenario, Recording)> = LazyLock::new(|| motion("single_wheel_st"));
 static SLATE: LazyLock<(Scenario, Recording)> = LazyLock::new(|| motion("single_wheel_ht"));
@@ -328,7 +316,7 @@ fn motion(name: &str) -> (Scenario, Recording) {
         "lead_in=1",
         "rig.single_wheel.forward_speed=0.05",
     ];
-    let scenario = shipped(name, &edits);
+    let scenario = ready(name, &edits);
     let recording = recorded(&scenario);
     (scenario, recording)
 }
@@ -585,7 +573,7 @@ fn without_its_filter_a_channel_is_louder_and_a_mean_leaves_less() {
 #[test]
 fn a_wrong_encoder_reads_what_was_commanded_while_the_camera_sees_the_slip() {
     let edits = ["duration=2", "lead_in=1", "rig.single_wheel.lifted=0.01"];
-    let scenario = shipped("single_wheel_ht", &edits);
+    let scenario = ready("single_wheel_ht", &edits);
     let trace = |scenario: &Scenario| {
         let sensors = scenario.experiment().unwrap().sensors;
         recorded(scenario).measure(&sensors).unwrap()

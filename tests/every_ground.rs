@@ -1,6 +1,6 @@
 //! Promises that hold on every ground a scenario is ready for.
 
-use crate::common::{mean, rms};
+use crate::common::{mean, ready, rms};
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::Wtic;
@@ -8,13 +8,6 @@ use lugwheel::trace::Trace;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::ops::ControlFlow;
-
-fn scenario(name: &str, set: &[&str]) -> Scenario {
-    let path = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let load = Scenario::load(&path).unwrap();
-    set.iter()
-        .fold(load, |scenario, set| scenario.with(set).unwrap())
-}
 
 fn run(scenario: &Scenario, run: u64) -> Trace {
     scenario
@@ -33,7 +26,7 @@ const GROUNDS: [&str; 6] = ["ref", "ht", "gt", "hgt", "st", "sgt"];
 #[test]
 fn mean_normal_force_is_the_load_within_half_a_percent_on_every_ground() {
     for ground in GROUNDS {
-        let scenario = scenario(&format!("single_wheel_{ground}"), &["duration=4"]);
+        let scenario = ready(&format!("single_wheel_{ground}"), &["duration=4"]);
         let force = mean(
             late(&run(&scenario, 0), "normal_force", 1.0)
                 .iter()
@@ -46,7 +39,7 @@ fn mean_normal_force_is_the_load_within_half_a_percent_on_every_ground() {
 #[test]
 fn lugs_touch_slate_and_enter_sand() {
     let class = |ground: &str| {
-        let scenario = scenario(
+        let scenario = ready(
             &format!("single_wheel_{ground}"),
             &["duration=8", "rig.single_wheel.forward_speed=0.03"],
         );
@@ -59,7 +52,7 @@ fn lugs_touch_slate_and_enter_sand() {
 
 #[test]
 fn some_lugs_of_a_wheel_on_gravel_hang_in_the_air() {
-    let scenario = scenario(
+    let scenario = ready(
         "single_wheel_gt",
         &["duration=8", "rig.single_wheel.forward_speed=0.03"],
     );
@@ -75,7 +68,7 @@ fn some_lugs_of_a_wheel_on_gravel_hang_in_the_air() {
 fn the_bits_of_a_run_are_what_they_were() {
     let mut hash = Sha256::new();
     for ground in ["ht", "st", "gt"] {
-        let scenario = scenario(&format!("single_wheel_{ground}"), &["duration=0.5"]);
+        let scenario = ready(&format!("single_wheel_{ground}"), &["duration=0.5"]);
         for channel in run(&scenario, 3).channels {
             channel
                 .samples
@@ -95,7 +88,7 @@ const GOLDEN: &str = "add414ba38d667359d333529ef092095f4a0bc1cac56465e0b644786a0
 
 #[test]
 fn run_3_is_the_same_alone_or_beside_others() {
-    let scenario = scenario("single_wheel_st", &["duration=0.5"]);
+    let scenario = ready("single_wheel_st", &["duration=0.5"]);
     let alone = run(&scenario, 3);
     let beside: Vec<Trace> = std::thread::scope(|scope| {
         let runs: Vec<_> = (2..5)
@@ -121,7 +114,7 @@ fn pull_on_gravel(physics_rate: u32) -> f64 {
         "rig.single_wheel.slip=0.6",
         &rate,
     ];
-    let scenario = scenario("single_wheel_gt", &set);
+    let scenario = ready("single_wheel_gt", &set);
     let pull = |number: u64| {
         let trace = run(&scenario, number);
         mean(late(&trace, "drawbar_pull", 1.5).iter().copied())
@@ -151,7 +144,7 @@ fn level(trace: &Trace, start: f64) -> f64 {
 
 fn standing_on_gravel(seconds: f64, run_number: u64) -> (f64, f64, f64) {
     let duration = format!("duration={}", seconds + 3.0);
-    let stop = scenario(
+    let stop = ready(
         "single_wheel_gt",
         &[&duration, "rig.single_wheel.stop_at=2.0"],
     );

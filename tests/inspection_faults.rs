@@ -4,6 +4,7 @@
 //! `cargo test --release --test all inspection_faults:: -- --ignored --nocapture` writes
 //! `output/reference/inspection.txt`.
 
+use crate::common::edit_samples;
 use lugwheel::dataset::inspection::{Severity, findings};
 use lugwheel::quantity::{GRAVITY, Seed};
 use lugwheel::scenario::Scenario;
@@ -48,27 +49,15 @@ fn is_doubted(trace: &Trace) -> bool {
 /// A fault, and how a run has it.
 type Fault = (&'static str, Box<dyn Fn(&mut Trace) + Sync>);
 
-fn samples(trace: &mut Trace, name: &str, edit: impl Fn(f64) -> f64) {
-    let channel = trace
-        .channels
-        .iter_mut()
-        .find(|channel| channel.name == name);
-    channel
-        .unwrap()
-        .samples
-        .iter_mut()
-        .for_each(|x| *x = edit(*x));
-}
-
 fn scaled(name: &'static str, factor: f64) -> Box<dyn Fn(&mut Trace) + Sync> {
-    Box::new(move |trace| samples(trace, name, |x| factor * x))
+    Box::new(move |trace| edit_samples(trace, name, |x| factor * x))
 }
 
 /// A fault of a channel by a share of the load.
 fn shifted(name: &'static str, share: f64) -> Box<dyn Fn(&mut Trace) + Sync> {
     Box::new(move |trace| {
         let by = share * trace.attributes.load;
-        samples(trace, name, |x| x + by);
+        edit_samples(trace, name, |x| x + by);
     })
 }
 
@@ -113,15 +102,15 @@ fn faults() -> Vec<Fault> {
         ("angle in turns", scaled("wheel_angle", 1.0 / TAU)),
         (
             "gravity left in",
-            Box::new(|t| samples(t, "acceleration_y", |a| a + GRAVITY)),
+            Box::new(|t| edit_samples(t, "acceleration_y", |a| a + GRAVITY)),
         ),
         (
             "gravity taken off twice",
-            Box::new(|t| samples(t, "acceleration_y", |a| a - GRAVITY)),
+            Box::new(|t| edit_samples(t, "acceleration_y", |a| a - GRAVITY)),
         ),
         (
             "gravity left in, in g",
-            Box::new(|t| samples(t, "acceleration_y", |a| a / GRAVITY + 1.0)),
+            Box::new(|t| edit_samples(t, "acceleration_y", |a| a / GRAVITY + 1.0)),
         ),
         ("acceleration x 1000", scaled("acceleration_y", 1.0e3)),
         (
@@ -139,15 +128,15 @@ fn sound_variants() -> Vec<Fault> {
         ("as it is", Box::new(|_| ())),
         (
             "angle modulo a turn",
-            Box::new(|t| samples(t, "wheel_angle", |a| a.rem_euclid(TAU))),
+            Box::new(|t| edit_samples(t, "wheel_angle", |a| a.rem_euclid(TAU))),
         ),
         (
             "angle modulo 0.7 rad",
-            Box::new(|t| samples(t, "wheel_angle", |a| a.rem_euclid(0.7))),
+            Box::new(|t| edit_samples(t, "wheel_angle", |a| a.rem_euclid(0.7))),
         ),
         (
             "forces in steps of 2 N",
-            Box::new(|t| samples(t, "drawbar_pull", |x| (x / 2.0).round() * 2.0)),
+            Box::new(|t| edit_samples(t, "drawbar_pull", |x| (x / 2.0).round() * 2.0)),
         ),
         ("without sinkage", Box::new(|t| without(t, &["sinkage"]))),
         (

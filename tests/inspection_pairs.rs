@@ -1,5 +1,6 @@
 //! Faults that `inspect` finds, each beside a sound run that looks like it.
 
+use crate::common::edit_samples;
 use lugwheel::dataset::inspection::{Finding, Severity, findings};
 use lugwheel::quantity::GRAVITY;
 use lugwheel::terrain::class::TerrainLabel;
@@ -107,20 +108,8 @@ fn but(mut trace: Trace, edit: impl Fn(&mut Trace)) -> Trace {
     trace
 }
 
-fn samples(trace: &mut Trace, name: &str, edit: impl Fn(f64) -> f64) {
-    let channel = trace
-        .channels
-        .iter_mut()
-        .find(|channel| channel.name == name);
-    channel
-        .unwrap()
-        .samples
-        .iter_mut()
-        .for_each(|x| *x = edit(*x));
-}
-
 fn with(trace: Trace, name: &str, edit: impl Fn(f64) -> f64) -> Trace {
-    but(trace, |trace| samples(trace, name, &edit))
+    but(trace, |trace| edit_samples(trace, name, &edit))
 }
 
 fn without(trace: Trace, names: &[&str]) -> Trace {
@@ -136,8 +125,8 @@ fn on_slope(trace: Trace, slope_deg: f64, mass: f64) -> Trace {
     let (sin, cos) = slope_deg.to_radians().sin_cos();
     but(trace, |trace| {
         (trace.attributes.slope_deg, trace.attributes.wheel_mass) = (slope_deg, Some(mass));
-        samples(trace, "drawbar_pull", |pull| pull - mass * GRAVITY * sin);
-        samples(trace, "normal_force", |force| {
+        edit_samples(trace, "drawbar_pull", |pull| pull - mass * GRAVITY * sin);
+        edit_samples(trace, "normal_force", |force| {
             force * cos + mass * GRAVITY * (1.0 - cos)
         });
     })
@@ -307,7 +296,7 @@ fn a_wrong_sign_is_found_and_a_parked_braking_or_reversing_wheel_has_none() {
             "wheel_angle",
             "forward_speed",
         ] {
-            samples(trace, name, |x| -x);
+            edit_samples(trace, name, |x| -x);
         }
         trace.attributes.speed = -SPEED;
     });
@@ -318,10 +307,10 @@ fn a_wrong_sign_is_found_and_a_parked_braking_or_reversing_wheel_has_none() {
     is_sound("in reverse, shown by the angle alone", &by_angle);
 
     let parked = but(sound(), |trace| {
-        samples(trace, "wheel_angle", |_| 0.3);
-        samples(trace, "forward_speed", |_| 0.0);
-        samples(trace, "driving_torque", |torque| -0.6 * torque);
-        samples(trace, "drawbar_pull", |pull| -pull);
+        edit_samples(trace, "wheel_angle", |_| 0.3);
+        edit_samples(trace, "forward_speed", |_| 0.0);
+        edit_samples(trace, "driving_torque", |torque| -0.6 * torque);
+        edit_samples(trace, "drawbar_pull", |pull| -pull);
         trace.attributes.slope_deg = 20.0;
     });
     is_sound("parked on a slope by its brake", &parked);
@@ -570,7 +559,7 @@ fn a_pull_before_the_wheel_turns_is_an_offset_and_one_before_the_first_count_is_
     let waits = |trace: Trace| {
         let turning = wheel_speed(0.2, SPEED);
         but(trace, |trace| {
-            samples(trace, "wheel_angle", |angle| {
+            edit_samples(trace, "wheel_angle", |angle| {
                 (angle - 10.0 * turning).max(0.0)
             });
         })
@@ -579,7 +568,7 @@ fn a_pull_before_the_wheel_turns_is_an_offset_and_one_before_the_first_count_is_
     is_found("waits", &offset, ["drawbar_pull", "before the wheel turns"]);
     let on_slope = but(offset, |trace| {
         (trace.attributes.slope_deg, trace.attributes.wheel_mass) = (10.0, Some(0.0));
-        samples(trace, "normal_force", |force| {
+        edit_samples(trace, "normal_force", |force| {
             force * 10.0_f64.to_radians().cos()
         });
     });

@@ -261,10 +261,6 @@ fn on_stiff_drives_loads_and_vibration_are_those_of_a_rigid_rig_within_2_percent
 
 /// A wheel on slate that runs into a step of this height [m], its carriage able to push with a force [N].
 fn into_a_step(height: f64, force_limit: f64) -> Trace {
-    let path = format!(
-        "{}/scenarios/single_wheel_ht.toml",
-        env!("CARGO_MANIFEST_DIR")
-    );
     let step = format!("terrain.hard.ledge={{ position = 0.15, height = {height} }}");
     let limit = format!("rig.single_wheel.carriage.force_limit={force_limit}");
     let edits = [
@@ -274,8 +270,8 @@ fn into_a_step(height: f64, force_limit: f64) -> Trace {
         "duration=4",
         "lead_in=0",
     ];
-    let scenario = Scenario::load(path).unwrap().with_all(&edits).unwrap();
     let go_on = &mut |_| ControlFlow::Continue(());
+    let scenario = ready("single_wheel_ht", &edits);
     scenario.run(Seed(1), 0, go_on).unwrap()
 }
 

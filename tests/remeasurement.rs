@@ -1,29 +1,22 @@
 //! A motion measured again at the output rate, against the whole chain at 128 kHz.
 
-use crate::common::{mean, rms};
+use crate::common::{mean, ready, recorded, rms};
 use lugwheel::effects::{Application, Form, Stage, catalogue};
-use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
 use lugwheel::scenario::recording::Recording;
 use lugwheel::sensors::Sensors;
 use lugwheel::trace::{Channel, Trace};
-use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
 /// Three seconds of the paper's wheel on slate, lugs striking.
 static SLATE: LazyLock<(Scenario, Recording)> = LazyLock::new(|| {
-    let path = format!(
-        "{}/scenarios/single_wheel_ht.toml",
-        env!("CARGO_MANIFEST_DIR")
-    );
     let edits = [
         "duration=3",
         "lead_in=1",
         "rig.single_wheel.forward_speed=0.05",
     ];
-    let scenario = Scenario::load(path).unwrap().with_all(&edits).unwrap();
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let recording = scenario.record(Seed(3), 0, go_on).unwrap();
+    let scenario = ready("single_wheel_ht", &edits);
+    let recording = recorded(&scenario);
     (scenario, recording)
 });
 

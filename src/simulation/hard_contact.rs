@@ -305,14 +305,6 @@ mod tests {
         dust: 0.0,
     };
 
-    const JOINTS: Joints = Joints {
-        spacing: 0.2,
-        width: 0.005,
-        depth: 0.002,
-        step: 0.0,
-        edge_radius: None,
-    };
-
     /// Ground with `joints`, and the middle [m] of one of them.
     fn jointed(joints: &Joints) -> (Profile, f64) {
         let mut profile = Profile::new(&(*joints).into(), 2.5e-4, Seed(5), 0);
@@ -359,10 +351,10 @@ mod tests {
         let (load, friction) = (100.0, wheel.friction);
         // An end of 1.5 mm on the bottom meets an edge of 5.33 mm where both are 45° steep: their centres are the sum of the
         // radii apart, and the sum less the depth in height.
-        let radius = JOINTS.edge_radius() - 0.0015;
+        let radius = Joints::LEVEL.edge_radius() - 0.0015;
         let joints = Joints {
             edge_radius: Some(radius),
-            ..JOINTS
+            ..Joints::LEVEL
         };
         let pulls = drawn_out_of_a_joint(&wheel, &joints, load);
         // W (1 + μ)/(1 - μ), by means over 10 ms.
@@ -381,11 +373,12 @@ mod tests {
         let mut wheel = Wheel::single_wheel();
         let thickness = 0.02;
         wheel.lugs = wheel.lugs.map(|lugs| Lugs { thickness, ..lugs });
-        let (profile, middle) = jointed(&JOINTS);
+        let (profile, middle) = jointed(&Joints::LEVEL);
         let geometry = WheelGeometry::new(&wheel, 100.0);
         // An arc of 10 mm between two of 6.83 mm: their centres are 7.33 mm aside and the sum of the radii apart.
-        let (own, edge) = (0.5 * thickness, JOINTS.edge_radius());
-        let aside = 0.5 * JOINTS.width + sqrt((2.0 * edge - JOINTS.depth) * JOINTS.depth);
+        let (own, edge) = (0.5 * thickness, Joints::LEVEL.edge_radius());
+        let aside = 0.5 * Joints::LEVEL.width
+            + sqrt((2.0 * edge - Joints::LEVEL.depth) * Joints::LEVEL.depth);
         let up = sqrt((own + edge) * (own + edge) - aside * aside);
         let centre = up - edge;
         let touching = |below: f64| {

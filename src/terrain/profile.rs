@@ -347,16 +347,11 @@ mod tests {
         }
     }
 
-    const JOINTS: Joints = Joints {
-        spacing: 0.2,
-        width: 0.005,
-        depth: 0.002,
-        step: 0.0,
-        edge_radius: None,
-    };
-
     fn bricks(step: f64) -> Profile {
-        let joints = Joints { step, ..JOINTS };
+        let joints = Joints {
+            step,
+            ..Joints::LEVEL
+        };
         let mut profile = Profile::new(&joints.into(), 2.5e-4, Seed(5), 0);
         profile.extend(-10.0, 10.0);
         profile

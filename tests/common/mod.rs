@@ -3,13 +3,17 @@
 pub mod results;
 
 use lugwheel::quantity::{SampleRate, Seed, SlipRatio};
+use lugwheel::scenario::Scenario;
+use lugwheel::scenario::recording::Recording;
 use lugwheel::simulation::rig::flaws::{DriveFlaws, FrameFlaws};
 use lugwheel::simulation::rig::{Drive, Rig, RoverLeg, SingleWheel};
 use lugwheel::simulation::{Simulation, WheelState};
 use lugwheel::soil::departures::Departures;
 use lugwheel::soil::{Soil, StressConvention};
 use lugwheel::terrain::{HardContact, Roughness, Terrain, TerrainSpec};
+use lugwheel::trace::Trace;
 use lugwheel::wheel::{Lugs, Wheel};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 
@@ -158,6 +162,26 @@ pub fn opened_for_editing(path: &Path) -> hdf5::File {
     });
     let mut opened = attempts.filter_map(Result::ok);
     opened.next().expect("a run file that nobody writes")
+}
+
+/// A ready scenario with these edits.
+pub fn ready(name: &str, edits: &[&str]) -> Scenario {
+    let path = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    Scenario::load(path).unwrap().with_all(edits).unwrap()
+}
+
+/// Its motion, kept to be measured.
+pub fn recorded(scenario: &Scenario) -> Recording {
+    let go_on = &mut |_| ControlFlow::Continue(());
+    scenario.record(Seed(3), 0, go_on).unwrap()
+}
+
+/// Changes every sample of a channel.
+pub fn edit_samples(trace: &mut Trace, name: &str, edit: impl Fn(f64) -> f64) {
+    let channels = &mut trace.channels;
+    let channel = channels.iter_mut().find(|channel| channel.name == name);
+    let samples = &mut channel.unwrap().samples;
+    samples.iter_mut().for_each(|x| *x = edit(*x));
 }
 
 /// This wheel with lugs as thin as the paper's, which are edges.
