@@ -308,3 +308,67 @@ fn a_wheel_that_stops_on_any_ground_and_rig_is_not_doubted() {
         }
     }
 }
+
+/// What `inspect` says of the drive's vibration in runs of a lifted wheel at these speeds [m/s].
+fn drive_vibration(speeds: &[&str], set: &[&str]) -> String {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("lifted.h5");
+    let mut writer =
+        RunFileWriter::create(&path, &Provenance::simulated("lifted", Seed(5))).unwrap();
+    for (index, speed) in speeds.iter().enumerate() {
+        let speed = format!("rig.single_wheel.forward_speed={speed}");
+        let lifted = ["rig.single_wheel.lifted=0.03", "duration=30", &speed];
+        let set = [&lifted[..], set].concat();
+        let trace = simulated("single_wheel_ref", &set);
+        writer.add(&format!("run_{index}"), &trace).unwrap();
+    }
+    writer.finish().unwrap();
+    let found = inspect(&RunFile::open(&path).unwrap()).findings;
+    let mut sized = found
+        .into_iter()
+        .filter(|f| f.message.starts_with("lifted wheel"));
+    sized
+        .next()
+        .map_or_else(String::new, |finding| finding.message)
+}
+
+/// The number before `unit` [-].
+fn number_before(text: &str, unit: &str) -> f64 {
+    let before = text.split(unit).next().unwrap();
+    before.rsplit(' ').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn lifted_runs_at_two_speeds_size_the_drives_vibration_under_a_noisy_sensor() {
+    const VIBRATION: &str = "sensors.accelerometer.drive_vibration";
+    let broadband = format!("{VIBRATION}.broadband=0.002");
+    let noise = "sensors.accelerometer.acceleration_y.noise_density=2e-4";
+    let seen = drive_vibration(&["0.007", "0.014", "0.028"], &[&broadband, noise]);
+    let size = number_before(&seen, " +-");
+    assert!((size / 2.0 - 1.0).abs() < 0.1, "{seen}");
+    assert!(
+        seen.ends_with("without the sensor's noise, and no line of one order"),
+        "{seen}"
+    );
+}
+
+#[test]
+fn lifted_runs_find_the_gears_line_and_its_order() {
+    const VIBRATION: &str = "sensors.accelerometer.drive_vibration";
+    let mesh = [
+        format!("{VIBRATION}.mesh=0.003"),
+        format!("{VIBRATION}.mesh_order=400"),
+    ];
+    let broadband = format!("{VIBRATION}.broadband=0.001");
+    let set = [mesh[0].as_str(), &mesh[1], &broadband];
+    let seen = drive_vibration(&["0.010", "0.020"], &set);
+    let size = number_before(&seen, " +-");
+    assert!((size - 1.0).abs() < 0.1, "{seen}");
+    let order = number_before(&seen, " with ");
+    assert!((order / 400.0 - 1.0).abs() < 0.01, "{seen}");
+    let line = seen.split(" with ").last().unwrap();
+    assert!(
+        (number_before(line, " mm/s^2") / 3.0 - 1.0).abs() < 0.05,
+        "{seen}"
+    );
+}

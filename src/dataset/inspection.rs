@@ -8,6 +8,7 @@ mod acceleration;
 mod campaign;
 mod doubts;
 mod labels;
+mod lifted;
 mod mechanics;
 mod offsets;
 mod samples;
@@ -17,6 +18,7 @@ mod turning;
 pub use campaign::Sinkages;
 
 pub use labels::SLIP_TOLERANCE;
+pub use lifted::LiftedRuns;
 
 use self::doubts::Doubts;
 use self::subject::Subject;
@@ -146,17 +148,20 @@ pub fn inspect(file: &RunFile) -> Inspection {
         findings: Vec::new(),
     };
     let mut sinkages = Sinkages::default();
+    let mut lifted = LiftedRuns::default();
     for id in file.runs() {
         match file.read(id) {
             Ok(trace) => {
                 inspection.runs.push(summary(id, &trace));
                 inspection.findings.extend(findings(id, &trace));
                 sinkages.add(id, &trace);
+                lifted.add(id, &trace);
             }
             Err(error) => inspection.findings.push(unreadable(id, &error)),
         }
     }
     inspection.findings.extend(sinkages.findings());
+    inspection.findings.extend(lifted.findings());
     inspection
 }
 
@@ -179,7 +184,8 @@ impl Inspection {
     }
 }
 
-/// What is odd about one run by itself; [`Sinkages`] are odd only together.
+/// What is odd about one run by itself; [`Sinkages`] are odd only together, and [`LiftedRuns`] tell
+/// more together.
 pub fn findings(id: &str, trace: &Trace) -> Vec<Finding> {
     let mut doubts = Doubts::of_trace(id, trace);
     let subject = Subject::of(trace);

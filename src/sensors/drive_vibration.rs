@@ -11,7 +11,8 @@
 //! (52)-(54) make `κ_A` and `κ_mv` the same number, of which (61) asks both to lie on either side of 0.5.
 //!
 //! # Size
-//! Of a rig it is measured: the lifted wheel's acceleration below 100 Hz, times `(0.1/ω)²`. Before that, from ISO 10816-1,
+//! Of a rig it is measured: `lugwheel inspect` sizes it from lifted runs (load 0 N), in which half of the broadband part's
+//! variance lies below its corner. Before that, from ISO 10816-1,
 //! class I (small machines): 0.71, 1.8 and 4.5 mm/s rms bound its zones at a motor's rated speed. A gear of 100:1 at 3000
 //! rpm, its vibration near 100 Hz and the square law put them at 0.5, 1.1 and 2.9 mm/s² at 0.1 rad/s.
 
@@ -24,10 +25,10 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
 /// Wheel speed [rad/s] at which its size is stated.
-const STATED_AT: f64 = 0.1;
+pub(crate) const STATED_AT: f64 = 0.1;
 
 /// Corner [Hz] of the broadband part.
-const CORNER: f64 = 100.0;
+pub(crate) const CORNER: f64 = 100.0;
 
 /// Vibration of motor and gear on the axle; the default has none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -8,6 +8,9 @@ use crate::trace::{Channel, RunAttributes};
 /// How many times its noise [-] a sensor must read to have an offset: chance does so once in 400.
 const NOISES: f64 = 3.0;
 
+/// Force [N] or torque [N·m] below which a reading is made of rounding: no sensor resolves it.
+const ROUNDING: f64 = 1.0e-9;
+
 /// Shortest rest [s] that tells an offset.
 const REST: f64 = 0.5;
 
@@ -135,7 +138,7 @@ impl Reading {
     }
 
     fn is_offset(self) -> bool {
-        self.mean.abs() > NOISES * self.noise
+        self.mean.abs() > (NOISES * self.noise).max(ROUNDING)
     }
 
     fn described(self, unit: &str) -> String {

@@ -52,7 +52,9 @@ fn check_channel(subject: &Subject<'_>, channel: &Channel, doubts: &mut Doubts) 
     if let Some(value) = first.filter(|_| is_constant) {
         let turns = ["wheel_angle", "wheel_speed"].contains(&name.as_str());
         let is_locked = subject.trace.attributes.slip_ratio == -1.0;
-        let stands = subject.is_rest() && !is_force_like(name) || is_locked && turns;
+        let hangs = subject.trace.attributes.is_lifted()
+            && (name == "sinkage" || name == "normal_force" && subject.trace.is_simulated());
+        let stands = subject.is_rest() && !is_force_like(name) || is_locked && turns || hangs;
         if !stands {
             constant(name, *value, doubts);
         }
