@@ -324,12 +324,10 @@ fn drive_vibration(speeds: &[&str], set: &[&str]) -> String {
     }
     writer.finish().unwrap();
     let found = inspect(&RunFile::open(&path).unwrap()).findings;
-    let mut sized = found
-        .into_iter()
-        .filter(|f| f.message.starts_with("lifted wheel"));
-    sized
-        .next()
-        .map_or_else(String::new, |finding| finding.message)
+    let [finding] = &found[..] else {
+        panic!("{found:#?}")
+    };
+    finding.message.clone()
 }
 
 /// The number before `unit` [-].

@@ -106,11 +106,7 @@ pub fn class(record: &Record, window: Range<usize>) -> Answer {
     match gathered(record, window.clone()) {
         Ok((pulses, reach)) => {
             let borrowed = reach != window;
-            Evidence {
-                borrowed,
-                ..Evidence::of(record, pulses, reach)
-            }
-            .class()
+            Evidence::of(record, pulses, reach, borrowed).class()
         }
         Err(reason) => Answer::unknown(reason),
     }
@@ -153,7 +149,7 @@ fn widened(record: &Record, reach: &Range<usize>, window: &Range<usize>) -> Opti
 }
 
 impl<'r> Evidence<'r> {
-    fn of(record: &'r Record, pulses: Pulses, reach: Range<usize>) -> Self {
+    fn of(record: &'r Record, pulses: Pulses, reach: Range<usize>, borrowed: bool) -> Self {
         let stands_out = STANDS_OUT * pulses.background;
         Self {
             record,
@@ -161,7 +157,7 @@ impl<'r> Evidence<'r> {
             loudest: pulses.loudest(),
             stands_out,
             unequal: unequal(&pulses, stands_out),
-            borrowed: false,
+            borrowed,
             pulses,
         }
     }

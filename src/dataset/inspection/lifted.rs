@@ -116,11 +116,6 @@ impl LiftedRuns {
         doubts.into_findings()
     }
 
-    /// Slowest and fastest wheel speed [rad/s].
-    fn speeds(&self) -> [f64; 2] {
-        range(&self.runs)
-    }
-
     /// The mean line of all runs where all have it at one order.
     fn common_line(&self) -> Option<Line> {
         let lines: Option<Vec<Line>> = self.runs.iter().map(|run| run.line).collect();
@@ -142,7 +137,7 @@ impl LiftedRuns {
 
     /// The vibration in words.
     fn seen(&self, size: &Size, line: Option<Line>) -> String {
-        let [slow, fast] = self.speeds().map(number);
+        let [slow, fast] = range(&self.runs).map(number);
         let runs = match self.runs.len() {
             1 => format!("lifted wheel at {slow} rad/s"),
             count => format!("lifted wheel in {count} runs at {slow} to {fast} rad/s"),
@@ -227,6 +222,13 @@ impl Lifted {
         let speed = self.wheel_speed / STATED_AT;
         speed * speed
     }
+
+    /// The variance's weight in a fit: over the square of its standard error.
+    fn weight(&self) -> f64 {
+        (self.relative_error * self.variance)
+            .max(f64::MIN_POSITIVE)
+            .powi(-2)
+    }
 }
 
 impl Size {
@@ -277,45 +279,28 @@ impl Size {
 
     /// Noise alone where the variance does not grow with speed, vibration alone where it leaves no noise.
     fn one_alone(runs: &[Lifted], is_noise: bool) -> Self {
-        let growth = |run: &Lifted| match is_noise {
-            true => 1.0,
-            false => run.growth().powi(2),
-        };
-        let over =
-            |f: &dyn Fn(&Lifted) -> f64| runs.iter().map(|run| run.weight() * f(run)).sum::<f64>();
-        let square = over(&|run| growth(run).powi(2));
-        let size = over(&|run| growth(run) * run.variance) / square;
-        let residual = |run: &Lifted| (run.variance - size * growth(run)).powi(2);
-        let misfit = Some(over(&residual) / (runs.len() - 1) as f64);
-        let error = square.recip().sqrt();
-        match is_noise {
-            true => Self {
-                broadband: 0.0,
-                broadband_error: (error
-                    / runs
-                        .iter()
-                        .map(|run| run.growth().powi(2))
-                        .fold(0.0, f64::max))
-                .sqrt(),
-                noise: Some(size.sqrt()),
-                misfit,
-            },
-            false => Self {
+        if !is_noise {
+            let vibration = Alone::of(runs, |run| run.growth().powi(2));
+            return Self {
                 noise: Some(0.0),
-                misfit,
-                ..Self::broadband(size, error)
-            },
+                misfit: Some(vibration.chi_square / (runs.len() - 1) as f64),
+                ..Self::broadband(vibration.variance, vibration.error)
+            };
+        }
+        let noise = Alone::of(runs, |_| 1.0);
+        let growths = runs.iter().map(|run| run.growth().powi(2));
+        Self {
+            broadband: 0.0,
+            broadband_error: (noise.error / growths.fold(0.0, f64::max)).sqrt(),
+            noise: Some(noise.variance.sqrt()),
+            misfit: Some(noise.chi_square / (runs.len() - 1) as f64),
         }
     }
 
     /// All of the variance, at one speed.
     fn with_noise(runs: &[Lifted]) -> Self {
-        let weights = runs.iter().map(|run| run.weight() * run.growth().powi(4));
-        let weight: f64 = weights.sum();
-        let sum = runs
-            .iter()
-            .map(|run| run.weight() * run.growth().powi(2) * run.variance);
-        Self::broadband(sum.sum::<f64>() / weight, weight.recip().sqrt())
+        let vibration = Alone::of(runs, |run| run.growth().powi(2));
+        Self::broadband(vibration.variance, vibration.error)
     }
 
     /// A broadband part of this `variance` [m²/s⁴] with its standard error.
@@ -330,11 +315,26 @@ impl Size {
     }
 }
 
-impl Lifted {
-    fn weight(&self) -> f64 {
-        (self.relative_error * self.variance)
-            .max(f64::MIN_POSITIVE)
-            .powi(-2)
+/// Least squares of the variances by one part that grows in a given way with speed.
+struct Alone {
+    /// That part where its growth is 1, and its standard error [m²/s⁴].
+    variance: f64,
+    error: f64,
+    chi_square: f64,
+}
+
+impl Alone {
+    fn of(runs: &[Lifted], growth: impl Fn(&Lifted) -> f64) -> Self {
+        let sum = |term: &dyn Fn(&Lifted) -> f64| -> f64 {
+            runs.iter().map(|run| run.weight() * term(run)).sum()
+        };
+        let square = sum(&|run| growth(run).powi(2));
+        let variance = sum(&|run| growth(run) * run.variance) / square;
+        Self {
+            variance,
+            error: square.recip().sqrt(),
+            chi_square: sum(&|run| (run.variance - variance * growth(run)).powi(2)),
+        }
     }
 }
 
