@@ -517,3 +517,28 @@ fn a_wheel_whose_rim_first_meets_sand_behind_straight_down_is_let_down_as_any_ot
     );
     assert!(states.iter().all(|state| state.sinkage > 0.0));
 }
+
+/// Pulls of six wheels on the level add up to nothing: by hand, lugs of 24 that do not slide roll by the polygon of their
+/// tips; on sand the wheel is where soil takes and gives alike.
+#[test]
+fn a_leg_of_the_ready_rover_neither_tows_the_others_nor_is_towed() {
+    let slip_of = |name: &str| ready(name, &[]).rig.drive().slip.unwrap().get();
+    let polygon = 24.0 * 2.0 * 0.165 * (std::f64::consts::PI / 24.0).sin();
+    let rolling = 1.0 - polygon / std::f64::consts::TAU / 0.155;
+    for name in ["rover_ref", "rover_ht", "rover_gt", "traverse"] {
+        assert!((slip_of(name) - rolling).abs() < 1e-4, "{name}");
+    }
+    let pull_over_load = |name: &str| {
+        let scenario = ready(name, &["lead_in=6.0", "duration=12.0"]);
+        let trace = scenario
+            .run(Seed(1), 0, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
+        let pulls = &trace.channel("drawbar_pull").unwrap().samples;
+        mean(pulls.iter().copied()) / scenario.rig.load()
+    };
+    let on_sand = pull_over_load("rover_st");
+    assert!(on_sand.abs() < 0.02, "{on_sand}");
+    // Half of what it has at any slip to speak of: 0.6 of friction.
+    let on_stone = pull_over_load("rover_ht");
+    assert!(on_stone.abs() < 0.3, "{on_stone}");
+}

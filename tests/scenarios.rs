@@ -73,7 +73,10 @@ fn the_traverse_spends_seven_of_21_windows_on_each_ground() {
     // The same grounds and leg as in the files of each alone.
     for (section, name) in sections.iter().zip(["rover_st", "rover_ht", "rover_gt"]) {
         assert_eq!(section.ground, shipped(name).terrain, "{name}");
-        assert_eq!(traverse.rig, shipped(name).rig, "{name}");
+        // The wheel turns at one speed on all of them.
+        let mut rig = shipped(name).rig;
+        rig.drive_mut().slip = traverse.rig.drive().slip;
+        assert_eq!(traverse.rig, rig, "{name}");
     }
 }
 

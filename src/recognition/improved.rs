@@ -30,8 +30,8 @@
 //!   wheel: on rough slate 9 of 10 are equal within a factor of 1.5, and a wrong lug count, sign, scale or
 //!   lag leaves them so. Impacts on stones spread over a factor of thirty, and most passes have
 //!   some; sand under pebbles has them in fewer. Without both the confidence is at most 0.6. So it is where a
-//!   window has too few lug passes of its own: a rover's leg, at 3 to 10 mm/s on rough slate, strikes as unequally as on
-//!   stones (`output/reference/rover_on_slate.txt`), and nothing in the window parts the two.
+//!   window has too few lug passes of its own: a rover's leg forced to slip by a tenth on rough slate is shaken by its own
+//!   friction and strikes as unequally as on stones (`output/reference/rover_on_slate.txt`), and nothing in the window parts the two.
 //!
 //! Two other designs were considered. The likelihood of the window under every class times every state of
 //! the sensors needs heights of gravel and sand, which differ tenfold between simulators and rigs; the
