@@ -587,7 +587,7 @@ mod tests {
             .collect();
         assert_eq!(
             found,
-            "62406915a849e0521f95c41441f1650cc5522e7142d8ae122848dad7b3125745"
+            "9c2c6944cba512d88f17ad49d261e77ba8e8d6677998dcf596ef5a3a782cd89b"
         );
     }
 }

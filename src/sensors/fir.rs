@@ -77,6 +77,33 @@ pub(super) fn dot(taps: &[f64], samples: &[f64]) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
+/// Sums `Σ_t h_t x_{i+t}` of `taps` h over samples x, for every i that the samples allow, into `sums`.
+///
+/// Neighbouring sums stand side by side in vector registers; each is taken in the order of its taps, so that bits do not
+/// depend on where a block begins.
+pub(super) fn correlate(taps: &[f64], samples: &[f64], sums: &mut Vec<f64>) {
+    let count = (samples.len() + 1).saturating_sub(taps.len());
+    sums.clear();
+    sums.resize(count, 0.0);
+    let (blocks, rest) = sums.as_chunks_mut::<LANES>();
+    let done = blocks.len() * LANES;
+    for (number, block) in blocks.iter_mut().enumerate() {
+        let mut lanes = [0.0; LANES];
+        let under = &samples[number * LANES..];
+        for (tap, x) in taps.iter().zip(under.windows(LANES)) {
+            for (sum, x) in lanes.iter_mut().zip(x) {
+                *sum += tap * x;
+            }
+        }
+        *block = lanes;
+    }
+    for (sum, samples) in rest.iter_mut().zip(samples.windows(taps.len()).skip(done)) {
+        for (tap, x) in taps.iter().zip(samples) {
+            *sum += tap * x;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,6 +115,19 @@ mod tests {
             let found = bessel_i0(x) * libm::exp(-x);
             assert!((found - scaled).abs() < 1e-10, "I0({x}): {found}");
         }
+    }
+
+    #[test]
+    fn sums_by_blocks_are_the_plain_sums_to_the_bit() {
+        let taps: Vec<f64> = (1..=12).map(|i| 1.0 / f64::from(i)).collect();
+        let samples: Vec<f64> = (1..=45).map(|i| f64::from(i * i) / 7.0).collect();
+        let plain = |window: &[f64]| taps.iter().zip(window).fold(0.0, |sum, (h, x)| sum + h * x);
+        let expected: Vec<f64> = samples.windows(12).map(plain).collect();
+        let mut sums = vec![1.0; 3];
+        correlate(&taps, &samples, &mut sums);
+        assert_eq!(sums, expected);
+        correlate(&taps, &samples[..11], &mut sums);
+        assert!(sums.is_empty());
     }
 
     #[test]
