@@ -202,6 +202,18 @@ impl Extractor {
         Ok(measured.over(&reference.correct(computed, lug_pass)))
     }
 
+    /// The impacts within the samples `window`; `None` where the wheel turned by less than a bin.
+    ///
+    /// # Errors
+    /// [`Unusable`] where samples are no numbers, constant or clipped, or the rate is too low.
+    pub fn pulses(
+        &mut self,
+        record: &Record,
+        window: Range<usize>,
+    ) -> Result<Option<pulses::Pulses>, Unusable> {
+        pulses::pulses(record, window, &mut self.spectra)
+    }
+
     /// Logarithms of the acceleration's power in bands, see [`band_powers`]; no reference, no wheel
     /// angle and no bandwidth enters.
     ///

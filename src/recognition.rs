@@ -148,7 +148,7 @@ impl Recognizer {
                 Ok(p) => paper::class(*p, record.wheel.lug_count()),
                 Err(reason) => Answer::unknown(reason),
             },
-            Method::Improved => improved::class(record, window.clone()),
+            Method::Improved => improved::class(&mut self.extractor, record, window.clone()),
         });
         Recognized {
             start: record.time(window.start),

@@ -3,10 +3,9 @@
 //!
 //! `cargo test --release --test all feature_choices:: -- --ignored --nocapture`
 
-use lugwheel::features::pulses::pulses;
 use lugwheel::features::record::Record;
 use lugwheel::features::reference::Reference;
-use lugwheel::features::{Frequency, MeanValue, Settings, Window};
+use lugwheel::features::{Extractor, Frequency, MeanValue, Settings, Window};
 use lugwheel::quantity::Seed;
 use lugwheel::recognition::paper::regions;
 use lugwheel::recognition::{Method, Recognizer};
@@ -148,9 +147,11 @@ fn variants() -> Vec<(&'static str, Settings)> {
 /// kurtosis of runs, and the answers of the improved method, whose limits were set by them.
 fn lugs(ground: &Ground) -> String {
     let (mut loudest, mut kurtosis) = (Vec::new(), Vec::new());
+    let mut extractor = Extractor::new(Settings::default()).unwrap();
     for run in &ground.runs {
         let record = Record::of(run).unwrap();
-        let pulses = pulses(&record, 0..record.len()).unwrap().unwrap();
+        let all = 0..record.len();
+        let pulses = extractor.pulses(&record, all).unwrap().unwrap();
         loudest.extend(pulses.loudest());
         kurtosis.push(pulses.kurtosis);
     }

@@ -143,11 +143,14 @@ pub fn lug_line(increments: &VelocityIncrements) -> f64 {
 fn line_share(varying: &[f64], order: f64) -> f64 {
     let phase = |step: usize| TAU * order / STEPS as f64 * step as f64;
     let n = varying.len() as f64;
-    let waves = || (0..varying.len()).map(|step| libm::sincos(phase(step)));
-    let [s_mean, c_mean] =
-        waves().fold([0.0, 0.0], |[s, c], (sin, cos)| [s + sin / n, c + cos / n]);
+    let waves: Vec<_> = (0..varying.len())
+        .map(|step| libm::sincos(phase(step)))
+        .collect();
+    let [s_mean, c_mean] = waves
+        .iter()
+        .fold([0.0, 0.0], |[s, c], (sin, cos)| [s + sin / n, c + cos / n]);
     let (mut ss, mut sc, mut cc, mut sv, mut cv) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for ((sin, cos), v) in waves().zip(varying) {
+    for ((sin, cos), v) in waves.iter().zip(varying) {
         let (s, c) = (sin - s_mean, cos - c_mean);
         ss += s * s;
         sc += s * c;

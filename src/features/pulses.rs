@@ -63,14 +63,14 @@ pub struct Pulses {
     pub kurtosis: f64,
 }
 
-/// The impacts within the samples `window`; `None` where the wheel turned by less than a bin.
-///
-/// # Errors
-/// [`Unusable`] where samples are no numbers, constant or clipped, or the rate is too low.
-pub fn pulses(record: &Record, window: Range<usize>) -> Result<Option<Pulses>, Unusable> {
+/// The impacts within the samples `window`; see [`super::Extractor::pulses`].
+pub(super) fn pulses(
+    record: &Record,
+    window: Range<usize>,
+    spectra: &mut Spectra,
+) -> Result<Option<Pulses>, Unusable> {
     record.usable(window.clone(), CORNER)?;
     let acceleration = &record.acceleration[window.clone()];
-    let mut spectra = Spectra::default();
     let filtered = spectra.low_passed(acceleration, CORNER / record.sample_rate);
     let edge = (EDGE * record.sample_rate) as usize;
     let inner = edge..window.len().saturating_sub(edge).max(edge);

@@ -48,7 +48,8 @@
 
 use super::Answer;
 use super::alignment::LugOffset;
-use crate::features::pulses::{Pulses, pulses};
+use crate::features::Extractor;
+use crate::features::pulses::Pulses;
 use crate::features::record::Record;
 use crate::features::rhythm::{MOST, Rhythm, more_than, unequal};
 use crate::terrain::class::Wtic;
@@ -96,14 +97,14 @@ struct Evidence<'r> {
 }
 
 /// The class of the samples `window` of a record.
-pub fn class(record: &Record, window: Range<usize>) -> Answer {
+pub fn class(extractor: &mut Extractor, record: &Record, window: Range<usize>) -> Answer {
     if let Err(reason) = record.sound(window.clone()) {
         return Answer::unknown(reason);
     }
     if let Err(reason) = record.turns(&window) {
         return Answer::unknown(reason);
     }
-    match gathered(record, window.clone()) {
+    match gathered(extractor, record, window.clone()) {
         Ok((pulses, reach)) => {
             let borrowed = reach != window;
             Evidence::of(record, pulses, reach, borrowed).class()
@@ -113,13 +114,19 @@ pub fn class(record: &Record, window: Range<usize>) -> Answer {
 }
 
 /// The impacts of a window and, where its lug passes are few, of its neighbourhood.
-fn gathered(record: &Record, window: Range<usize>) -> Result<(Pulses, Range<usize>), String> {
+fn gathered(
+    extractor: &mut Extractor,
+    record: &Record,
+    window: Range<usize>,
+) -> Result<(Pulses, Range<usize>), String> {
     let mut reach = window.clone();
     loop {
         let wider = widened(record, &reach, &window);
         // Where the wheel turned by less, there cannot be enough: nothing to measure yet.
         if wider.is_none() || record.lug_passes(&reach) >= ENOUGH as f64 {
-            let found = pulses(record, reach.clone()).map_err(|reason| reason.to_string())?;
+            let found = extractor
+                .pulses(record, reach.clone())
+                .map_err(|reason| reason.to_string())?;
             let enough = found
                 .as_ref()
                 .is_some_and(|found| found.passes() >= ENOUGH as f64);
@@ -317,6 +324,7 @@ impl<'r> Evidence<'r> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::features::Settings;
     use crate::features::support::Support;
     use crate::trace::{Channel, RunAttributes, Trace};
     use crate::wheel::Wheel;
@@ -370,9 +378,14 @@ mod tests {
         .unwrap()
     }
 
+    fn class_of(record: &Record, window: Range<usize>) -> Answer {
+        let mut extractor = Extractor::new(Settings::default()).unwrap();
+        class(&mut extractor, record, window)
+    }
+
     fn answer(jumps: &[(f64, f64)], noise: f64) -> Answer {
         let record = record(jumps, noise);
-        class(&record, 0..record.len())
+        class_of(&record, 0..record.len())
     }
 
     /// A jump of `size` at every lug change, shifted by a part of the lug angle.
@@ -408,11 +421,11 @@ mod tests {
     fn silence_is_soil_at_most_perhaps_and_not_at_all_where_nothing_carries_the_wheel() {
         let mut record = record(&[], 1e-3);
         let whole = 0..record.len();
-        let silent = class(&record, whole.clone());
+        let silent = class_of(&record, whole.clone());
         assert_eq!(silent.class, Wtic::Leis, "{}", silent.reason);
         assert!(silent.confidence <= DOUBTFUL, "{}", silent.confidence);
         record.support = Support::of(&Trace::default());
-        let hanging = class(&record, whole);
+        let hanging = class_of(&record, whole);
         assert_eq!(hanging.class, Wtic::Uwtic);
         assert!(hanging.reason.contains("hangs"), "{}", hanging.reason);
     }
@@ -463,11 +476,11 @@ mod tests {
     fn a_short_window_borrows_from_its_neighbourhood_and_a_short_record_stays_unknown() {
         let record = record(&every_lug(1.0, 0.0), 1e-3);
         let second = 2000;
-        assert_eq!(class(&record, 9 * second..10 * second).class, Wtic::Alct);
+        assert_eq!(class_of(&record, 9 * second..10 * second).class, Wtic::Alct);
         let mut short = record.clone();
         short.acceleration.truncate(2 * second);
         short.angle.truncate(2 * second);
-        let answer = class(&short, 0..2 * second);
+        let answer = class_of(&short, 0..2 * second);
         assert_eq!(answer.class, Wtic::Uwtic);
         assert!(answer.reason.contains("record longer"), "{}", answer.reason);
     }
@@ -476,11 +489,11 @@ mod tests {
     fn impacts_borrowed_from_the_neighbourhood_are_never_surely_those_of_stones() {
         let stone = |i: u32| (f64::from(i) * 0.37, [0.1, 1.0, 3.0][i as usize % 3]);
         let record = record(&(0..45).map(stone).collect::<Vec<_>>(), 1e-4);
-        let whole = class(&record, 0..40_000);
+        let whole = class_of(&record, 0..40_000);
         assert_eq!(whole.class, Wtic::Slct, "{}", whole.reason);
         assert!(whole.confidence > 0.8, "{}", whole.confidence);
         let second = 2000;
-        let short = class(&record, 9 * second..10 * second);
+        let short = class_of(&record, 9 * second..10 * second);
         assert!(short.confidence <= DOUBTFUL, "{}", short.confidence);
     }
 
@@ -491,7 +504,7 @@ mod tests {
         for angle in &mut record.angle[20_000..] {
             *angle = rest;
         }
-        let answer = class(&record, 24_000..28_000);
+        let answer = class_of(&record, 24_000..28_000);
         assert_eq!(
             (answer.class, answer.reason.as_str()),
             (Wtic::Uwtic, "the wheel is at rest")
@@ -502,14 +515,14 @@ mod tests {
     fn a_gap_on_one_side_leaves_the_other_side_to_borrow_from() {
         let mut record = record(&every_lug(1.0, 0.0), 1e-3);
         record.acceleration[17_000] = f64::NAN;
-        assert_eq!(class(&record, 18_000..22_000).class, Wtic::Alct);
+        assert_eq!(class_of(&record, 18_000..22_000).class, Wtic::Alct);
     }
 
     #[test]
     fn turning_without_a_zero_gives_the_class_and_no_offset() {
         let mut record = record(&every_lug(1.0, 0.0), 1e-3);
         record.tells_lugs = false;
-        let answer = class(&record, 0..record.len());
+        let answer = class_of(&record, 0..record.len());
         assert_eq!((answer.class, answer.offset), (Wtic::Alct, None));
     }
 }

@@ -179,7 +179,8 @@ fn orders(lugs: u32, every: bool) -> Vec<u32> {
     orders
 }
 
-/// `e^{i k θ}` of each order at each angle; orders that are sums of smaller ones by products.
+/// `e^{i k θ}` of each order at each angle; orders that are sums of smaller ones by products, multiples of the
+/// smallest by powers.
 fn wave_table(angle: &[f64], orders: &[u32]) -> Vec<Vec<Complex<f64>>> {
     let mut known: Vec<(u32, Vec<Complex<f64>>)> = Vec::new();
     for &order in orders {
@@ -188,7 +189,13 @@ fn wave_table(angle: &[f64], orders: &[u32]) -> Vec<Vec<Complex<f64>>> {
             let (_, second) = known.iter().find(|(b, _)| *b == rest)?;
             Some(first.iter().zip(second).map(|(a, b)| a * b).collect())
         });
-        let wave = sum.unwrap_or_else(|| {
+        let power = || {
+            let (smallest, wave) = known.first()?;
+            let times = order / smallest;
+            let whole = order.is_multiple_of(*smallest);
+            whole.then(|| wave.iter().map(|wave| wave.powu(times)).collect())
+        };
+        let wave = sum.or_else(power).unwrap_or_else(|| {
             let wave = |angle: &f64| {
                 let (sine, cosine) = libm::sincos(f64::from(order) * angle);
                 Complex::new(cosine, sine)

@@ -108,9 +108,11 @@ impl Spectrum {
             let level = signal.level(libm::sqrt(lines.iter().sum()));
             readings.note(channel, Statistic::Band(third), level);
             if lines.len() >= FEWEST_FOR_MEDIAN {
-                lines.sort_unstable_by(f64::total_cmp);
-                let [median, highest] = [lines.len() / 2, lines.len() - 1]
-                    .map(|place| signal.level(libm::sqrt(lines[place])));
+                let middle = lines.len() / 2;
+                let (_, median, above) = lines.select_nth_unstable_by(middle, f64::total_cmp);
+                let highest = above.iter().fold(*median, |most, line| most.max(*line));
+                let [median, highest] =
+                    [*median, highest].map(|power| signal.level(libm::sqrt(power)));
                 readings.note(channel, Statistic::Line(third), highest - median);
             }
         }
