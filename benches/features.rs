@@ -56,7 +56,7 @@ fn window(criterion: &mut Criterion) {
         bencher.iter(|| extractor.features(black_box(&record), whole.clone(), &reference));
     });
     group.bench_function("improved", |bencher| {
-        bencher.iter(|| improved::class(black_box(&record), whole.clone()));
+        bencher.iter(|| improved::class(&mut extractor, black_box(&record), whole.clone()));
     });
     group.finish();
 }
