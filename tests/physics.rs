@@ -518,6 +518,49 @@ fn a_wheel_whose_rim_first_meets_sand_behind_straight_down_is_let_down_as_any_ot
     assert!(states.iter().all(|state| state.sinkage > 0.0));
 }
 
+/// A wheel that is free to heave from lug to lug sinks, pulls and resists on the mean as the quadrature says.
+#[test]
+fn a_lugged_wheel_sinks_as_the_quadrature_says_within_a_tenth_of_a_millimetre() {
+    for (count, slip, load) in [
+        (6, 0.2, 100.0),
+        (12, 0.0, 30.0),
+        (12, 0.4, 100.0),
+        (28, 0.2, 30.0),
+        (28, 0.2, 300.0),
+        (48, 0.6, 100.0),
+    ] {
+        let lugs = Lugs {
+            count,
+            ..Wheel::single_wheel().lugs.unwrap()
+        };
+        let wheel = Wheel {
+            lugs: Some(lugs),
+            ..Wheel::single_wheel()
+        };
+        let states = run(&sandy(), &wheel, &rig(0.05, slip, load), 16e3, 12.0);
+        // Whole lug passes, once the wheel has sunk in.
+        let pass = wheel.lug_angle().unwrap();
+        let end = states.last().unwrap().wheel_angle;
+        let passes = (0.5 * end / pass).floor();
+        let late = || {
+            states
+                .iter()
+                .filter(|state| state.wheel_angle > end - passes * pass)
+        };
+        let sinkage = mean(late().map(|state| state.sinkage));
+        let expected = wheel_load::sinkage_at(&wheel, &sand(), load, slip).unwrap();
+        let loads = wheel_load::loads(&wheel, &sand(), expected, slip);
+        let pull = mean(late().map(|state| state.ground.drawbar_pull)) - loads.drawbar_pull;
+        let torque = mean(late().map(|state| state.ground.driving_torque)) - loads.driving_torque;
+        let missed = [pull / load, torque / load / wheel.radius];
+        assert!(
+            (sinkage - expected).abs() < 1e-4,
+            "{sinkage}, quadrature {expected}"
+        );
+        assert!(missed.iter().all(|part| part.abs() < 0.01), "{missed:?}");
+    }
+}
+
 /// Pulls of six wheels on the level add up to nothing: by hand, lugs of 24 that do not slide roll by the polygon of their
 /// tips; on sand the wheel is where soil takes and gives alike.
 #[test]

@@ -1,5 +1,5 @@
 //! What lugs add to a rim in soil: a larger shear surface, pressure under their edges, and the push
-//! of the last lug.
+//! of soil on lugs that no rim confines.
 //!
 //! Soil between lugs moves with the wheel. It shears off its surroundings along a saw-tooth: from
 //! each lug's edge up to the rim along the passive wedge, which rises at `45° - φ/2` from the
@@ -8,8 +8,8 @@
 //! wheel of radius `r + l` that covers the part `n_l t/(2π(r + l))` of its arc. Their pressure
 //! follows `k_s` of the whole wheel, not `k_c/t`: a blade is far narrower than the plates that
 //! `k_c` is measured with. Between lugs the wedges meet, so a passive push on every lug would
-//! count the saw-tooth's shear twice; only the last lug in the soil faces a free surface, and
-//! only it pushes ([`last_lug_push`]).
+//! count the saw-tooth's shear twice; only a lug outside the rim's contact faces a free surface, and
+//! is pushed ([`lug_push`]), the more the farther it is out ([`unconfined`]).
 //!
 //! # Reference
 //! Passive wedge and pressure: Rankine (1857). Lugs as bearing and pushing blades: Bekker (1969),
@@ -19,6 +19,7 @@
 
 use crate::quantity::GRAVITY;
 use crate::soil::Soil;
+use crate::soil::contact::ContactAngles;
 use crate::wheel::{Lugs, Wheel};
 use std::f64::consts::TAU;
 
@@ -52,23 +53,30 @@ pub(crate) fn covered(wheel: &Wheel, radius: f64) -> f64 {
     })
 }
 
-/// Push of soil on the last lug, fully mobilised.
+/// Part [-] of the passive push that acts on a lug at `angle` [rad] of a wheel whose rim has the contact `rim`: none in
+/// it, all of it one lug height beyond its ends.
+pub(crate) fn unconfined(wheel: &Wheel, angle: f64, rim: ContactAngles) -> f64 {
+    let beyond = (rim.exit - angle).max(angle - rim.entry);
+    (beyond * wheel.radius / wheel.lug_height()).clamp(0.0, 1.0)
+}
+
+/// Push of soil on a lug, fully mobilised.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LugPush {
-    /// Horizontal force [N].
+    /// Force [N] along the wheel's circumference.
     pub force: f64,
     /// Its moment about the axle [N·m].
     pub moment: f64,
 }
 
-/// Passive push on the last lug, which reaches `depth` [m] into soil with a free surface.
+/// Passive push on a lug that reaches `depth` [m] into soil with a free surface.
 ///
 /// ```text
 /// F = b (½ γ d² K_p + 2 c d √K_p)
 /// ```
 ///
 /// The first part acts a third, the second half a depth above the edge (Rankine).
-pub fn last_lug_push(wheel: &Wheel, soil: &Soil, depth: f64) -> LugPush {
+pub fn lug_push(wheel: &Wheel, soil: &Soil, depth: f64) -> LugPush {
     let depth = depth.clamp(0.0, wheel.lug_height());
     let passive = soil.passive_pressure_coefficient();
     let unit_weight = soil.bulk_density * GRAVITY;
@@ -134,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn the_push_on_the_last_lug_is_rankines() {
+    fn the_push_on_a_lug_is_rankines() {
         let soil = Soil {
             friction_angle_deg: 30.0,
             cohesion: 0.0,
@@ -142,10 +150,10 @@ mod tests {
             ..table_6::sand()
         };
         // K_p = 3 at 30°.
-        let push = last_lug_push(&wheel(24), &soil, 0.01);
+        let push = lug_push(&wheel(24), &soil, 0.01);
         let expected = 0.15 * 0.5 * 9806.65 * 1e-4 * 3.0;
         assert!((push.force / expected - 1.0).abs() < 1e-12);
         assert!((push.moment / push.force - (0.165 - 0.01 / 3.0)).abs() < 1e-12);
-        assert_eq!(last_lug_push(&wheel(24), &soil, -0.01), LugPush::default());
+        assert_eq!(lug_push(&wheel(24), &soil, -0.01), LugPush::default());
     }
 }

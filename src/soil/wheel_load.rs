@@ -3,11 +3,12 @@
 
 use crate::quantity::RangeError;
 use crate::soil::closed_form::Rim;
-use crate::soil::contact::{NormalStress, entry_angle};
-use crate::soil::lug_action::{covered, last_lug_push, shear_radius};
+use crate::soil::contact::{ContactAngles, NormalStress, entry_angle};
+use crate::soil::lug_action::{covered, lug_push, shear_radius, unconfined};
 use crate::soil::shear::{Shear, ShearDisplacement, speed_ratio};
 use crate::soil::{Soil, StressConvention};
 use crate::wheel::Wheel;
+use std::f64::consts::TAU;
 use std::ops::{Add, Mul};
 
 /// Loads of the soil on a wheel in steady rolling.
@@ -83,6 +84,16 @@ pub struct Contact {
     normal: NormalStress,
     shear: Shear,
     displacement: ShearDisplacement,
+    shearing: Shearing,
+}
+
+/// Where the displacement is taken that mobilises the shear at a place of the contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shearing {
+    /// At that place.
+    There,
+    /// At the peak of the normal stress, for all of a triangle.
+    AtPeak,
 }
 
 impl Contact {
@@ -104,6 +115,18 @@ impl Contact {
             normal: NormalStress::new(soil, [rim.radius, rim.width], sinkage, slip),
             shear: soil.shear(),
             displacement,
+            shearing: match soil.convention {
+                StressConvention::WongReece => Shearing::There,
+                StressConvention::Triangular => Shearing::AtPeak,
+            },
+        }
+    }
+
+    /// The same contact of single edges, each of which shears the soil by its own displacement.
+    fn of_edges(self) -> Self {
+        Self {
+            shearing: Shearing::There,
+            ..self
         }
     }
 
@@ -123,8 +146,8 @@ impl Contact {
     /// which is what Eq. (62)-(65) integrate. None outside the contact, where nothing presses.
     pub fn shear_stress(&self, angle: f64) -> f64 {
         let depth = &self.normal.depth;
-        match depth.convention {
-            StressConvention::WongReece => {
+        match self.shearing {
+            Shearing::There => {
                 let (entry, exit) = (depth.angles.entry, depth.angles.exit);
                 if angle <= exit || angle >= entry {
                     return 0.0;
@@ -132,7 +155,7 @@ impl Contact {
                 let displacement = self.displacement.at(angle);
                 self.shear.stress(self.normal_stress(angle), displacement)
             }
-            StressConvention::Triangular => {
+            Shearing::AtPeak => {
                 let displacement = self.displacement.at(depth.angles.peak);
                 self.shear.stress(self.normal.peak, displacement) * depth.triangle(angle)
             }
@@ -164,19 +187,17 @@ impl Contact {
     /// Integral of the loads per angle from `end` to `peak`, nodes drawn to `end` as `u²`: there
     /// `σ ∝ (θ_1 - θ)ᴺ` is not smooth.
     fn integrate(&self, [end, peak]: [f64; 2], panels: u32) -> WheelLoad {
-        let half = 0.5 / f64::from(panels);
-        let mut sum = WheelLoad::default();
-        for panel in 0..panels {
-            let middle = (2.0 * f64::from(panel) + 1.0) * half;
-            for (node, weight) in GAUSS_LEGENDRE {
-                for u in [middle - half * node, middle + half * node] {
-                    let angle = end + (peak - end) * u * u;
-                    let slope = 2.0 * (peak - end) * u;
-                    sum = sum + self.load_per_angle(angle) * (weight * half * slope);
-                }
-            }
-        }
-        sum
+        let width = 1.0 / f64::from(panels);
+        let of_panel = |panel: u32| {
+            let from = f64::from(panel) * width;
+            integral([from, from + width], |u| {
+                let angle = end + (peak - end) * u * u;
+                self.load_per_angle(angle) * (2.0 * (peak - end) * u)
+            })
+        };
+        (0..panels)
+            .map(of_panel)
+            .fold(WheelLoad::default(), Add::add)
     }
 
     fn load_per_angle(&self, angle: f64) -> WheelLoad {
@@ -196,6 +217,18 @@ impl Contact {
 /// normal force while the soil shears one way.
 const PANELS: u32 = 4;
 
+/// Integral of loads from one end to the other, by one panel.
+fn integral([from, to]: [f64; 2], load: impl Fn(f64) -> WheelLoad) -> WheelLoad {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let mut sum = WheelLoad::default();
+    for (node, weight) in GAUSS_LEGENDRE {
+        for x in [middle - half * node, middle + half * node] {
+            sum = sum + load(x) * (weight * half);
+        }
+    }
+    sum
+}
+
 /// Positive nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1].
 const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -208,34 +241,81 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 /// [-].
 ///
 /// The sum of the rim less what its lugs cover, sheared at the [`shear_radius`]; the lugs' edges;
-/// and the push on the last lug, mobilised as the shear at the exit is. The model and its
+/// and the push on lugs ahead of the rim's contact and behind it, mobilised as the shear at their edges is. The model and its
 /// sources: [`crate::soil::lug_action`]. Without lugs, the rim alone.
 ///
 /// The sinkage of a wheel that its lugs carry is below 0.
 pub fn loads(wheel: &Wheel, soil: &Soil, sinkage: f64, slip: f64) -> WheelLoad {
     let rolling = Rolling::new(wheel.radius, slip);
     let rim = Rim::from(wheel);
-    let on_rim = Contact::new(rim, shear_radius(wheel, soil), soil, sinkage, rolling).loads();
-    if wheel.lugs.is_none() {
-        return on_rim;
-    }
+    let on_rim = Contact::new(rim, shear_radius(wheel, soil), soil, sinkage, rolling);
+    let Some(lugs) = wheel.lugs else {
+        return on_rim.loads();
+    };
     let edges = Rim {
         radius: wheel.tip_radius(),
         ..rim
     };
     let depth = sinkage + wheel.lug_height();
-    let at_edges = Contact::new(edges, edges.radius, soil, depth, rolling);
-    let push = last_lug_push(wheel, soil, depth);
-    let exit = at_edges.displacement.at(at_edges.normal.depth.angles.exit);
-    let mobilised = at_edges.shear.mobilised(exit);
-    let pushed = WheelLoad {
-        normal_force: 0.0,
-        drawbar_pull: push.force,
-        driving_torque: push.moment,
+    let at_edges = Contact::new(edges, edges.radius, soil, depth, rolling).of_edges();
+    let faces = LugFaces {
+        wheel,
+        soil,
+        sinkage,
+        rim: on_rim.normal.depth.angles,
+        edges: &at_edges,
     };
-    on_rim * (1.0 - covered(wheel, rim.radius))
+    on_rim.loads() * (1.0 - covered(wheel, rim.radius))
         + at_edges.loads() * covered(wheel, edges.radius)
-        + pushed * mobilised
+        + faces.loads() * (f64::from(lugs.count) / TAU)
+}
+
+/// The faces of lugs that pass through soil outside the rim's contact.
+struct LugFaces<'a> {
+    wheel: &'a Wheel,
+    soil: &'a Soil,
+    /// Sinkage of the rim [m].
+    sinkage: f64,
+    rim: ContactAngles,
+    edges: &'a Contact,
+}
+
+impl LugFaces<'_> {
+    /// Their loads, integrated over the angle [rad] at which a lug stands.
+    ///
+    /// Ahead of the rim the surface is undisturbed, behind it is the rut that the rim's lowest point has pressed.
+    fn loads(&self) -> WheelLoad {
+        let Wheel { radius, .. } = *self.wheel;
+        let tip = self.edges.rim.radius;
+        let [undisturbed, rut] = [radius - self.sinkage, radius.max(radius - self.sinkage)];
+        let leaves = |below: f64| libm::acos((below / tip).clamp(-1.0, 1.0));
+        let confined = self.wheel.lug_height() / radius;
+        let ContactAngles { entry, exit, .. } = self.rim;
+        self.over([exit, exit - confined, -leaves(rut)], rut)
+            + self.over([entry, entry + confined, leaves(undisturbed)], undisturbed)
+    }
+
+    /// From the end of the rim's contact over the place where nothing confines the soil any more to where lugs leave it,
+    /// all [rad], with the surface so far below the axle [m].
+    fn over(&self, [end, free, leaves]: [f64; 3], surface: f64) -> WheelLoad {
+        let outward = if leaves < 0.0 { -1.0 } else { 1.0 };
+        let within = |angle: f64| outward * (outward * angle).min(outward * leaves);
+        let [end, free] = [within(end), within(free)];
+        let load = |angle| self.load_per_angle(angle, surface);
+        (integral([end, free], load) + integral([free, leaves], load)) * outward
+    }
+
+    fn load_per_angle(&self, angle: f64, surface: f64) -> WheelLoad {
+        let (sin, cos) = libm::sincos(angle);
+        let push = lug_push(self.wheel, self.soil, self.edges.rim.radius * cos - surface);
+        let sheared = self.edges.displacement.at(angle);
+        let part = self.edges.shear.mobilised(sheared) * unconfined(self.wheel, angle, self.rim);
+        WheelLoad {
+            normal_force: push.force * sin,
+            drawbar_pull: push.force * cos,
+            driving_torque: push.moment,
+        } * part
+    }
 }
 
 /// Why no sinkage carries a load.

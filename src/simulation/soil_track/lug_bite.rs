@@ -15,7 +15,7 @@ use crate::simulation::contact::{Edge, WheelGeometry};
 use crate::simulation::motion::{WheelMotion, Wrench};
 use crate::soil::Soil;
 use crate::soil::contact::{ContactAngles, EffectiveDepth, entry_angle};
-use crate::soil::lug_action::last_lug_push;
+use crate::soil::lug_action::{lug_push, unconfined};
 use crate::wheel::Wheel;
 use libm::asin;
 
@@ -57,6 +57,11 @@ impl LugBites {
             area,
             bites: [NO_BITE; 64],
         }
+    }
+
+    /// Thickness of a lug [m].
+    pub fn thickness(&self) -> f64 {
+        self.wheel.lugs.map_or(0.0, |lugs| lugs.thickness)
     }
 
     /// Counts shear displacement in the other direction of travel.
@@ -145,22 +150,17 @@ impl LugBites {
             radial += self.area * bearing.pressure;
             field.stiffen(self.area, &bearing, &self.soil);
         }
-        let beyond = self.beyond_rim(angle, contact.depth.angles);
-        if beyond > 0.0 {
-            let push = last_lug_push(&self.wheel, &self.soil, surface - edge.y).force;
-            along += push * mobilised * beyond;
+        let mut moment = along * radius;
+        let part = mobilised * unconfined(&self.wheel, angle, contact.depth.angles);
+        if part != 0.0 {
+            let push = lug_push(&self.wheel, &self.soil, surface - edge.y);
+            along += push.force * part;
+            moment += push.moment * part;
         }
         Wrench {
             fx: d * (along * cosine - radial * sine),
             fy: along * sine + radial * cosine,
-            torque: -d * along * radius,
+            torque: -d * moment,
         }
-    }
-
-    /// How far a lug at `angle` [rad] has come out of the rim's contact, from 0 at its end to 1
-    /// one lug height beyond it, where nothing confines the soil any more.
-    fn beyond_rim(&self, angle: f64, rim: ContactAngles) -> f64 {
-        let beyond = (rim.exit - angle).max(angle - rim.entry);
-        (beyond * self.wheel.radius / self.wheel.lug_height()).clamp(0.0, 1.0)
     }
 }
