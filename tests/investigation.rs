@@ -141,7 +141,7 @@ fn a_wrong_gain_is_named_and_found_closes_some_of_the_gap_and_the_cache_gives_th
 
 #[test]
 fn an_effect_that_is_held_to_be_impossible_is_unknown_where_it_shows_and_no_other_effect() {
-    let runs = measured(&["effect.gain_error.normal_force=0.08"]);
+    let runs = measured(&["effect.gain_error.normal_force=0.12"]);
     let diagnosis = diagnosed(&runs, &["quantization", "added_noise"]);
     let verdict = &diagnosis.verdict;
     assert_eq!(
