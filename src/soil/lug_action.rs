@@ -9,7 +9,7 @@
 //! follows `k_s` of the whole wheel, not `k_c/t`: a blade is far narrower than the plates that
 //! `k_c` is measured with. Between lugs the wedges meet, so a passive push on every lug would
 //! count the saw-tooth's shear twice; only a lug outside the rim's contact faces a free surface, and
-//! is pushed ([`lug_push`]), the more the farther it is out ([`unconfined`]).
+//! is pushed ([`lug_push`]), the more the farther it is out, all of it one lug height beyond the rim's contact.
 //!
 //! # Reference
 //! Passive wedge and pressure: Rankine (1857). Lugs as bearing and pushing blades: Bekker (1969),
