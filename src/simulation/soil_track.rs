@@ -6,7 +6,8 @@
 //! `θ_2 = c_3 θ_1`. So a column's depth counts in full ahead of `θ_m` and is scaled behind it, by
 //! [`EffectiveDepth::share`]: a smooth wheel in steady rolling then reproduces the integral of
 //! the stress convention the soil names, while ruts, passes and vibration act through each
-//! column's own memory. The alternative, to integrate the convention over the wheel's present
+//! column's own memory. Where a lug stands the rim bears nothing: that soil bears the lug's edge. Averaged over the phase of the lugs
+//! the loads are those of [`crate::soil::wheel_load`] (`output/reference/columns_and_quadrature.txt`). The alternative, to integrate the convention over the wheel's present
 //! sinkage, has no memory; plain columns have memory and no slip-sinkage.
 //!
 //! Slip changes sinkage and stress through soil that has flowed: `N = n_0 + n_1 s` and `θ_m = (c_1 + c_2 s) θ_1` are of
