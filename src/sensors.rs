@@ -25,6 +25,7 @@ mod single_pole;
 mod slow_channels;
 #[cfg(test)]
 mod spectrum;
+mod stages;
 pub mod transducer;
 pub mod vision;
 

@@ -1,6 +1,7 @@
 //! From the sensor rate down to the output rate, without aliases.
 
 use super::fir::{dot, low_pass, padded};
+use super::stages::{Stage, Stages};
 use crate::quantity::{RangeError, SampleRate};
 
 /// Depth [dB] to which each stage is designed; 80 dB is promised of the whole.
@@ -17,11 +18,7 @@ const STOP: f64 = 0.5;
 /// back: output `k` sits at the time of input `k · factor`. Beyond the ends the first and last
 /// values are held.
 pub struct Decimator {
-    stages: Vec<Stage>,
-    /// The first sample: filters see differences from it, so that a constant passes exactly.
-    reference: Option<f64>,
-    ping: Vec<f64>,
-    pong: Vec<f64>,
+    stages: Stages<LowPass>,
 }
 
 impl Decimator {
@@ -33,7 +30,7 @@ impl Decimator {
         let stages = factors(factor).into_iter().map(|factor| {
             let band = [PASS / rate, (rate / f64::from(factor) - STOP) / rate];
             rate /= f64::from(factor);
-            Stage::new(factor, low_pass(band, ATTENUATION))
+            LowPass::new(factor, low_pass(band, ATTENUATION))
         });
         Ok(Self::of_stages(stages.collect()))
     }
@@ -41,7 +38,7 @@ impl Decimator {
     /// Keeps every `factor`-th sample without a filter, so that what lies above the output's
     /// Nyquist frequency aliases.
     pub(super) fn without_filter(factor: u32) -> Self {
-        Self::of_stages(vec![Stage::new(factor, vec![1.0])])
+        Self::of_stages(vec![LowPass::new(factor, vec![1.0])])
     }
 
     /// Keeps the mean over `factor` samples about every `factor`-th, which leaves a fifth of what lies
@@ -49,45 +46,23 @@ impl Decimator {
     pub(super) fn by_mean(factor: u32) -> Self {
         let width = factor | 1;
         let taps = vec![1.0 / f64::from(width); width as usize];
-        Self::of_stages(vec![Stage::new(factor, taps)])
+        Self::of_stages(vec![LowPass::new(factor, taps)])
     }
 
-    fn of_stages(stages: Vec<Stage>) -> Self {
+    fn of_stages(stages: Vec<LowPass>) -> Self {
         Self {
-            stages,
-            reference: None,
-            ping: Vec::new(),
-            pong: Vec::new(),
+            stages: Stages::new(stages),
         }
     }
 
     /// Takes samples and appends those that they settle to `out`.
     pub fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
-        let Some(&first) = block.first() else { return };
-        let reference = *self.reference.get_or_insert(first);
-        self.ping.clear();
-        self.ping.extend(block.iter().map(|x| x - reference));
-        for stage in &mut self.stages {
-            self.pong.clear();
-            stage.push(&self.ping, &mut self.pong);
-            std::mem::swap(&mut self.ping, &mut self.pong);
-        }
-        out.extend(self.ping.iter().map(|x| x + reference));
+        self.stages.push(block, out);
     }
 
     /// Appends what the last samples leave open.
     pub fn finish(self, out: &mut Vec<f64>) {
-        let Some(reference) = self.reference else {
-            return;
-        };
-        let mut rest = Vec::new();
-        for mut stage in self.stages {
-            let mut next = Vec::new();
-            stage.push(&rest, &mut next);
-            stage.finish(&mut next);
-            rest = next;
-        }
-        out.extend(rest.iter().map(|x| x + reference));
+        self.stages.finish(out);
     }
 }
 
@@ -140,7 +115,7 @@ fn factors(mut n: u32) -> Vec<u32> {
 }
 
 /// One filter and the choice of every `factor`-th of its outputs.
-struct Stage {
+struct LowPass {
     factor: usize,
     taps: Vec<f64>,
     buffer: Vec<f64>,
@@ -150,7 +125,7 @@ struct Stage {
     produced: usize,
 }
 
-impl Stage {
+impl LowPass {
     fn new(factor: u32, taps: Vec<f64>) -> Self {
         Self {
             factor: factor as usize,
@@ -162,12 +137,6 @@ impl Stage {
         }
     }
 
-    fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
-        self.buffer.extend_from_slice(block);
-        self.received += block.len();
-        self.settle(usize::MAX, out);
-    }
-
     fn settle(&mut self, limit: usize, out: &mut Vec<f64>) {
         while self.produced < limit && self.next + self.taps.len() <= self.buffer.len() {
             out.push(dot(&self.taps, &self.buffer[self.next..]));
@@ -177,6 +146,14 @@ impl Stage {
         let done = self.next.min(self.buffer.len());
         self.buffer.drain(..done);
         self.next -= done;
+    }
+}
+
+impl Stage for LowPass {
+    fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
+        self.buffer.extend_from_slice(block);
+        self.received += block.len();
+        self.settle(usize::MAX, out);
     }
 
     fn finish(&mut self, out: &mut Vec<f64>) {

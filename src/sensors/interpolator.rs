@@ -1,6 +1,7 @@
 //! From the physics rate up to the sensor rate, band-limited.
 
 use super::fir::{correlate, kaiser, sinc, unit_sum};
+use super::stages::{Stage, Stages};
 
 /// Depth [dB] to which images are designed; 80 dB is promised.
 const ATTENUATION: f64 = 95.0;
@@ -15,59 +16,33 @@ const PASS: f64 = 0.4;
 /// 88 products an input sample, in one stage it would be 224.
 /// The first and last values are held beyond the ends.
 pub(super) struct Interpolator {
-    stages: Vec<Stage>,
-    /// The first sample: filters see differences from it, so that a constant passes exactly.
-    reference: Option<f64>,
-    ping: Vec<f64>,
-    pong: Vec<f64>,
+    stages: Stages<Between>,
 }
 
 impl Interpolator {
     pub(super) fn new(factor: u32) -> Self {
         let doublings = factor.trailing_zeros();
         let odd = factor >> doublings;
-        let doublers = (0..doublings).map(|k| Stage::new(2, f64::from(1 << k)));
-        let last = (odd > 1).then(|| Stage::new(odd, f64::from(1 << doublings)));
+        let doublers = (0..doublings).map(|k| Between::new(2, f64::from(1 << k)));
+        let last = (odd > 1).then(|| Between::new(odd, f64::from(1 << doublings)));
         Self {
-            stages: doublers.chain(last).collect(),
-            reference: None,
-            ping: Vec::new(),
-            pong: Vec::new(),
+            stages: Stages::new(doublers.chain(last).collect()),
         }
     }
 
     /// Takes samples and appends those that they settle to `out`.
     pub(super) fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
-        let Some(&first) = block.first() else { return };
-        let reference = *self.reference.get_or_insert(first);
-        self.ping.clear();
-        self.ping.extend(block.iter().map(|x| x - reference));
-        for stage in &mut self.stages {
-            self.pong.clear();
-            stage.push(&self.ping, &mut self.pong);
-            std::mem::swap(&mut self.ping, &mut self.pong);
-        }
-        out.extend(self.ping.iter().map(|x| x + reference));
+        self.stages.push(block, out);
     }
 
     /// Appends what the last samples leave open.
     pub(super) fn finish(self, out: &mut Vec<f64>) {
-        let Some(reference) = self.reference else {
-            return;
-        };
-        let mut rest = Vec::new();
-        for mut stage in self.stages {
-            let mut next = Vec::new();
-            stage.push(&rest, &mut next);
-            stage.finish(&mut next);
-            rest = next;
-        }
-        out.extend(rest.iter().map(|x| x + reference));
+        self.stages.finish(out);
     }
 }
 
 /// One filter, between every two samples.
-struct Stage {
+struct Between {
     /// Filters for the places between two samples.
     phases: Vec<Phase>,
     /// Known samples on each side of a new one.
@@ -81,7 +56,7 @@ struct Phase {
     values: Vec<f64>,
 }
 
-impl Stage {
+impl Between {
     /// Raises by `factor` a stream that has been raised by `before`.
     fn new(factor: u32, before: f64) -> Self {
         let room = 1.0 - 2.0 * PASS / before;
@@ -101,7 +76,9 @@ impl Stage {
             buffer: vec![0.0; half - 1],
         }
     }
+}
 
+impl Stage for Between {
     fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
         self.buffer.extend_from_slice(block);
         let settled = (self.buffer.len() + 1).saturating_sub(2 * self.half);
