@@ -269,8 +269,9 @@ impl SoilTrack {
             vertical_speed: motion.vy,
             ..Field::default()
         };
-        self.clear_rim(wheel, motion, &contact);
-        self.push_rim(wheel, motion, &contact, &mut field);
+        let under = self.under_rim(wheel, motion, &contact);
+        self.clear_rim(wheel, motion, under.clone());
+        self.push_rim(wheel, motion, &contact, under, &mut field);
         self.bites
             .push(wheel, motion, &contact, &mut self.columns, &mut field);
         self.heap.push(wheel, &contact, &mut field);
@@ -314,8 +315,7 @@ impl SoilTrack {
     }
 
     /// Works out which part of every column under the rim no lug stands in: soil under a lug bears its edge.
-    fn clear_rim(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, contact: &Contact) {
-        let under = self.under_rim(wheel, motion, contact);
+    fn clear_rim(&mut self, wheel: &WheelGeometry, motion: &WheelMotion, under: Range<i64>) {
         self.clear.clear();
         self.clear.resize((under.end - under.start) as usize, 1.0);
         for edge in wheel.lowest_edges(motion) {
@@ -356,6 +356,7 @@ impl SoilTrack {
         wheel: &WheelGeometry,
         motion: &WheelMotion,
         contact: &Contact,
+        under: Range<i64>,
         field: &mut Field,
     ) {
         let (r, d) = (wheel.radius, contact.direction);
@@ -368,7 +369,7 @@ impl SoilTrack {
         };
         let springing = contact.developed * (1.0 - contact.law.base.pressed(contact.depth.sinkage));
         let behind = r * libm::sin(exit);
-        for (index, clear) in self.under_rim(wheel, motion, contact).zip(&self.clear) {
+        for (index, clear) in under.zip(&self.clear) {
             let u = (index as f64 * COLUMN - motion.x) * d;
             if u.abs() >= r {
                 continue;
