@@ -32,12 +32,14 @@ mod force_error;
 mod forces;
 mod joint;
 mod known;
+mod law;
 mod least_squares;
 mod load_missed;
 mod model;
 mod observation;
 mod parameter;
 mod plates;
+mod point;
 mod pooling;
 mod precision;
 mod prediction;
@@ -60,6 +62,7 @@ pub use estimate::{Estimate, Identified, Open, Standing};
 pub use force_error::ForceErrors;
 pub use forces::{Force, PredictedForce};
 pub use known::Known;
+pub use law::{Law, Own};
 pub use least_squares::Termination;
 pub use load_missed::LoadMissed;
 pub use parameter::{Parameter, TerrainParameters};
@@ -84,6 +87,7 @@ use least_squares::{Minimum, minimise_from};
 use model::Model;
 use precision::Precision;
 use profile::Profile;
+use rayon::prelude::*;
 use search::Search;
 use std::cell::Cell;
 use weight::Scale;
@@ -337,20 +341,31 @@ impl Identification {
     /// The same without moving; the lower minimum where it met one.
     fn profile_once(&self, estimate: &mut Estimate) -> Option<Minimum> {
         let around = self.around(Joint::new(self.model, &self.rows), estimate.minimum);
-        let profile = Profile {
-            joint: &around.joint,
-            best: around.best,
-            moved: &self.model.moved(),
-            limit: around.precision.limit(),
-            lower: Cell::new(None),
+        let moved = self.model.moved();
+        let completed = |(identified, joint): (&mut Identified, Joint)| {
+            let profile = Profile {
+                joint,
+                best: around.best,
+                directions: &around.directions,
+                moved: &moved,
+                limit: around.precision.limit(),
+                lower: Cell::new(None),
+            };
+            profile.complete(identified);
+            profile.lower.get()
         };
-        for identified in &mut estimate.parameters {
-            if self.model.standing(identified.parameter).is_none() {
-                profile.complete(identified);
-            }
-        }
+        let free = estimate
+            .parameters
+            .iter_mut()
+            .filter(|identified| self.model.standing(identified.parameter).is_none());
+        let jobs: Vec<_> = free
+            .map(|identified| (identified, around.joint.clone()))
+            .collect();
+        let lower: Vec<Minimum> = jobs.into_par_iter().filter_map(completed).collect();
         self.combine(estimate, &around);
-        profile.lower.get()
+        lower
+            .into_iter()
+            .min_by(|one, other| one.chi_square.total_cmp(&other.chi_square))
     }
 
     /// Identifies no parameter that the end of its range holds, nor one of the same stage or one
@@ -888,5 +903,67 @@ mod tests {
             scattered.warnings[..],
             [Warning::Misfit { .. }, ..]
         ));
+    }
+
+    /// The rover's lugged wheel on a sand by Wong and Reece's stresses.
+    fn own() -> (Setting, Soil) {
+        let soil = Soil {
+            convention: crate::soil::StressConvention::WongReece,
+            stress_angle: 0.35,
+            stress_angle_slip: 0.25,
+            exit_angle: -0.15,
+            ..table_6::sand()
+        };
+        let law = Law::Own(Own {
+            lugs: Wheel::rover().lugs,
+            convention: soil.convention,
+            bulk_density: soil.bulk_density,
+        });
+        let setting = Setting {
+            law,
+            exit_angle: soil.exit_angle,
+            ..setting()
+        };
+        (setting, soil)
+    }
+
+    /// What the quadrature gives under loads, with the usual uncertainties.
+    fn own_rows(soil: &Soil, loads: &[f64]) -> Vec<SteadyLoad> {
+        let wheel = Wheel::rover();
+        let pairs = loads
+            .iter()
+            .flat_map(|&load| SLIPS.iter().map(move |&slip| (slip, load)));
+        let row = |(slip, load)| {
+            let sinkage = sinkage_at(&wheel, soil, load, slip).unwrap();
+            let loads = crate::soil::wheel_load::loads(&wheel, soil, sinkage, slip);
+            SteadyLoad {
+                uncertainty: Some(Uncertainty {
+                    slip: 0.005,
+                    sinkage: 0.0005,
+                    drawbar_pull: 0.01 * load,
+                    load: 0.01 * load,
+                    driving_torque: 0.0015 * load,
+                }),
+                ..SteadyLoad::new(slip, sinkage, loads)
+            }
+        };
+        pairs.map(row).collect()
+    }
+
+    #[test]
+    fn the_quadrature_gives_back_the_sand_under_a_lugged_wheel() {
+        let (setting, soil) = own();
+        let rows = own_rows(&soil, &[60.0, 109.0, 200.0]);
+        let estimate = identify(&rows, Wtic::Leis, &setting).unwrap();
+        let truth = TerrainParameters::of(&soil, setting.rim.width);
+        assert!(estimate.warnings.is_empty(), "{:?}", estimate.warnings);
+        for parameter in Parameter::ALL {
+            let (found, truth) = (estimate.terrain.get(parameter), truth.get(parameter));
+            assert!(
+                (found - truth).abs() < 1e-3 * truth.abs(),
+                "{}: {found}, not {truth}",
+                parameter.name()
+            );
+        }
     }
 }

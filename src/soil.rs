@@ -35,12 +35,14 @@ pub mod lug_action;
 pub mod penetration_rate;
 pub(crate) mod power;
 pub mod pressure_sinkage;
+pub mod real;
 pub mod shear;
 pub mod table_6;
 pub mod wheel_load;
 
 use crate::quantity::RangeError;
 use departures::Departures;
+use real::Real;
 use serde::{Deserialize, Serialize};
 
 /// Which distribution of stress over the contact arc the soil follows.
@@ -54,29 +56,32 @@ pub enum StressConvention {
 }
 
 /// A soil as wheel-soil mechanics describes it.
+///
+/// What can be identified from a wheel's loads is of the type `T`, so that loads can be had with
+/// their derivatives by it ([`real::Dual`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Soil {
+pub struct Soil<T = f64> {
     /// Stress distribution over the contact arc.
     pub convention: StressConvention,
     /// Cohesive modulus `k_c` [N·m⁻⁽ᴺ⁺¹⁾].
-    pub cohesive_modulus: f64,
+    pub cohesive_modulus: T,
     /// Frictional modulus `k_φ` [N·m⁻⁽ᴺ⁺²⁾]; `k_s = k_c/b + k_φ`.
-    pub frictional_modulus: f64,
+    pub frictional_modulus: T,
     /// Sinkage exponent at zero slip `n_0` [-].
-    pub sinkage_exponent: f64,
+    pub sinkage_exponent: T,
     /// Growth of the sinkage exponent with slip `n_1` [-]: `N = n_0 + n_1 |s|`.
-    pub sinkage_exponent_slip: f64,
+    pub sinkage_exponent_slip: T,
     /// Cohesion `c` [Pa].
-    pub cohesion: f64,
+    pub cohesion: T,
     /// Internal friction angle `φ` [°].
-    pub friction_angle_deg: f64,
+    pub friction_angle_deg: T,
     /// Shear deformation modulus `K` [m].
-    pub shear_modulus: f64,
+    pub shear_modulus: T,
     /// Maximum-stress angle coefficient `c_1` [-]: `θ_m = (c_1 + c_2 s) θ_1`.
-    pub stress_angle: f64,
+    pub stress_angle: T,
     /// Maximum-stress angle coefficient of slip `c_2` [-].
-    pub stress_angle_slip: f64,
+    pub stress_angle_slip: T,
     /// Exit angle coefficient `c_3` [-]: `θ_2 = c_3 θ_1`, zero or below.
     pub exit_angle: f64,
     /// Stiffness on unloading and reloading [Pa/m].
@@ -92,22 +97,24 @@ pub struct Soil {
     pub departures: Departures,
 }
 
-impl Soil {
+impl<T: Real> Soil<T> {
     /// `k_s = k_c/b + k_φ` [N·m⁻⁽ᴺ⁺²⁾] under a plate or wheel of `width` [m].
-    pub fn sinkage_modulus(&self, width: f64) -> f64 {
+    pub fn sinkage_modulus(&self, width: f64) -> T {
         self.cohesive_modulus / width + self.frictional_modulus
     }
 
     /// Sinkage exponent `N` [-] at `slip`.
-    pub fn exponent(&self, slip: f64) -> f64 {
-        self.sinkage_exponent + self.sinkage_exponent_slip * slip.abs()
+    pub fn exponent(&self, slip: T) -> T {
+        self.sinkage_exponent + self.sinkage_exponent_slip * slip.magnitude()
     }
 
     /// Tangent of the internal friction angle [-].
-    pub fn tan_friction_angle(&self) -> f64 {
-        libm::tan(self.friction_angle_deg.to_radians())
+    pub fn tan_friction_angle(&self) -> T {
+        self.friction_angle_deg.radians().tan()
     }
+}
 
+impl Soil {
     /// # Errors
     /// `RangeError` for a parameter outside its physical range.
     pub fn checked(self) -> Result<Self, RangeError> {

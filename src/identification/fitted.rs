@@ -2,6 +2,7 @@
 
 use super::estimate::Estimate;
 use super::model::Model;
+use super::point::Point;
 use super::row::{Setting, SteadyLoad};
 use crate::soil::wheel_load::WheelLoad;
 
@@ -16,6 +17,6 @@ impl Estimate {
         let measured = SteadyLoad::at(slip, sinkage);
         let seen = setting.seen(&measured, self.class);
         let at = self.terrain.coordinates();
-        model.contact(&at, &seen).loads(&model.soil(&at))
+        model.loads(&Point::of(&at, &seen))
     }
 }

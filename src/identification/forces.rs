@@ -2,8 +2,9 @@
 
 use super::directions::Directions;
 use super::model::Model;
-use super::observation::{in_order, measured, variances};
+use super::observation::{measured, variances};
 use super::parameter::Coordinates;
+use super::point::{Point, by};
 use super::precision::Precision;
 use super::row::{SteadyLoad, Uncertainty};
 use super::weight::Scale;
@@ -103,8 +104,7 @@ pub(super) fn forces(
     at: &Coordinates,
     row: &SteadyLoad,
 ) -> impl Iterator<Item = PredictedForce> + use<> {
-    let soil = model.soil(at);
-    let predicted = model.contact(at, row).loads(&soil);
+    let predicted = model.loads(&Point::of(at, row));
     let measured = measured(row);
     let uncertainty = row.uncertainty;
     let slips = !model.setting.holds(row, model.class);
@@ -133,12 +133,13 @@ impl Knowledge<'_> {
     /// The forces of a row with intervals: the estimate's own error, and the row's scatter about
     /// the model as that of the rows fitted.
     pub fn forces(&self, row: &SteadyLoad) -> impl Iterator<Item = PredictedForce> {
-        let contact = self.model.contact(&self.at, row);
-        let by = in_order(contact.load_gradient(&self.model.soil(&self.at)));
+        let derivatives = self.model.derivatives(Point::of(&self.at, row));
         let scatter = variances(self.model, &self.at, row, self.scale.of_row(row));
         forces(self.model, &self.at, row).map(move |predicted| {
             let force = predicted.force;
-            let function = self.directions.function(|p| force.of(&by[p as usize]));
+            let function = self
+                .directions
+                .function(|p| force.of(&by(&derivatives, p as usize)));
             let own = self.directions.covariance(&function, &function);
             let half_width =
                 own.map(|own| self.precision.reach() * libm::sqrt(own + force.of(&scatter)));

@@ -70,6 +70,18 @@ pub(super) fn minimise<R: Residuals>(
     start: Coordinates,
     free: &[Parameter],
 ) -> Minimum {
+    // A relative change of the sum of squares by 1e-12 moves no parameter by 1e-5 of its
+    // standard error.
+    minimise_to(1e-12, residuals, start, free)
+}
+
+/// The same to a relative `tolerance` of the sum of squares.
+pub(super) fn minimise_to<R: Residuals>(
+    tolerance: f64,
+    residuals: &R,
+    start: Coordinates,
+    free: &[Parameter],
+) -> Minimum {
     if free.is_empty() {
         return Minimum {
             at: start,
@@ -77,7 +89,7 @@ pub(super) fn minimise<R: Residuals>(
             termination: Termination::Converged,
         };
     }
-    let minimum = descend(residuals, start, free);
+    let minimum = descend(tolerance, residuals, start, free);
     if minimum.termination.is_minimum() {
         return minimum;
     }
@@ -90,17 +102,20 @@ pub(super) fn minimise<R: Residuals>(
     if inside.len() == free.len() {
         minimum
     } else {
-        minimise(residuals, minimum.at, &inside)
+        minimise_to(tolerance, residuals, minimum.at, &inside)
     }
 }
 
 /// One descent.
-fn descend<R: Residuals>(residuals: &R, start: Coordinates, free: &[Parameter]) -> Minimum {
-    // A relative change of the sum of squares by 1e-12 moves no parameter by 1e-5 of its
-    // standard error.
+fn descend<R: Residuals>(
+    tolerance: f64,
+    residuals: &R,
+    start: Coordinates,
+    free: &[Parameter],
+) -> Minimum {
     let (problem, report) = LevenbergMarquardt::new()
-        .with_ftol(1e-12)
-        .with_xtol(1e-12)
+        .with_ftol(tolerance)
+        .with_xtol(tolerance)
         .with_gtol(1e-12)
         .with_patience(50)
         // A third of the start's distance from the middles of the ranges: longer first steps

@@ -1,41 +1,31 @@
 //! The terramechanics model switched by class (Table 4), in the coordinates of the fit.
 
 use super::estimate::Standing;
-use super::parameter::{Coordinates, Parameter, TerrainParameters};
+use super::law::{Law, Own};
+use super::parameter::{Coordinates, Parameter};
+use super::point::{ALL, Point};
 use super::row::{Setting, SteadyLoad};
 use super::stages::Stage;
 use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact};
 use crate::soil::contact::{ContactAngles, entry_angle};
 use crate::soil::departures::Departures;
+use crate::soil::real::{Dual, Real};
+use crate::soil::wheel_load::{self, WheelLoad};
 use crate::soil::{Soil, StressConvention};
 use crate::terrain::class::Wtic;
+use crate::wheel::Wheel;
+use std::f64::consts::PI;
 
-/// Eq. (62)-(66) for one class and setting.
+/// The equations for one class and setting.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Model {
     pub class: Wtic,
     pub setting: Setting,
 }
 
-/// What the closed forms do not use of a soil: any physical number does.
-const UNUSED: Soil = Soil {
-    convention: StressConvention::Triangular,
-    cohesive_modulus: 0.0,
-    frictional_modulus: 1.0,
-    sinkage_exponent: 1.0,
-    sinkage_exponent_slip: 0.0,
-    cohesion: 0.0,
-    friction_angle_deg: 30.0,
-    shear_modulus: 0.0,
-    stress_angle: 0.0,
-    stress_angle_slip: 0.0,
-    exit_angle: 0.0,
-    unloading_stiffness: 1.0,
-    damping: 0.0,
-    bulk_density: 1.0,
-    repose_angle_deg: 30.0,
-    departures: Departures::NONE,
-};
+/// Panels of the quadrature on either side of the peak: a load changes by less than 1e-4 of the
+/// normal force with more, a hundredth of what a force sensor's calibration leaves open.
+const FINE_ENOUGH: u32 = 1;
 
 impl Model {
     /// The cylinder in the soil.
@@ -132,7 +122,7 @@ impl Model {
 
     /// `row` with the torque that its pull and load leave, the peak being at `at` (Eq. 73).
     pub fn with_torque(&self, at: &Coordinates, row: &SteadyLoad) -> SteadyLoad {
-        let arc = ArcCoefficients::from(self.contact(at, row).angles);
+        let arc = ArcCoefficients::from(self.contact(&Point::of(at, row)).angles);
         SteadyLoad {
             driving_torque: self.surface().radius * arc.rim_force(row.load, row.drawbar_pull),
             ..*row
@@ -140,29 +130,96 @@ impl Model {
     }
 
     /// The soil at `at`.
-    pub fn soil(&self, at: &Coordinates) -> Soil {
-        TerrainParameters::at(at).on(&Soil {
+    ///
+    /// `k_s` is all frictional: one wheel width does not tell `k_c` from `k_φ`.
+    pub fn soil<T: Real>(&self, at: &[T; 8]) -> Soil<T> {
+        let of = |parameter: Parameter| at[parameter as usize];
+        let own = self.own();
+        Soil {
+            convention: own.map_or(StressConvention::Triangular, |own| own.convention),
+            cohesive_modulus: T::constant(0.0),
+            frictional_modulus: of(Parameter::SinkageModulus).exp(),
+            sinkage_exponent: of(Parameter::SinkageExponent),
+            sinkage_exponent_slip: of(Parameter::SinkageExponentSlip),
+            cohesion: of(Parameter::Cohesion).exp(),
+            friction_angle_deg: of(Parameter::FrictionAngle) * (180.0 / PI),
+            shear_modulus: of(Parameter::ShearModulus).exp(),
+            stress_angle: of(Parameter::StressAngle),
+            stress_angle_slip: of(Parameter::StressAngleSlip),
             exit_angle: self.setting.exit_angle,
-            ..UNUSED
-        })
+            bulk_density: own.map_or(1.0, |own| own.bulk_density),
+            departures: Departures::NONE,
+            // What no steady load depends on: any physical number does.
+            unloading_stiffness: 1.0,
+            damping: 0.0,
+            repose_angle_deg: 30.0,
+        }
     }
 
-    /// The contact of a row, its peak where `c_1` and `c_2` put it.
+    /// What the quadrature is told, where it gives the loads: in soil that lugs enter.
+    pub fn own(&self) -> Option<&Own> {
+        match &self.setting.law {
+            Law::Own(own) if self.class == Wtic::Leis => Some(own),
+            _ => None,
+        }
+    }
+
+    /// By how much lugs reach deeper than the sinkage that the equations are in [m].
+    fn lug_depth(&self) -> f64 {
+        let lugs = self.own().and_then(|own| own.lugs);
+        lugs.map_or(0.0, |lugs| lugs.height)
+    }
+
+    /// Depth [m] of the lowest point of wheel and lugs at a `sinkage` [m], which is above 0.
+    pub fn depth(&self, sinkage: f64) -> f64 {
+        sinkage + self.lug_depth()
+    }
+
+    /// The sinkage [m] that goes with a [`depth`](Self::depth) [m].
+    pub fn sinkage(&self, depth: f64) -> f64 {
+        depth - self.lug_depth()
+    }
+
+    /// The loads at a point.
+    pub fn loads<T: Real>(&self, point: &Point<T>) -> WheelLoad<T> {
+        let soil = self.soil(&point.at);
+        let Some(own) = self.own() else {
+            return self.contact(point).loads(&soil);
+        };
+        let Rim { radius, width } = self.setting.rim;
+        let wheel = Wheel {
+            radius,
+            width,
+            lugs: own.lugs,
+            ..Wheel::rover()
+        };
+        wheel_load::loads_to(FINE_ENOUGH, &wheel, &soil, [point.sinkage, point.slip])
+    }
+
+    /// The loads at a point with their derivatives by every parameter, the logarithm of the
+    /// [`depth`](Self::depth) and slip.
+    pub fn derivatives(&self, point: Point<f64>) -> WheelLoad<Dual<ALL>> {
+        self.loads(&point.by_all(self.depth(point.sinkage)))
+    }
+
+    /// The contact of a row by the paper's equations, its peak where `c_1` and `c_2` put it.
     ///
     /// Unlike [`ContactAngles::new`] it may leave the contact, where Eq. (65) goes on smoothly: a
     /// fit that stops at the border would push every other parameter off.
-    pub fn contact(&self, at: &Coordinates, row: &SteadyLoad) -> RimContact {
+    pub fn contact<T: Real>(&self, point: &Point<T>) -> RimContact<T> {
         let rim = self.surface();
-        let entry = entry_angle(rim.radius, row.sinkage);
+        let entry = entry_angle(T::constant(rim.radius), point.sinkage);
+        let share = point.at[Parameter::StressAngle as usize]
+            + point.at[Parameter::StressAngleSlip as usize] * point.slip;
         RimContact {
             rim,
             angles: ContactAngles {
                 entry,
-                peak: peak_share(at, row.slip) * entry,
-                exit: self.setting.exit_angle * entry,
+                peak: share * entry,
+                exit: entry * self.setting.exit_angle,
             },
-            sinkage: row.sinkage,
-            slip: row.slip,
+            sinkage: point.sinkage,
+            slip: point.slip,
         }
     }
 }

@@ -10,10 +10,11 @@
 
 use super::model::Model;
 use super::parameter::Coordinates;
+use super::point::{DEPTH, Point, SLIP, by};
 use super::row::{SteadyLoad, Uncertainty};
-use crate::soil::Soil;
-use crate::soil::closed_form::gradient::LoadGradient;
+use crate::soil::real::{Dual, Real};
 use crate::soil::wheel_load::WheelLoad;
+use std::cell::Cell;
 
 /// Most residuals of a row: load, pull, torque, sinkage and slip.
 const MOST: usize = 5;
@@ -22,19 +23,28 @@ const MOST: usize = 5;
 type Column = [f64; MOST];
 
 /// A row with its uncertainties.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Observation {
     row: SteadyLoad,
     sd: Uncertainty,
     /// Forces that count: the load; the pull too; the torque too.
     forces: usize,
+    /// What the parameters tried last made of it, near which the next lies.
+    last: Cell<Tried>,
 }
 
-/// Deviations of the true from the measured values: sinkage in logarithms, slip as it is.
+/// Deviations of the true from the measured values: depth in logarithms, slip as it is.
 #[derive(Debug, Clone, Copy, Default)]
 struct Truth {
-    log_sinkage: f64,
+    log_depth: f64,
     slip: f64,
+}
+
+/// Parameters and the truth that goes with them.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tried {
+    at: Option<Coordinates>,
+    truth: Truth,
 }
 
 /// One of the two.
@@ -55,6 +65,7 @@ impl Observation {
             row: *row,
             sd,
             forces,
+            last: Cell::default(),
         }
     }
 
@@ -70,22 +81,24 @@ impl Observation {
 
     /// Differences between predicted and measured, in units of their uncertainties.
     pub fn residuals(&self, model: &Model, at: &Coordinates) -> impl Iterator<Item = f64> {
-        let soil = model.soil(at);
-        let truth = self.truth(model, at, &soil);
-        let residuals = self.residuals_at(model, at, &soil, truth);
+        let residuals = self.explained(model, at).residuals;
         residuals.into_iter().take(self.residual_count())
     }
 
     /// Derivatives of the residuals by every coordinate, the true slip and sinkage following.
     pub fn gradient(&self, model: &Model, at: &Coordinates) -> Vec<Coordinates> {
-        let soil = model.soil(at);
-        let truth = self.truth(model, at, &soil);
-        let seen = self.seen(truth);
-        let by = in_order(model.contact(at, &seen).load_gradient(&soil));
-        let directions = orthonormal(self.slopes(model, at, &soil, truth));
+        let last = self.last.get();
+        let truth = match last.at == Some(*at) {
+            true => last.truth,
+            false => self.explained(model, at).truth,
+        };
+        let seen = self.seen(model, at, truth);
+        let residuals = self.residuals_at(model, &seen.by_all(model.depth(seen.sinkage)));
+        let column = |variable: usize| residuals.map(|residual| residual.slopes[variable]);
+        let directions = orthonormal(self.latent_columns(column, [DEPTH, SLIP]));
         let mut gradient = vec![[0.0; 8]; self.residual_count()];
-        for (coordinate, derivative) in by.into_iter().enumerate() {
-            let mut column = self.weighed(derivative);
+        for coordinate in 0..8 {
+            let mut column = column(coordinate);
             for direction in directions.iter().flatten() {
                 let along = dot(&column, direction);
                 for (c, d) in column.iter_mut().zip(direction) {
@@ -106,19 +119,38 @@ impl Observation {
         sinkage.into_iter().chain(slip)
     }
 
-    /// The row with its true slip and sinkage.
-    fn seen(&self, truth: Truth) -> SteadyLoad {
-        SteadyLoad {
-            sinkage: self.row.sinkage * libm::exp(truth.log_sinkage),
+    /// The columns that belong to what is latent; `[depth, slip]` are their places.
+    fn latent_columns(
+        &self,
+        column: impl Fn(usize) -> Column,
+        [depth, slip]: [usize; 2],
+    ) -> [Option<Column>; 2] {
+        let mut columns = self.latent().map(|latent| match latent {
+            Latent::Sinkage => column(depth),
+            Latent::Slip => column(slip),
+        });
+        [columns.next(), columns.next()]
+    }
+
+    /// The model's parameters under the true slip and sinkage.
+    fn seen(&self, model: &Model, at: &Coordinates, truth: Truth) -> Point<f64> {
+        let depth = model.depth(self.row.sinkage) * libm::exp(truth.log_depth);
+        Point {
+            at: *at,
+            sinkage: model.sinkage(depth),
             slip: (self.row.slip + truth.slip).clamp(-1.0, 1.0),
-            ..self.row
         }
     }
 
-    fn residuals_at(&self, model: &Model, at: &Coordinates, soil: &Soil, truth: Truth) -> Column {
-        let seen = self.seen(truth);
-        let predicted = model.contact(at, &seen).loads(soil);
-        let mut residuals = self.weighed(predicted + measured(&self.row) * -1.0);
+    fn residuals_at<T: Real>(&self, model: &Model, seen: &Point<T>) -> [T; MOST] {
+        let predicted = model.loads(seen);
+        let forces = [
+            (predicted.normal_force - self.row.load) / self.sd.load,
+            (predicted.drawbar_pull - self.row.drawbar_pull) / self.sd.drawbar_pull,
+            (predicted.driving_torque - self.row.driving_torque) / self.sd.driving_torque,
+        ];
+        let mut residuals = [T::constant(0.0); MOST];
+        residuals[..self.forces].copy_from_slice(&forces[..self.forces]);
         for (index, latent) in self.latent().enumerate() {
             residuals[self.forces + index] = match latent {
                 Latent::Sinkage => (seen.sinkage - self.row.sinkage) / self.sd.sinkage,
@@ -128,89 +160,86 @@ impl Observation {
         residuals
     }
 
-    /// Forces in units of their uncertainties, those that do not count 0.
-    fn weighed(&self, loads: WheelLoad) -> Column {
-        let weighed = [
-            loads.normal_force / self.sd.load,
-            loads.drawbar_pull / self.sd.drawbar_pull,
-            loads.driving_torque / self.sd.driving_torque,
-        ];
-        let mut column = [0.0; MOST];
-        column[..self.forces].copy_from_slice(&weighed[..self.forces]);
-        column
+    /// Residuals and their derivatives by what is latent.
+    fn linear(&self, model: &Model, at: &Coordinates, truth: Truth) -> Linear {
+        let seen = self.seen(model, at, truth);
+        let residuals: [Dual<2>; MOST] =
+            self.residuals_at(model, &seen.by_motion(model.depth(seen.sinkage), [0, 1]));
+        let column = |variable: usize| residuals.map(|residual| residual.slopes[variable]);
+        Linear {
+            residuals: residuals.map(|residual| residual.value),
+            slopes: self.latent_columns(column, [0, 1]),
+        }
     }
 
-    /// The true slip and sinkage that explain the row best: Gauss and Newton's steps, halved
-    /// while they do not help.
-    fn truth(&self, model: &Model, at: &Coordinates, soil: &Soil) -> Truth {
+    /// The true slip and sinkage that explain the row best, and what they leave: Gauss and Newton's
+    /// steps from those found last, halved while they do not help.
+    fn explained(&self, model: &Model, at: &Coordinates) -> Explained {
         const STEPS: u32 = 15;
         const HALVINGS: u32 = 12;
-        let mut truth = Truth::default();
-        if self.latent().next().is_none() {
-            return truth;
-        }
-        let mut residuals = self.residuals_at(model, at, soil, truth);
+        let mut truth = self.last.get().truth;
+        let mut here = self.linear(model, at, truth);
         for _ in 0..STEPS {
-            let step = solved(self.slopes(model, at, soil, truth), &residuals);
+            let step = solved(here.slopes, &here.residuals);
+            // Below what the outer fit can tell of the sum.
+            if here.gain(step) < 1e-12 * (1.0 + here.squares()) {
+                break;
+            }
             let mut part = 1.0;
             let better = (0..HALVINGS).find_map(|_| {
                 let trial = self.moved(truth, step, part);
-                let found = self.residuals_at(model, at, soil, trial);
+                let found = self.linear(model, at, trial);
                 part *= 0.5;
-                (dot(&found, &found) < dot(&residuals, &residuals)).then_some((trial, found))
+                (found.squares() < here.squares()).then_some((trial, found))
             });
-            let Some((trial, found)) = better else { break };
-            let gained = dot(&residuals, &residuals) - dot(&found, &found);
-            (truth, residuals) = (trial, found);
-            // Below what the outer fit can tell of the sum.
-            if gained < 1e-12 * (1.0 + dot(&residuals, &residuals)) {
-                break;
-            }
+            let Some(better) = better else { break };
+            (truth, here) = better;
         }
-        truth
+        self.last.set(Tried {
+            at: Some(*at),
+            truth,
+        });
+        Explained {
+            truth,
+            residuals: here.residuals,
+        }
     }
 
-    /// `truth` moved by `part` of a step of what is latent; by no more than a factor e of sinkage.
+    /// `truth` moved by `part` of a step of what is latent; by no more than a factor e of depth.
     fn moved(&self, mut truth: Truth, step: [f64; 2], part: f64) -> Truth {
         for (latent, step) in self.latent().zip(step) {
             match latent {
-                Latent::Sinkage => truth.log_sinkage += part * step.clamp(-1.0, 1.0),
+                Latent::Sinkage => truth.log_depth += part * step.clamp(-1.0, 1.0),
                 Latent::Slip => truth.slip += part * step,
             }
         }
         truth
     }
+}
 
-    /// Derivatives of the residuals by what is latent.
-    fn slopes(
-        &self,
-        model: &Model,
-        at: &Coordinates,
-        soil: &Soil,
-        truth: Truth,
-    ) -> [Option<Column>; 2] {
-        // Central differences of functions with some 1e-13 of relative rounding.
-        const STEP: f64 = 1e-5;
-        let mut latent = self.latent();
-        let mut slope = || {
-            let latent = latent.next()?;
-            let stepped = |step: f64| {
-                let truth = match latent {
-                    Latent::Sinkage => Truth {
-                        log_sinkage: truth.log_sinkage + step,
-                        ..truth
-                    },
-                    Latent::Slip => Truth {
-                        slip: truth.slip + step,
-                        ..truth
-                    },
-                };
-                self.residuals_at(model, at, soil, truth)
-            };
-            let (high, low) = (stepped(STEP), stepped(-STEP));
-            Some(std::array::from_fn(|i| (high[i] - low[i]) / (2.0 * STEP)))
-        };
-        [slope(), slope()]
+/// A row at its true slip and sinkage.
+struct Explained {
+    truth: Truth,
+    residuals: Column,
+}
+
+/// Residuals about a point of what is latent.
+struct Linear {
+    residuals: Column,
+    slopes: [Option<Column>; 2],
+}
+
+impl Linear {
+    fn squares(&self) -> f64 {
+        dot(&self.residuals, &self.residuals)
+    }
+
+    /// What a step of Gauss and Newton takes off the sum of squares where the model is straight.
+    fn gain(&self, step: [f64; 2]) -> f64 {
+        let slopes = self.slopes.iter().zip(step);
+        slopes
+            .filter_map(|(slope, step)| Some(-step * dot(slope.as_ref()?, &self.residuals)))
+            .sum()
     }
 }
 
@@ -223,20 +252,6 @@ pub(super) fn measured(row: &SteadyLoad) -> WheelLoad {
     }
 }
 
-/// Derivatives in the order of the coordinates.
-pub(super) fn in_order(gradient: LoadGradient) -> [WheelLoad; 8] {
-    [
-        gradient.stress_angle,
-        gradient.stress_angle_slip,
-        gradient.log_sinkage_modulus,
-        gradient.sinkage_exponent,
-        gradient.sinkage_exponent_slip,
-        gradient.log_cohesion,
-        gradient.friction_angle,
-        gradient.log_shear_modulus,
-    ]
-}
-
 /// Variances [N²; torque N²·m²] of a row's forces, errors of slip and sinkage included to first
 /// order.
 pub(super) fn variances(
@@ -245,32 +260,17 @@ pub(super) fn variances(
     row: &SteadyLoad,
     sd: Uncertainty,
 ) -> WheelLoad {
-    let own = Uncertainty {
-        drawbar_pull: 1.0,
-        load: 1.0,
-        driving_torque: 1.0,
-        ..sd
-    };
-    let observation = Observation {
-        forces: 3,
-        ..Observation::new(model, row, own)
-    };
-    let slopes = observation.slopes(model, at, &model.soil(at), Truth::default());
-    let spread = |latent: Latent| match latent {
-        Latent::Sinkage => sd.sinkage / row.sinkage,
-        Latent::Slip => sd.slip,
-    };
-    let spreads: Vec<f64> = observation.latent().map(spread).collect();
-    let carried = |force: usize| -> f64 {
-        let parts = slopes.iter().flatten().zip(&spreads);
-        parts
-            .map(|(slope, spread)| slope[force] * slope[force] * spread * spread)
-            .sum()
+    let derivatives = model.derivatives(Point::of(at, row));
+    let carried = |force: fn(&WheelLoad) -> f64| {
+        let by_sinkage = force(&by(&derivatives, DEPTH)) * sd.sinkage / model.depth(row.sinkage);
+        let by_slip = force(&by(&derivatives, SLIP)) * sd.slip;
+        by_sinkage * by_sinkage + by_slip * by_slip
     };
     WheelLoad {
-        normal_force: sd.load * sd.load + carried(0),
-        drawbar_pull: sd.drawbar_pull * sd.drawbar_pull + carried(1),
-        driving_torque: sd.driving_torque * sd.driving_torque + carried(2),
+        normal_force: sd.load * sd.load + carried(|loads| loads.normal_force),
+        drawbar_pull: sd.drawbar_pull * sd.drawbar_pull + carried(|loads| loads.drawbar_pull),
+        driving_torque: sd.driving_torque * sd.driving_torque
+            + carried(|loads| loads.driving_torque),
     }
 }
 
@@ -359,8 +359,8 @@ mod tests {
     fn forces_measured_well_put_slip_and_sinkage_right() {
         // One sd of sinkage and one and a half of slip off.
         let observation = read(0.014, 0.27);
-        let truth = observation.truth(&model(), &at(), &model().soil(&at()));
-        let seen = observation.seen(truth);
+        let truth = observation.explained(&model(), &at()).truth;
+        let seen = observation.seen(&model(), &at(), truth);
         assert!((seen.sinkage - 0.012).abs() < 2e-5, "{}", seen.sinkage);
         assert!((seen.slip - 0.3).abs() < 2e-3, "{}", seen.slip);
         assert!((squares(&observation, &at()) - 3.25).abs() < 0.1);
@@ -401,7 +401,7 @@ mod tests {
                 sinkage: 0.0,
                 ..observation.sd
             },
-            ..observation
+            ..observation.clone()
         };
         assert_eq!(exact.residual_count(), 3);
         assert!(squares(&exact, &at()) < 1e-12);

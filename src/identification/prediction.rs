@@ -3,8 +3,8 @@
 use super::directions::Directions;
 use super::estimate::Estimate;
 use super::model::Model;
-use super::observation::in_order;
 use super::parameter::Coordinates;
+use super::point::{DEPTH, Point, by, values};
 use super::precision::student;
 use super::row::{RIGID_SINKAGE, Setting, SteadyLoad};
 use super::{Around, Identification};
@@ -46,8 +46,8 @@ pub struct Prediction {
 
 /// Predicts from an estimate and the rows it was made of.
 ///
-/// Eq. (62) is solved for the sinkage that carries the load, Eq. (63) and (64) then give pull and
-/// torque; where the class sets the sinkage, pull and torque are in proportion to the load. An
+/// The load's equation is solved for the sinkage that carries it, those of pull and torque then
+/// give these; where the class sets the sinkage, pull and torque are in proportion to the load. An
 /// interval is made of two parts: the parameters' covariance, and the scatter of the rows
 /// themselves about what would have been predicted for them.
 #[derive(Debug, Clone)]
@@ -173,40 +173,42 @@ fn solve(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Soluti
 }
 
 fn sunk(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solution> {
-    let soil = model.soil(at);
-    let loads = |log_sinkage: f64| {
-        let row = SteadyLoad::at(slip, libm::exp(log_sinkage));
-        model.contact(at, &row).loads(&soil)
+    let point = |log_depth: f64| Point {
+        at: *at,
+        sinkage: model.sinkage(libm::exp(log_depth)),
+        slip,
     };
-    let log_sinkage = first_root(|x| loads(x).normal_force - load, model.surface().radius)?;
-    let row = SteadyLoad::at(slip, libm::exp(log_sinkage));
-    let here = loads(log_sinkage);
-    // Central difference: relative rounding of 1e-13 over 1e-5.
-    const STEP: f64 = 1e-5;
-    let change = loads(log_sinkage + STEP) + loads(log_sinkage - STEP) * -1.0;
-    let by_sinkage = change * (0.5 / STEP);
-    // The load stays: what a parameter adds to it, the sinkage takes away.
-    let slopes = in_order(model.contact(at, &row).load_gradient(&soil)).map(|by| {
-        let log_sinkage = -by.normal_force / by_sinkage.normal_force;
+    let surplus = |log_depth: f64| model.loads(&point(log_depth)).normal_force - load;
+    let log_depth = first_root(surplus, model.depth(model.surface().radius))?;
+    let derivatives = model.derivatives(point(log_depth));
+    let (here, by_depth) = (values(&derivatives), by(&derivatives, DEPTH));
+    // The load stays: what a parameter adds to it, the depth takes away.
+    let slopes = std::array::from_fn(|parameter| {
+        let by = by(&derivatives, parameter);
+        let part = -by.normal_force / by_depth.normal_force;
         let WheelLoad {
             drawbar_pull,
             driving_torque,
             ..
-        } = by + by_sinkage * log_sinkage;
-        [row.sinkage * log_sinkage, drawbar_pull, driving_torque]
+        } = by + by_depth * part;
+        [libm::exp(log_depth) * part, drawbar_pull, driving_torque]
     });
     Some(Solution {
-        values: [row.sinkage, here.drawbar_pull, here.driving_torque],
+        values: [
+            point(log_depth).sinkage,
+            here.drawbar_pull,
+            here.driving_torque,
+        ],
         slopes,
     })
 }
 
 fn on_top(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Solution {
-    let soil = model.soil(at);
-    let contact = model.contact(at, &SteadyLoad::at(slip, RIGID_SINKAGE));
-    let here = contact.loads(&soil);
+    let derivatives = model.derivatives(Point::of(at, &SteadyLoad::at(slip, RIGID_SINKAGE)));
+    let here = values(&derivatives);
     let part = load / here.normal_force;
-    let slopes = in_order(contact.load_gradient(&soil)).map(|by| {
+    let slopes = std::array::from_fn(|parameter| {
+        let by = by(&derivatives, parameter);
         let of_load = by.normal_force / here.normal_force;
         let scaled = |by: f64, value: f64| part * (by - of_load * value);
         [
@@ -225,11 +227,11 @@ fn on_top(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Solution {
     }
 }
 
-/// The least sinkage, as a logarithm, at which `surplus` passes from below 0; `None` where it does
-/// not up to the axle.
-fn first_root(surplus: impl Fn(f64) -> f64, radius: f64) -> Option<f64> {
+/// The least depth, as a logarithm, at which `surplus` passes from below 0; `None` where it does
+/// not up to the `deepest` [m].
+fn first_root(surplus: impl Fn(f64) -> f64, deepest: f64) -> Option<f64> {
     const PARTS: u32 = 80;
-    let [from, to] = [libm::log(RIGID_SINKAGE), libm::log(radius)];
+    let [from, to] = [libm::log(RIGID_SINKAGE), libm::log(deepest)];
     let edge = |part: u32| from + (to - from) * f64::from(part) / f64::from(PARTS);
     let mut low = from;
     let high = (1..=PARTS).map(edge).find(|&high| {

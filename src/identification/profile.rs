@@ -1,19 +1,29 @@
 //! Intervals from the profile of the likelihood: how far a parameter can go while the others make
 //! up for it.
 
+use super::directions::Directions;
 use super::estimate::{Identified, Open};
 use super::joint::Joint;
-use super::least_squares::{Minimum, minimise};
-use super::parameter::Parameter;
+use super::least_squares::{Minimum, minimise_to};
+use super::parameter::{Coordinates, Parameter};
 use std::cell::Cell;
+
+/// Relative change of the sum of squares at which a fit along the profile ends: of a sum of a
+/// hundred it leaves a thousandth, far below the rise at the end of an interval.
+const TOLERANCE: f64 = 1e-5;
+
+/// How near the root of the rise comes to that of the limit at the end of an interval [-].
+const NEAR: f64 = 1e-3;
 
 /// First step from a minimum that data without noise make sharper than this.
 const SHORTEST_STEP: f64 = 1e-9;
 
 /// The profile of one parameter about a minimum.
 pub(super) struct Profile<'a> {
-    pub joint: &'a Joint,
+    pub joint: Joint,
     pub best: Minimum,
+    /// How the rows fix the parameters about the minimum.
+    pub directions: &'a Directions,
     /// The parameters that a fit moves.
     pub moved: &'a [Parameter],
     /// Rise of the sum of squares at the ends of the interval.
@@ -67,14 +77,35 @@ impl Profile<'_> {
             return [None; 2];
         }
         let parameter = identified.parameter;
-        // Twice the standard error is a good guess of the half-width, where there is one.
-        let guess = 2.0 * identified.standard_error;
+        // The half-width where the model is straight.
+        let own = self.unit(parameter);
+        let variance = self.directions.covariance(&own, &own).unwrap_or(0.0);
+        let guess = libm::sqrt(self.limit * variance);
         let step = guess.clamp(SHORTEST_STEP, parameter.uninformative());
         let [low, high] = parameter.bounds();
         [
             self.end(parameter, -step, low),
             self.end(parameter, step, high),
         ]
+    }
+
+    fn unit(&self, of: Parameter) -> Vec<f64> {
+        self.directions
+            .function(|parameter| f64::from(u8::from(parameter == of)))
+    }
+
+    /// How far the other coordinates go with one of a parameter where the model is straight; not
+    /// at all with one that the rows do not see.
+    fn way(&self, parameter: Parameter) -> Coordinates {
+        let own = self.unit(parameter);
+        let variance = self.directions.covariance(&own, &own);
+        let Some(variance) = variance.filter(|variance| *variance > 0.0) else {
+            return [0.0; 8];
+        };
+        Parameter::ALL.map(|other| {
+            let shared = self.directions.covariance(&self.unit(other), &own);
+            shared.map_or(0.0, |shared| shared / variance)
+        })
     }
 
     fn end(&self, parameter: Parameter, step: f64, bound: f64) -> Option<f64> {
@@ -86,16 +117,23 @@ impl Profile<'_> {
             .collect();
         let start = self.best.at[parameter as usize];
         let reach = (bound - start).abs();
-        let mut at = self.best.at;
+        let mut way = self.way(parameter);
         // The root of the rise is a straight line where the model is linear.
         let mut excess = |distance: f64| {
-            let mut trial = at;
-            trial[parameter as usize] = start + distance * step.signum();
-            let found = minimise(self.joint, trial, &others);
+            let moved = distance * step.signum();
+            let mut trial = self.best.at;
+            for (coordinate, way) in trial.iter_mut().zip(way) {
+                *coordinate += moved * way;
+            }
+            trial[parameter as usize] = start + moved;
+            let found = minimise_to(TOLERANCE, &self.joint, trial, &others);
             self.keep(found);
             let rise = (found.chi_square - self.best.chi_square).max(0.0);
             if rise < self.limit {
-                at = found.at;
+                way = std::array::from_fn(|i| match found.at[i] == self.best.at[i] {
+                    true => 0.0,
+                    false => (found.at[i] - self.best.at[i]) / moved,
+                });
             }
             libm::sqrt(rise / self.limit) - 1.0
         };
@@ -103,20 +141,25 @@ impl Profile<'_> {
         let mut distance = step.abs().min(reach);
         let outside = loop {
             let value = excess(distance);
-            if value >= 0.0 {
+            if value.abs() < NEAR {
+                return Some(start + distance * step.signum());
+            }
+            if value > 0.0 {
                 break (distance, value);
             }
             if distance >= reach {
                 return None;
             }
             inside = (distance, value);
-            distance = (2.0 * distance).min(reach);
+            // A little beyond where a straight line crosses.
+            let straight = 1.02 / (value + 1.0);
+            distance = (distance * straight.min(2.0)).min(reach);
         };
         Some(start + crossing(excess, inside, outside) * step.signum())
     }
 }
 
-/// Distance at which `excess` crosses 0, to 0.1 % of the limit: false position that halves the
+/// Distance at which `excess` crosses 0, to [`NEAR`]: false position that halves the
 /// value kept twice at an end (Illinois).
 fn crossing(
     mut excess: impl FnMut(f64) -> f64,
@@ -129,7 +172,7 @@ fn crossing(
     for _ in 0..STEPS {
         let middle = inside.0 - inside.1 * (outside.0 - inside.0) / (outside.1 - inside.1);
         let value = excess(middle);
-        if value.abs() < 1e-3 {
+        if value.abs() < NEAR {
             return middle;
         }
         if value < 0.0 {

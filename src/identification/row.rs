@@ -2,6 +2,7 @@
 
 use super::IdentifyError;
 use super::known::Known;
+use super::law::Law;
 use crate::quantity::RangeError;
 use crate::soil::closed_form::Rim;
 use crate::soil::wheel_load::{Rolling, WheelLoad};
@@ -115,17 +116,20 @@ pub struct Setting {
     pub rim: Rim,
     /// Lug height `l` [m].
     pub lug_height: f64,
-    /// The cylinder in whose radius sinkage, slip, torque and shear displacement are taken.
+    /// The cylinder in whose radius the paper's equations take sinkage, slip, torque and shear
+    /// displacement.
     pub cylinder: Cylinder,
     /// Exit angle coefficient `c_3` [-], which the paper does not list: stated, not fitted. 0
     /// unless it is known better.
     pub exit_angle: f64,
     /// Parameters measured otherwise, which are not fitted.
     pub known: Known,
+    /// The equations.
+    pub law: Law,
 }
 
 impl Setting {
-    /// The paper's convention, the rim's radius throughout, and `c_3 = 0`.
+    /// The paper's equations and convention, the rim's radius throughout, and `c_3 = 0`.
     pub fn new(rim: Rim) -> Self {
         Self {
             rim,
@@ -133,6 +137,7 @@ impl Setting {
             cylinder: Cylinder::Rim,
             exit_angle: 0.0,
             known: Known::default(),
+            law: Law::Paper,
         }
     }
 
@@ -178,13 +183,24 @@ impl Setting {
 
     /// By how much the cylinder sinks deeper than the rim [m].
     pub(super) fn offset(&self) -> f64 {
-        match self.cylinder {
-            Cylinder::Rim => 0.0,
-            Cylinder::LugTips => self.lug_height,
+        match (self.law, self.cylinder) {
+            (Law::Paper, Cylinder::LugTips) => self.lug_height,
+            _ => 0.0,
+        }
+    }
+
+    /// Height [m] below the rim of what may be all that is in the soil.
+    fn lowest(&self) -> f64 {
+        match self.law {
+            Law::Paper => self.offset(),
+            Law::Own(own) => own.lugs.map_or(0.0, |lugs| lugs.height),
         }
     }
 
     pub(super) fn checked(&self) -> Result<(), RangeError> {
+        if let Law::Own(own) = &self.law {
+            own.checked()?;
+        }
         RangeError::positive("wheel radius", "m", self.rim.radius)?;
         RangeError::positive("wheel width", "m", self.rim.width)?;
         RangeError::check("lug height", "m", self.lug_height, [0.0, self.rim.radius])?;
@@ -194,10 +210,10 @@ impl Setting {
 
     /// A `slip` [-] by the rim's radius as the cylinder sees it.
     pub(super) fn slip_seen(&self, slip: f64) -> f64 {
-        match self.cylinder {
-            Cylinder::Rim => slip,
-            Cylinder::LugTips => Rolling::new(self.rim.radius, slip).slip_at(self.surface().radius),
+        if self.offset() == 0.0 {
+            return slip;
         }
+        Rolling::new(self.rim.radius, slip).slip_at(self.surface().radius)
     }
 
     /// `row` as the cylinder sees it, once it is known to be whole.
@@ -241,7 +257,7 @@ impl Setting {
     }
 
     fn check_sinkage(&self, sinkage: f64) -> Result<(), RangeError> {
-        let [least, most] = [-self.offset(), self.rim.radius];
+        let [least, most] = [-self.lowest(), self.rim.radius];
         if sinkage > least && sinkage <= most {
             return Ok(());
         }

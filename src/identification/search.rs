@@ -4,6 +4,7 @@ use super::joint::Joint;
 use super::least_squares::{Minimum, Residuals, Termination, minimise_from};
 use super::model::Model;
 use super::parameter::{Coordinates, Parameter, TerrainParameters};
+use super::point::Point;
 use super::precision::Precision;
 use super::row::SteadyLoad;
 use super::stages::{self, ANGLES, STRENGTHS, Stage, Staged};
@@ -116,9 +117,8 @@ impl Search<'_> {
         if !self.model.moved().contains(&modulus) {
             return at;
         }
-        let soil = self.model.soil(&at);
         let ratio =
-            |row: &SteadyLoad| row.load / self.model.contact(&at, row).loads(&soil).normal_force;
+            |row: &SteadyLoad| row.load / self.model.loads(&Point::of(&at, row)).normal_force;
         let carrying = self.rows.iter().map(ratio).filter(|ratio| *ratio > 0.0);
         let logarithms: Vec<f64> = carrying.map(libm::log).collect();
         let count = logarithms.len().max(1) as f64;

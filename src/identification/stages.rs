@@ -3,9 +3,11 @@
 use super::least_squares::{Minimum, Residuals, Termination, minimise_from};
 use super::model::Model;
 use super::parameter::{Coordinates, Parameter, TerrainParameters};
+use super::point::Point;
 use super::row::SteadyLoad;
 use super::weight::Scale;
-use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact, driving_torque};
+use crate::soil::closed_form::{ArcCoefficients, Rim, driving_torque};
+use crate::soil::real::Real;
 use nalgebra_lm::{DMatrix, DVector};
 use std::fmt;
 
@@ -156,7 +158,7 @@ impl Equation<'_> {
     fn pressures(&self, at: &Coordinates) -> Vec<LogPressure> {
         let Rim { radius, width } = self.model.surface();
         let pressure = |row: &SteadyLoad| {
-            let arc = ArcCoefficients::from(self.model.contact(at, row).angles);
+            let arc = ArcCoefficients::from(self.model.contact(&Point::of(at, row)).angles);
             let lifted = arc.normal_force(0.0, row.driving_torque / radius);
             let pressure = (row.load - lifted) / (arc.a * radius * width);
             (pressure > 0.0).then(|| LogPressure {
@@ -176,73 +178,52 @@ struct LogPressure {
     slip: f64,
 }
 
+impl Equation<'_> {
+    /// Predicted less measured, in units of the row's uncertainty.
+    fn residual<T: Real>(&self, point: &Point<T>, row: &SteadyLoad) -> T {
+        let sd = self.scale.of_row(row);
+        let soil = self.model.soil(&point.at);
+        let surface = self.model.surface();
+        let contact = self.model.contact(point);
+        let arc = ArcCoefficients::from(contact.angles);
+        let rim_force = T::constant(row.driving_torque / surface.radius);
+        let load = T::constant(row.load);
+        match self.stage {
+            Stage::Angles => {
+                (arc.drawbar_pull(load, rim_force) - row.drawbar_pull) / sd.drawbar_pull
+            }
+            Stage::NormalStress => {
+                let area = surface.radius * surface.width;
+                let predicted = arc.normal_force(contact.pressure(&soil) * area, rim_force);
+                (predicted - row.load) / sd.load
+            }
+            Stage::ShearStress => {
+                let given = [load, contact.mobilised(&soil)];
+                let predicted = driving_torque(surface, &soil, arc, given);
+                (predicted - row.driving_torque) / sd.driving_torque
+            }
+        }
+    }
+}
+
 impl Residuals for Equation<'_> {
     fn residuals(&self, at: &Coordinates) -> Vec<f64> {
-        let soil = self.model.soil(at);
-        let surface = self.model.surface();
-        let residual = |row: &SteadyLoad| {
-            let contact = self.model.contact(at, row);
-            let arc = ArcCoefficients::from(contact.angles);
-            let rim_force = row.driving_torque / surface.radius;
-            match self.stage {
-                Stage::Angles => {
-                    (arc.drawbar_pull(row.load, rim_force) - row.drawbar_pull)
-                        / self.scale.of_row(row).drawbar_pull
-                }
-                Stage::NormalStress => {
-                    let area = surface.radius * surface.width;
-                    let predicted = arc.normal_force(area * contact.pressure(&soil), rim_force);
-                    (predicted - row.load) / self.scale.of_row(row).load
-                }
-                Stage::ShearStress => {
-                    let given = [row.load, contact.mobilised(&soil)];
-                    (driving_torque(surface, &soil, arc, given) - row.driving_torque)
-                        / self.scale.of_row(row).driving_torque
-                }
-            }
-        };
-        self.rows.iter().map(residual).collect()
+        let rows = self.rows.iter();
+        rows.map(|row| self.residual(&Point::of(at, row), row))
+            .collect()
     }
 
     fn gradient(&self, at: &Coordinates) -> Vec<Coordinates> {
-        let soil = self.model.soil(at);
         let derivatives = |row: &SteadyLoad| {
-            let contact = self.model.contact(at, row);
+            let point = Point::of(at, row).by_all(row.sinkage);
+            let slopes = self.residual(&point, row).slopes;
+            // What the stages before found stays.
             let mut by = [0.0; 8];
-            let (values, scale) = match self.stage {
-                Stage::Angles => {
-                    let rim_force = row.driving_torque / contact.rim.radius;
-                    let by_peak =
-                        contact.pull_by_peak([row.load, rim_force]) * contact.angles.entry;
-                    let values = [by_peak, by_peak * row.slip, 0.0];
-                    (values, self.scale.of_row(row).drawbar_pull)
-                }
-                Stage::NormalStress => {
-                    let values = pressure_gradient(&contact, contact.pressure(&soil));
-                    (values, self.scale.of_row(row).load)
-                }
-                Stage::ShearStress => {
-                    let values = contact.torque_gradient(&soil, row.load);
-                    (values, self.scale.of_row(row).driving_torque)
-                }
-            };
-            for (&parameter, value) in self.stage.parameters().iter().zip(values) {
-                by[parameter as usize] = value / scale;
+            for &parameter in self.stage.parameters() {
+                by[parameter as usize] = slopes[parameter as usize];
             }
             by
         };
         self.rows.iter().map(derivatives).collect()
     }
-}
-
-/// Derivatives of `A r b k_s zᴺ` [N] by `ln k_s`, `n_0` and `n_1`.
-fn pressure_gradient(contact: &RimContact, pressure: f64) -> [f64; 3] {
-    let arc = ArcCoefficients::from(contact.angles);
-    let force = arc.a * contact.rim.radius * contact.rim.width * pressure;
-    let log_sinkage = libm::log(contact.sinkage);
-    [
-        force,
-        force * log_sinkage,
-        force * log_sinkage * contact.slip.abs(),
-    ]
 }

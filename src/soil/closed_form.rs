@@ -3,10 +3,9 @@
 //! They use rim geometry throughout; fitted to a lugged wheel, as Table 6 is, their parameters
 //! already contain what its lugs do.
 
-pub mod gradient;
-
 use crate::soil::Soil;
 use crate::soil::contact::ContactAngles;
+use crate::soil::real::Real;
 use crate::soil::shear::{ShearDisplacement, speed_ratio};
 use crate::soil::wheel_load::WheelLoad;
 use crate::wheel::Wheel;
@@ -31,68 +30,68 @@ impl From<&Wheel> for Rim {
 
 /// `A`, `B`, `C` [-] of Eq. (65).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ArcCoefficients {
+pub struct ArcCoefficients<T = f64> {
     /// Part of the peak stress, times `r b`, that stands upright: `∫ tri cos θ dθ`.
-    pub a: f64,
+    pub a: T,
     /// Part that lies along the track: `∫ tri sin θ dθ`.
-    pub b: f64,
+    pub b: T,
     /// Mean over the arc, `∫ tri dθ = (θ_1 - θ_2)/2`.
-    pub c: f64,
+    pub c: T,
 }
 
-impl From<ContactAngles> for ArcCoefficients {
+impl<T: Real> From<ContactAngles<T>> for ArcCoefficients<T> {
     /// Eq. (65), written with `sin x/x` so that `θ_m → θ_1`, `θ_m → θ_2` and `z → 0` need no
     /// special case.
-    fn from(ContactAngles { entry, peak, exit }: ContactAngles) -> Self {
-        let (rear, front) = (0.5 * (peak + exit), 0.5 * (entry + peak));
-        let (rear_sinc, front_sinc) = (sinc(0.5 * (peak - exit)), sinc(0.5 * (entry - peak)));
+    fn from(ContactAngles { entry, peak, exit }: ContactAngles<T>) -> Self {
+        let (rear, front) = ((peak + exit) * 0.5, (entry + peak) * 0.5);
+        let (rear_sinc, front_sinc) = (sinc((peak - exit) * 0.5), sinc((entry - peak) * 0.5));
         Self {
-            a: libm::sin(front) * front_sinc - libm::sin(rear) * rear_sinc,
-            b: libm::cos(rear) * rear_sinc - libm::cos(front) * front_sinc,
-            c: 0.5 * (entry - exit),
+            a: front.sin() * front_sinc - rear.sin() * rear_sinc,
+            b: rear.cos() * rear_sinc - front.cos() * front_sinc,
+            c: (entry - exit) * 0.5,
         }
     }
 }
 
 /// `sin x/x`.
-fn sinc(x: f64) -> f64 {
+fn sinc<T: Real>(x: T) -> T {
     // Below this x, 1 - x²/6 is exact in double precision.
-    if x.abs() < 1e-4 {
-        1.0 - x * x / 6.0
+    if x.magnitude() < 1e-4 {
+        -(x * x / 6.0) + 1.0
     } else {
-        libm::sin(x) / x
+        x.sin() / x
     }
 }
 
-impl ArcCoefficients {
+impl<T: Real> ArcCoefficients<T> {
     /// Pull per load `μ = F_DP/F_N` [-] where the ground neither coheres nor deforms in shear
     /// (Eq. 68); towards `tan φ` as the contact shrinks.
-    pub fn pull_per_load(&self, tan_friction_angle: f64) -> f64 {
+    pub fn pull_per_load(&self, tan_friction_angle: T) -> T {
         (self.a * tan_friction_angle - self.b) / (self.a + self.b * tan_friction_angle)
     }
 
     /// Torque per pull and radius `λ_c = M_R/(r F_DP)` [-] on such ground (Eq. 69).
-    pub fn torque_per_pull(&self, tan_friction_angle: f64) -> f64 {
+    pub fn torque_per_pull(&self, tan_friction_angle: T) -> T {
         self.c * tan_friction_angle / (self.a * tan_friction_angle - self.b)
     }
 
     /// Drawbar pull [N] that goes with a `normal_force` [N] and the tangential force at the rim
     /// `M_R/r` [N], whatever the soil's strength (Eq. 73).
-    pub fn drawbar_pull(&self, normal_force: f64, rim_force: f64) -> f64 {
+    pub fn drawbar_pull(&self, normal_force: T, rim_force: T) -> T {
         let Self { a, b, c } = *self;
         (a * a + b * b) / (a * c) * rim_force - b / a * normal_force
     }
 
     /// Tangential force at the rim `M_R/r` [N] that goes with a `normal_force` and a
     /// `drawbar_pull` [N], whatever the soil's strength (Eq. 73 solved for it).
-    pub fn rim_force(&self, normal_force: f64, drawbar_pull: f64) -> f64 {
+    pub fn rim_force(&self, normal_force: T, drawbar_pull: T) -> T {
         let Self { a, b, c } = *self;
         (a * drawbar_pull + b * normal_force) * c / (a * a + b * b)
     }
 
     /// Normal force [N] from the pressure force `r b k_s zᴺ` [N] and the tangential force at the
     /// rim `M_R/r` [N] (Eq. 74).
-    pub fn normal_force(&self, pressure_force: f64, rim_force: f64) -> f64 {
+    pub fn normal_force(&self, pressure_force: T, rim_force: T) -> T {
         self.a * pressure_force + self.b / self.c * rim_force
     }
 }
@@ -101,7 +100,7 @@ impl ArcCoefficients {
 ///
 /// The paper leaves `j(θ_m)` open: it is Wong and Reece's with the rim as shear surface. `K = 0`
 /// gives `E = 1` driving and -1 braking.
-pub fn mobilised(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> f64 {
+pub fn mobilised<T: Real>(rim: Rim, soil: &Soil<T>, sinkage: T, slip: T) -> T {
     RimContact::new(rim, soil, sinkage, slip).mobilised(soil)
 }
 
@@ -112,26 +111,26 @@ pub fn mobilised(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> f64 {
 /// F_DP = r b (A E tan φ - B) k_s zᴺ + r b c A E
 /// M_R  = r² b C E (c + k_s zᴺ tan φ)
 /// ```
-pub fn loads(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> WheelLoad {
+pub fn loads<T: Real>(rim: Rim, soil: &Soil<T>, sinkage: T, slip: T) -> WheelLoad<T> {
     RimContact::new(rim, soil, sinkage, slip).loads(soil)
 }
 
 /// A rim in the soil, whose angles may be given otherwise than by [`ContactAngles::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RimContact {
+pub struct RimContact<T = f64> {
     /// The rim.
     pub rim: Rim,
     /// Its contact with the soil.
-    pub angles: ContactAngles,
+    pub angles: ContactAngles<T>,
     /// Sinkage `z` [m].
-    pub sinkage: f64,
+    pub sinkage: T,
     /// Slip ratio `s` [-] by the rim's radius.
-    pub slip: f64,
+    pub slip: T,
 }
 
-impl RimContact {
+impl<T: Real> RimContact<T> {
     /// The contact at `sinkage` [m] and `slip` [-].
-    pub fn new(rim: Rim, soil: &Soil, sinkage: f64, slip: f64) -> Self {
+    pub fn new(rim: Rim, soil: &Soil<T>, sinkage: T, slip: T) -> Self {
         Self {
             rim,
             angles: ContactAngles::new(soil, rim.radius, sinkage, slip),
@@ -141,7 +140,7 @@ impl RimContact {
     }
 
     /// Shear displacement `j(θ_m)` [m] at the peak, the rim being the shear surface.
-    pub fn shear_displacement(&self) -> f64 {
+    pub fn shear_displacement(&self) -> T {
         self.displacement().at(self.angles.peak)
     }
 
@@ -149,63 +148,68 @@ impl RimContact {
     ///
     /// `K = 0` leaves of `j` its direction only, which is that within the contact even where the
     /// peak lies beyond its front.
-    pub fn mobilised(&self, soil: &Soil) -> f64 {
+    pub fn mobilised(&self, soil: &Soil<T>) -> T {
         let ContactAngles { entry, peak, .. } = self.angles;
         let shear = soil.shear();
         let angle = if shear.modulus > 0.0 {
             peak
         } else {
-            peak.min(entry)
+            peak.smaller(entry)
         };
         shear.mobilised(self.displacement().at(angle))
     }
 
     /// Loads on the rim (Eq. 62-64); see [`loads`].
-    pub fn loads(&self, soil: &Soil) -> WheelLoad {
+    pub fn loads(&self, soil: &Soil<T>) -> WheelLoad<T> {
         let Rim { radius, width } = self.rim;
         let normal = self.pressure(soil);
         let shear = soil.shear().strength(normal) * self.mobilised(soil);
-        stressed(self.angles.into(), [normal, shear], radius) * (radius * width)
+        stressed(self.angles.into(), [normal, shear], radius) * T::constant(radius * width)
     }
 
     /// Pressure `σ_m = k_s zᴺ` [Pa] at the peak.
-    pub fn pressure(&self, soil: &Soil) -> f64 {
+    pub fn pressure(&self, soil: &Soil<T>) -> T {
         let law = soil.pressure_sinkage(self.rim.width, self.slip);
         law.pressure(self.sinkage)
     }
 
-    fn displacement(&self) -> ShearDisplacement {
-        ShearDisplacement {
-            shear_radius: self.rim.radius,
-            entry_angle: self.angles.entry,
-            travel: self.rim.radius * speed_ratio(self.slip),
-        }
+    fn displacement(&self) -> ShearDisplacement<T> {
+        let radius = self.rim.radius;
+        ShearDisplacement::new(
+            T::constant(radius),
+            self.angles.entry,
+            speed_ratio(self.slip) * radius,
+        )
     }
 }
 
 /// Loads per `r b` [N/m², the torque N/m] of triangles of normal and shear stress with peaks
 /// `[σ_m, τ_m]` [Pa] on a rim of `radius` [m].
-fn stressed(arc: ArcCoefficients, [normal, shear]: [f64; 2], radius: f64) -> WheelLoad {
+fn stressed<T: Real>(
+    arc: ArcCoefficients<T>,
+    [normal, shear]: [T; 2],
+    radius: f64,
+) -> WheelLoad<T> {
     let ArcCoefficients { a, b, c } = arc;
     WheelLoad {
         normal_force: a * normal + b * shear,
         drawbar_pull: a * shear - b * normal,
-        driving_torque: radius * c * shear,
+        driving_torque: c * radius * shear,
     }
 }
 
 /// Driving torque [N·m] from the normal force [N] and the mobilised part `E` [-] (Eq. 75).
-pub fn driving_torque(
+pub fn driving_torque<T: Real>(
     rim: Rim,
-    soil: &Soil,
-    arc: ArcCoefficients,
-    [normal_force, mobilised]: [f64; 2],
-) -> f64 {
+    soil: &Soil<T>,
+    arc: ArcCoefficients<T>,
+    [normal_force, mobilised]: [T; 2],
+) -> T {
     let Rim { radius, width } = rim;
     let ArcCoefficients { a, b, c } = arc;
     let tan_phi = soil.tan_friction_angle();
-    let strength = width * soil.cohesion + normal_force * tan_phi / (radius * a);
-    radius * radius * c * mobilised * strength / (1.0 + b * mobilised * tan_phi / a)
+    let strength = soil.cohesion * width + normal_force * tan_phi / (a * radius);
+    c * (radius * radius) * mobilised * strength / (b * mobilised * tan_phi / a + 1.0)
 }
 
 #[cfg(test)]

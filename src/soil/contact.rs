@@ -3,39 +3,42 @@
 //! Angles are measured at the axle from straight down, positive ahead.
 
 use crate::soil::pressure_sinkage::PressureSinkage;
+use crate::soil::real::Real;
 use crate::soil::{Soil, StressConvention};
 use std::f64::consts::FRAC_PI_2;
 
 /// Entry, peak and exit of the contact [rad].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactAngles {
+pub struct ContactAngles<T = f64> {
     /// Entry angle `θ_1 = arccos(1 - z/r)`.
-    pub entry: f64,
+    pub entry: T,
     /// Angle of maximum stress `θ_m = (c_1 + c_2 s) θ_1`, kept within the contact.
-    pub peak: f64,
+    pub peak: T,
     /// Exit angle `θ_2 = c_3 θ_1`.
-    pub exit: f64,
+    pub exit: T,
 }
 
-impl ContactAngles {
+impl<T: Real> ContactAngles<T> {
     /// The contact of a wheel of `radius` [m] at `sinkage` [m] and `slip` [-] (Section 5.1).
     ///
     /// A wheel above the soil has an empty contact at 0; one deeper than its axle is cut off there.
-    pub fn new(soil: &Soil, radius: f64, sinkage: f64, slip: f64) -> Self {
-        Self::from_entry(soil, entry_angle(radius, sinkage), slip)
+    pub fn new(soil: &Soil<T>, radius: f64, sinkage: T, slip: T) -> Self {
+        Self::from_entry(soil, entry_angle(T::constant(radius), sinkage), slip)
     }
 
     /// The angles of a contact that begins at `entry` [rad], at `slip` [-].
-    pub fn from_entry(soil: &Soil, entry: f64, slip: f64) -> Self {
-        let exit = soil.exit_angle * entry;
+    pub fn from_entry(soil: &Soil<T>, entry: T, slip: T) -> Self {
+        let exit = entry * soil.exit_angle;
         let peak = (soil.stress_angle + soil.stress_angle_slip * slip) * entry;
         Self {
             entry,
-            peak: peak.clamp(exit, entry),
+            peak: peak.within([exit, entry]),
             exit,
         }
     }
+}
 
+impl ContactAngles {
     /// Between a wheel let down at rest (0), which presses alike ahead and behind
     /// (`θ_m = 0`, `θ_2 = -θ_1`), and one whose soil flow is that of steady rolling (1).
     pub fn developed(self, share: f64) -> Self {
@@ -52,9 +55,9 @@ impl ContactAngles {
 /// the soil; in [0, π/2].
 ///
 /// `2 arcsin √(z/2r)` equals `arccos(1 - z/r)` and keeps its digits at small sinkage.
-pub fn entry_angle(radius: f64, sinkage: f64) -> f64 {
-    let part = (sinkage / radius).clamp(0.0, 1.0);
-    (2.0 * libm::asin(libm::sqrt(0.5 * part))).min(FRAC_PI_2)
+pub fn entry_angle<T: Real>(radius: T, sinkage: T) -> T {
+    let part = (sinkage / radius).within([0.0, 1.0].map(T::constant));
+    ((part * 0.5).sqrt().asin() * 2.0).smaller(T::constant(FRAC_PI_2))
 }
 
 /// Depth that stands for the soil's resistance at each angle: `σ(θ) = k_s z_e(θ)ᴺ`.
@@ -62,41 +65,100 @@ pub fn entry_angle(radius: f64, sinkage: f64) -> f64 {
 /// Wong-Reece: the local depth ahead of the peak, behind it the depth at the angle mirrored
 /// through the peak; at most one cosine a call, no power. Triangular: `z·tri(θ)^(1/N)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EffectiveDepth {
+pub struct EffectiveDepth<T = f64> {
     /// Stress distribution over the contact.
     pub convention: StressConvention,
     /// The contact.
-    pub angles: ContactAngles,
+    pub angles: ContactAngles<T>,
     /// Radius of the wheel's surface [m].
     pub radius: f64,
     /// Depth of its lowest point [m].
-    pub sinkage: f64,
+    pub sinkage: T,
     /// Sinkage exponent `N` [-].
-    pub exponent: f64,
-    cos_entry: f64,
+    pub exponent: T,
+    cos_entry: T,
 }
 
-impl EffectiveDepth {
+impl<T: Real> EffectiveDepth<T> {
     /// The depths under a wheel of `radius` [m] at `sinkage` [m] and `slip` [-].
-    pub fn new(soil: &Soil, radius: f64, sinkage: f64, slip: f64) -> Self {
+    pub fn new(soil: &Soil<T>, radius: f64, sinkage: T, slip: T) -> Self {
         let angles = ContactAngles::new(soil, radius, sinkage, slip);
         Self::over(angles, soil, radius, slip)
     }
 
     /// The same over angles found otherwise: on uneven ground, or by a wheel that only begins to
     /// roll.
-    pub fn over(angles: ContactAngles, soil: &Soil, radius: f64, slip: f64) -> Self {
-        let cos_entry = libm::cos(angles.entry);
+    pub fn over(angles: ContactAngles<T>, soil: &Soil<T>, radius: f64, slip: T) -> Self {
+        let cos_entry = angles.entry.cos();
         Self {
             convention: soil.convention,
             angles,
             radius,
-            sinkage: radius * (1.0 - cos_entry),
+            sinkage: (-cos_entry + 1.0) * radius,
             exponent: soil.exponent(slip),
             cos_entry,
         }
     }
 
+    /// The depth [m] at `angle` [rad]; 0 outside the contact.
+    pub fn at(&self, angle: T) -> T {
+        match self.convention {
+            StressConvention::WongReece => self.mirrored_depth(angle),
+            StressConvention::Triangular => {
+                let part = self.triangle(angle);
+                if part > 0.0 {
+                    self.sinkage * part.pow(T::constant(1.0) / self.exponent)
+                } else {
+                    T::constant(0.0)
+                }
+            }
+        }
+    }
+
+    /// Depth [m] to which the rim has pressed the ground at `angle` [rad]: its own ahead of
+    /// straight down, the deepest behind.
+    pub fn pressed(&self, angle: T) -> T {
+        if angle < 0.0 {
+            return self.sinkage;
+        }
+        self.local_depth(angle)
+    }
+
+    /// Height [-] of the triangle that is 1 at the peak and 0 at entry and exit.
+    pub fn triangle(&self, angle: T) -> T {
+        let ContactAngles { entry, peak, exit } = self.angles;
+        if angle <= exit || angle >= entry {
+            T::constant(0.0)
+        } else if angle >= peak {
+            (entry - angle) / (entry - peak)
+        } else {
+            (angle - exit) / (peak - exit)
+        }
+    }
+
+    /// `r (cos θ - cos θ_1)` ahead of the peak; behind it the same at
+    /// `θ_1 - (θ - θ_2)(θ_1 - θ_m)/(θ_m - θ_2)`.
+    fn mirrored_depth(&self, angle: T) -> T {
+        let ContactAngles { entry, peak, exit } = self.angles;
+        if angle <= exit || angle >= entry {
+            return T::constant(0.0);
+        }
+        let front = if angle >= peak {
+            angle
+        } else {
+            entry - (angle - exit) * (entry - peak) / (peak - exit)
+        };
+        self.local_depth(front)
+    }
+
+    /// `r (cos θ - cos θ_1)`, 0 outside the soil.
+    fn local_depth(&self, angle: T) -> T {
+        let depth = (angle.cos() - self.cos_entry) * self.radius;
+        depth.larger(T::constant(0.0))
+    }
+}
+
+impl EffectiveDepth {
     /// Effective depth at `angle` over the depth to which ground there has been pressed in steady
     /// rolling [-]: by how much to scale the depth of ground that remembers its own.
     ///
@@ -114,77 +176,29 @@ impl EffectiveDepth {
             self.at(angle) / pressed
         }
     }
-
-    /// The depth [m] at `angle` [rad]; 0 outside the contact.
-    pub fn at(&self, angle: f64) -> f64 {
-        match self.convention {
-            StressConvention::WongReece => self.mirrored_depth(angle),
-            StressConvention::Triangular => {
-                self.sinkage * libm::pow(self.triangle(angle), 1.0 / self.exponent)
-            }
-        }
-    }
-
-    /// Depth [m] to which the rim has pressed the ground at `angle` [rad]: its own ahead of
-    /// straight down, the deepest behind.
-    pub fn pressed(&self, angle: f64) -> f64 {
-        if angle < 0.0 {
-            return self.sinkage;
-        }
-        (self.radius * (libm::cos(angle) - self.cos_entry)).max(0.0)
-    }
-
-    /// Height [-] of the triangle that is 1 at the peak and 0 at entry and exit.
-    pub fn triangle(&self, angle: f64) -> f64 {
-        let ContactAngles { entry, peak, exit } = self.angles;
-        if angle <= exit || angle >= entry {
-            0.0
-        } else if angle >= peak {
-            (entry - angle) / (entry - peak)
-        } else {
-            (angle - exit) / (peak - exit)
-        }
-    }
-
-    /// `r (cos θ - cos θ_1)` ahead of the peak; behind it the same at
-    /// `θ_1 - (θ - θ_2)(θ_1 - θ_m)/(θ_m - θ_2)`.
-    fn mirrored_depth(&self, angle: f64) -> f64 {
-        let ContactAngles { entry, peak, exit } = self.angles;
-        if angle <= exit || angle >= entry {
-            return 0.0;
-        }
-        let front = if angle >= peak {
-            angle
-        } else {
-            entry - (angle - exit) * (entry - peak) / (peak - exit)
-        };
-        (self.radius * (libm::cos(front) - self.cos_entry)).max(0.0)
-    }
 }
 
 /// Normal stress over the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NormalStress {
+pub struct NormalStress<T = f64> {
     /// Depths that stand for it.
-    pub depth: EffectiveDepth,
+    pub depth: EffectiveDepth<T>,
     /// Pressure against those depths.
-    pub law: PressureSinkage,
+    pub law: PressureSinkage<T>,
     /// Maximum stress `σ_m` [Pa].
-    pub peak: f64,
+    pub peak: T,
 }
 
-impl NormalStress {
+impl<T: Real> NormalStress<T> {
     /// The stress under a wheel of `radius` and `width` [m] at `sinkage` [m] and `slip` [-].
     ///
     /// `σ_m` is `k_s zᴺ` in the triangular convention and `k_s rᴺ (cos θ_m - cos θ_1)ᴺ` in
     /// Wong-Reece's.
-    pub fn new(soil: &Soil, [radius, width]: [f64; 2], sinkage: f64, slip: f64) -> Self {
+    pub fn new(soil: &Soil<T>, [radius, width]: [f64; 2], sinkage: T, slip: T) -> Self {
         let depth = EffectiveDepth::new(soil, radius, sinkage, slip);
         let law = soil.pressure_sinkage(width, slip);
         let peak_depth = match soil.convention {
-            StressConvention::WongReece => {
-                radius * (libm::cos(depth.angles.peak) - depth.cos_entry)
-            }
+            StressConvention::WongReece => (depth.angles.peak.cos() - depth.cos_entry) * radius,
             StressConvention::Triangular => depth.sinkage,
         };
         Self {
@@ -198,8 +212,11 @@ impl NormalStress {
     ///
     /// # Reference
     /// Wong and Reece (1967), J. Terramechanics 4(1):81-98; Eq. (62)-(65) for the triangles.
-    pub fn at(&self, angle: f64) -> f64 {
+    pub fn at(&self, angle: T) -> T {
         match self.depth.convention {
+            StressConvention::WongReece if self.law.is_ideal() => {
+                self.law.pressure(self.depth.at(angle))
+            }
             StressConvention::WongReece => self
                 .law
                 .pressure_of(self.depth.at(angle), self.depth.pressed(angle)),

@@ -18,6 +18,7 @@
 //! | clinging layer | `r_s → r_s + h` | [`crate::soil::lug_action::shear_radius`] |
 
 use crate::quantity::RangeError;
+use crate::soil::real::Real;
 use libm::expm1;
 use serde::{Deserialize, Serialize};
 
@@ -95,9 +96,9 @@ impl Departures {
     ///
     /// # Reference
     /// Lyasko (2010), J. Terramechanics 47(1):21-31.
-    pub fn depth_factor(&self, slip: f64) -> f64 {
-        let slip = slip.abs();
-        1.0 + self.slip_digging * ((1.0 + slip) / (1.0 - 0.5 * slip) - 1.0)
+    pub fn depth_factor<T: Real>(&self, slip: T) -> T {
+        let slip = slip.magnitude();
+        ((slip + 1.0) / (-slip * 0.5 + 1.0) - 1.0) * self.slip_digging + 1.0
     }
 
     /// How many times as hard as fresh soil this soil is [-].

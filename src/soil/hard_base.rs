@@ -12,6 +12,7 @@
 //! Ground Vehicles*, 4th ed., of snow over ice, `p = p_w (-ln(1 - z/z_w))`.
 
 use crate::soil::departures::Departures;
+use crate::soil::real::Real;
 use libm::log1p;
 
 /// Nearness of a hard base below a soft layer, in its two forms.
@@ -45,14 +46,15 @@ impl HardBase {
     }
 
     /// Felt over real depth `ζ/z` [-] at `depth` [m]; 1 on deep soil.
-    pub fn stretch(&self, depth: f64) -> f64 {
-        let sudden = (depth * self.sudden).min(DEEPEST);
+    pub fn stretch<T: Real>(&self, depth: T) -> T {
+        let deepest = T::constant(DEEPEST);
+        let sudden = (depth * self.sudden).smaller(deepest);
         let logarithm = if sudden > 0.0 {
-            -log1p(-sudden) / sudden
+            -(-sudden).ln_1p() / sudden
         } else {
-            1.0
+            T::constant(1.0)
         };
-        logarithm / (1.0 - (depth * self.nearness).min(DEEPEST))
+        logarithm / (-(depth * self.nearness).smaller(deepest) + 1.0)
     }
 
     /// How fast the felt depth grows with the real one, over the stretch `(dζ/dz)/(ζ/z)` [-], at

@@ -9,7 +9,7 @@
 //! follows `k_s` of the whole wheel, not `k_c/t`: a blade is far narrower than the plates that
 //! `k_c` is measured with. Between lugs the wedges meet, so a passive push on every lug would
 //! count the saw-tooth's shear twice; only a lug outside the rim's contact faces a free surface, and
-//! is pushed ([`lug_push`]), the more the farther it is out, all of it one lug height beyond the rim's contact.
+//! is pushed ([`LugFace`]), the more the farther it is out, all of it one lug height beyond the rim's contact.
 //!
 //! # Reference
 //! Passive wedge and pressure: Rankine (1857). Lugs as bearing and pushing blades: Bekker (1969),
@@ -20,6 +20,7 @@
 use crate::quantity::GRAVITY;
 use crate::soil::Soil;
 use crate::soil::contact::ContactAngles;
+use crate::soil::real::Real;
 use crate::wheel::{Lugs, Wheel};
 use std::f64::consts::TAU;
 
@@ -32,18 +33,18 @@ use std::f64::consts::TAU;
 ///
 /// `L = l cot(45° - φ/2)` is the wedge's length, `p = 2πr/n_l` the pitch at the rim. A layer of
 /// soil that clings to the wheel ([`crate::soil::departures`]) adds its thickness.
-pub fn shear_radius(wheel: &Wheel, soil: &Soil) -> f64 {
+pub fn shear_radius<T: Real>(wheel: &Wheel, soil: &Soil<T>) -> T {
     let Some(Lugs { count, height, .. }) = wheel.lugs else {
-        return wheel.radius + soil.departures.clinging_layer;
+        return T::constant(wheel.radius + soil.departures.clinging_layer);
     };
-    let wedge = height * libm::sqrt(soil.passive_pressure_coefficient());
+    let wedge = soil.passive_pressure_coefficient().sqrt() * height;
     let pitch = TAU * wheel.radius / f64::from(count);
     let fill = if wedge <= pitch {
-        0.5 * wedge / pitch
+        wedge * 0.5 / pitch
     } else {
-        1.0 - 0.5 * pitch / wedge
+        -(T::constant(0.5 * pitch) / wedge) + 1.0
     };
-    wheel.radius + fill * height + soil.departures.clinging_layer
+    fill * height + wheel.radius + soil.departures.clinging_layer
 }
 
 /// Part [-] of the arc of `radius` [m] that lugs cover.
@@ -55,37 +56,66 @@ pub(crate) fn covered(wheel: &Wheel, radius: f64) -> f64 {
 
 /// Part [-] of the passive push that acts on a lug at `angle` [rad] of a wheel whose rim has the contact `rim`: none in
 /// it, all of it one lug height beyond its ends.
-pub(crate) fn unconfined(wheel: &Wheel, angle: f64, rim: ContactAngles) -> f64 {
-    let beyond = (rim.exit - angle).max(angle - rim.entry);
-    (beyond * wheel.radius / wheel.lug_height()).clamp(0.0, 1.0)
+pub(crate) fn unconfined<T: Real>(wheel: &Wheel, angle: T, rim: ContactAngles<T>) -> T {
+    let beyond = (rim.exit - angle).larger(angle - rim.entry);
+    (beyond * wheel.radius / wheel.lug_height()).within([0.0, 1.0].map(T::constant))
 }
 
 /// Push of soil on a lug, fully mobilised.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LugPush {
+pub struct LugPush<T = f64> {
     /// Force [N] along the wheel's circumference.
-    pub force: f64,
+    pub force: T,
     /// Its moment about the axle [N·m].
-    pub moment: f64,
+    pub moment: T,
 }
 
-/// Passive push on a lug that reaches `depth` [m] into soil with a free surface.
-///
-/// ```text
-/// F = b (½ γ d² K_p + 2 c d √K_p)
-/// ```
-///
-/// The first part acts a third, the second half a depth above the edge (Rankine).
-pub fn lug_push(wheel: &Wheel, soil: &Soil, depth: f64) -> LugPush {
-    let depth = depth.clamp(0.0, wheel.lug_height());
-    let passive = soil.passive_pressure_coefficient();
-    let unit_weight = soil.bulk_density * GRAVITY;
-    let weight = wheel.width * 0.5 * unit_weight * depth * depth * passive;
-    let cohesion = wheel.width * 2.0 * soil.cohesion * depth * libm::sqrt(passive);
-    let tip = wheel.tip_radius();
-    LugPush {
-        force: weight + cohesion,
-        moment: weight * (tip - depth / 3.0) + cohesion * (tip - depth / 2.0),
+/// The face of a lug against soil with a free surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LugFace<T = f64> {
+    /// Lug height [m].
+    height: f64,
+    /// Radius [m] of the lugs' edges.
+    tip: f64,
+    /// `½ γ b` [N/m²].
+    unit_weight: f64,
+    /// `2 c b` [N/m].
+    cohesion: T,
+    /// `K_p` [-].
+    passive: T,
+    /// `√K_p` [-].
+    root: T,
+}
+
+impl<T: Real> LugFace<T> {
+    /// A lug of `wheel` in `soil`.
+    pub fn new(wheel: &Wheel, soil: &Soil<T>) -> Self {
+        let passive = soil.passive_pressure_coefficient();
+        Self {
+            height: wheel.lug_height(),
+            tip: wheel.tip_radius(),
+            unit_weight: wheel.width * 0.5 * (soil.bulk_density * GRAVITY),
+            cohesion: soil.cohesion * (wheel.width * 2.0),
+            passive,
+            root: passive.sqrt(),
+        }
+    }
+
+    /// Passive push where the lug reaches `depth` [m] into the soil.
+    ///
+    /// ```text
+    /// F = b (½ γ d² K_p + 2 c d √K_p)
+    /// ```
+    ///
+    /// The first part acts a third, the second half a depth above the edge (Rankine).
+    pub fn push(&self, depth: T) -> LugPush<T> {
+        let depth = depth.within([0.0, self.height].map(T::constant));
+        let weight = depth * self.unit_weight * depth * self.passive;
+        let cohesion = self.cohesion * depth * self.root;
+        LugPush {
+            force: weight + cohesion,
+            moment: weight * (-(depth / 3.0) + self.tip) + cohesion * (-(depth / 2.0) + self.tip),
+        }
     }
 }
 
@@ -150,10 +180,13 @@ mod tests {
             ..table_6::sand()
         };
         // K_p = 3 at 30°.
-        let push = lug_push(&wheel(24), &soil, 0.01);
+        let push = LugFace::new(&wheel(24), &soil).push(0.01);
         let expected = 0.15 * 0.5 * 9806.65 * 1e-4 * 3.0;
         assert!((push.force / expected - 1.0).abs() < 1e-12);
         assert!((push.moment / push.force - (0.165 - 0.01 / 3.0)).abs() < 1e-12);
-        assert_eq!(lug_push(&wheel(24), &soil, -0.01), LugPush::default());
+        assert_eq!(
+            LugFace::new(&wheel(24), &soil).push(-0.01),
+            LugPush::default()
+        );
     }
 }

@@ -47,24 +47,32 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
 /// `base^exponent` for a positive normal `base`; by `libm` where it, or the result, is not one.
 #[inline]
 pub fn power(base: f64, exponent: f64) -> f64 {
+    power_and_logarithm(base, exponent)[0]
+}
+
+/// The same, and the natural logarithm of `base`.
+#[inline]
+pub fn power_and_logarithm(base: f64, exponent: f64) -> [f64; 2] {
     let tables = &*TABLES;
+    let by_libm = || [libm::pow(base, exponent), libm::log(base)];
     let bits = base.to_bits();
     let order = (bits >> MANTISSA) as i64;
     // A sign bit, a subnormal, an infinity or no number.
     if !(1..2 * BIAS + 1).contains(&order) {
-        return libm::pow(base, exponent);
+        return by_libm();
     }
     let mantissa = f64::from_bits((bits & ((1 << MANTISSA) - 1)) | ((BIAS as u64) << MANTISSA));
     let index = (bits >> (MANTISSA - LOGARITHMS.ilog2())) as usize % LOGARITHMS;
     let [reciprocal, logarithm] = tables.logarithms[index];
     let q = mantissa * reciprocal - 1.0;
     let series = q * (1.0 - q * (1.0 / 2.0 - q * (1.0 / 3.0 - q * (1.0 / 4.0))));
-    let y = exponent * ((order - BIAS) as f64 + (logarithm + series * (1.0 / LN_2)));
+    let log2 = (order - BIAS) as f64 + (logarithm + series * (1.0 / LN_2));
+    let y = exponent * log2;
     // Results that are normal, with room.
     if !(-1000.0..1000.0).contains(&y) {
-        return libm::pow(base, exponent);
+        return by_libm();
     }
-    power_of_two(y, tables)
+    [power_of_two(y, tables), log2 * LN_2]
 }
 
 #[inline]

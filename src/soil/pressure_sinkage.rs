@@ -3,56 +3,49 @@
 use crate::soil::Soil;
 use crate::soil::hard_base::HardBase;
 use crate::soil::power::power;
+use crate::soil::real::Real;
 
 /// `p = k_s zᴺ` of one soil under one width at one slip, and what the soil has beyond that.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PressureSinkage {
+pub struct PressureSinkage<T = f64> {
     /// Sinkage modulus `k_s` [N·m⁻⁽ᴺ⁺²⁾].
-    pub modulus: f64,
+    pub modulus: T,
     /// Sinkage exponent `N` [-].
-    pub exponent: f64,
+    pub exponent: T,
     /// Stiffness on unloading and reloading [Pa/m].
     pub unloading_stiffness: f64,
     /// Depth [m] by which the soil was pressed before; 0 on fresh soil.
     pub precompression: f64,
     /// Sinkage [m] over which soil pressed before takes its former pressure up again.
-    pub rebound: f64,
+    pub rebound: T,
     /// The hard base below it, if any.
     pub base: HardBase,
 }
 
-impl Soil {
+impl<T: Real> Soil<T> {
     /// The pressure-sinkage law under a wheel or plate of `width` [m] at `slip` [-].
-    pub fn pressure_sinkage(&self, width: f64, slip: f64) -> PressureSinkage {
+    pub fn pressure_sinkage(&self, width: f64, slip: T) -> PressureSinkage<T> {
         let departures = &self.departures;
         let exponent = self.exponent(slip);
         let fresh = PressureSinkage {
             modulus: self.sinkage_modulus(width) * departures.modulus_factor()
-                / libm::pow(departures.depth_factor(slip), exponent),
+                / departures.depth_factor(slip).pow(exponent),
             exponent,
             unloading_stiffness: self.unloading_stiffness,
             precompression: 0.0,
-            rebound: 0.0,
+            rebound: T::constant(0.0),
             base: departures.hard_base(),
         };
         let precompression = departures.precompression;
         PressureSinkage {
             precompression,
-            rebound: fresh.pressure(precompression) / self.unloading_stiffness,
+            rebound: fresh.pressure(T::constant(precompression)) / self.unloading_stiffness,
             ..fresh
         }
     }
 }
 
-impl PressureSinkage {
-    /// The law of soil that answers `factor` [-] times as hard, as at another penetration rate.
-    pub fn at_rate(self, factor: f64) -> Self {
-        Self {
-            modulus: self.modulus * factor,
-            ..self
-        }
-    }
-
+impl<T: Real> PressureSinkage<T> {
     /// Normal pressure [Pa] at `sinkage` [m], the soil being loaded for the first time.
     ///
     /// ```text
@@ -66,17 +59,50 @@ impl PressureSinkage {
     /// # Reference
     /// Bekker (1969), *Introduction to Terrain-Vehicle Systems*; Wong (2008), *Theory of Ground
     /// Vehicles*, 4th ed., on repetitive loading.
-    pub fn pressure(&self, sinkage: f64) -> f64 {
+    pub fn pressure(&self, sinkage: T) -> T {
         self.pressure_of(sinkage, sinkage)
     }
 
     /// Normal pressure [Pa] of soil pressed to `depth` [m], of which `counted` [m] stand for the
     /// stress there ([`crate::soil::contact::EffectiveDepth`]).
-    pub fn pressure_of(&self, counted: f64, depth: f64) -> f64 {
+    pub fn pressure_of(&self, counted: T, depth: T) -> T {
         if counted <= 0.0 {
-            return 0.0;
+            return T::constant(0.0);
         }
-        self.modulus * libm::pow(self.felt(counted, depth), self.exponent)
+        self.modulus * self.felt(counted, depth).pow(self.exponent)
+    }
+
+    /// Whether the soil is deep and fresh, so that all that counts is the depth that counts.
+    pub fn is_ideal(&self) -> bool {
+        self.precompression == 0.0 && self.base == HardBase::default()
+    }
+
+    /// Depth [m] of deep and fresh soil that resists as this soil does.
+    fn felt(&self, counted: T, depth: T) -> T {
+        if self.is_ideal() {
+            return counted;
+        }
+        let former = self.taken_up(depth) * self.precompression;
+        (counted + former) * self.base.stretch(depth)
+    }
+
+    /// Share [-] of the former pressure that soil pressed to `depth` [m] has taken up again.
+    fn taken_up(&self, depth: T) -> T {
+        if depth >= self.rebound {
+            T::constant(1.0)
+        } else {
+            depth / self.rebound
+        }
+    }
+}
+
+impl PressureSinkage {
+    /// The law of soil that answers `factor` [-] times as hard, as at another penetration rate.
+    pub fn at_rate(self, factor: f64) -> Self {
+        Self {
+            modulus: self.modulus * factor,
+            ..self
+        }
     }
 
     /// The same within 1e-12 of it, several times faster: for a motion, which takes a pressure for every millimetre of
@@ -86,12 +112,6 @@ impl PressureSinkage {
             return 0.0;
         }
         self.modulus * power(self.felt(counted, depth), self.exponent)
-    }
-
-    /// Depth [m] of deep and fresh soil that resists as this soil does.
-    fn felt(&self, counted: f64, depth: f64) -> f64 {
-        let former = self.precompression * self.taken_up(depth);
-        (counted + former) * self.base.stretch(depth)
     }
 
     /// Slope `dp/dz = N p/z` [Pa/m] of the loading curve at `sinkage` [m], 0 above the soil.
@@ -121,15 +141,6 @@ impl PressureSinkage {
     /// stiffens it as it does the loading curve.
     pub fn unloading_at(&self, depth: f64) -> f64 {
         self.unloading_stiffness * self.base.stretch(depth) * self.base.steepening(depth)
-    }
-
-    /// Share [-] of the former pressure that soil pressed to `depth` [m] has taken up again.
-    fn taken_up(&self, depth: f64) -> f64 {
-        if depth >= self.rebound {
-            1.0
-        } else {
-            depth / self.rebound
-        }
     }
 
     /// Sinkage [m] at which the loading curve of deep and fresh soil reaches `pressure` [Pa].

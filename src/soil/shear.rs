@@ -1,21 +1,22 @@
 //! Shear stress against shear displacement: Mohr-Coulomb strength, Janosi-Hanamoto mobilisation.
 
 use crate::soil::Soil;
+use crate::soil::real::Real;
 
 /// Shear strength of a soil and how displacement mobilises it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shear {
+pub struct Shear<T = f64> {
     /// Cohesion `c` [Pa].
-    pub cohesion: f64,
+    pub cohesion: T,
     /// Tangent of the internal friction angle `tan φ` [-].
-    pub tan_friction_angle: f64,
+    pub tan_friction_angle: T,
     /// Shear deformation modulus `K` [m]; 0 on ground that does not deform in shear.
-    pub modulus: f64,
+    pub modulus: T,
 }
 
-impl Soil {
+impl<T: Real> Soil<T> {
     /// The soil's shear law.
-    pub fn shear(&self) -> Shear {
+    pub fn shear(&self) -> Shear<T> {
         Shear {
             cohesion: self.cohesion,
             tan_friction_angle: self.tan_friction_angle(),
@@ -24,15 +25,15 @@ impl Soil {
     }
 
     /// Coefficient of passive earth pressure `K_p = tan²(45° + φ/2)` [-] (Rankine 1857).
-    pub fn passive_pressure_coefficient(&self) -> f64 {
-        let root = libm::tan((45.0 + self.friction_angle_deg / 2.0).to_radians());
+    pub fn passive_pressure_coefficient(&self) -> T {
+        let root = (self.friction_angle_deg / 2.0 + 45.0).radians().tan();
         root * root
     }
 }
 
-impl Shear {
+impl<T: Real> Shear<T> {
     /// Shear strength `c + σ tan φ` [Pa] under `normal_stress` [Pa] (Mohr-Coulomb).
-    pub fn strength(&self, normal_stress: f64) -> f64 {
+    pub fn strength(&self, normal_stress: T) -> T {
         self.cohesion + normal_stress * self.tan_friction_angle
     }
 
@@ -47,11 +48,11 @@ impl Shear {
     ///
     /// # Reference
     /// Janosi and Hanamoto (1961), 1st Int. Conf. on Terrain-Vehicle Systems; Eq. (66).
-    pub fn mobilised(&self, displacement: f64) -> f64 {
+    pub fn mobilised(&self, displacement: T) -> T {
         let magnitude = if self.modulus > 0.0 {
-            -libm::expm1(-displacement.abs() / self.modulus)
+            -(-displacement.magnitude() / self.modulus).exp_m1()
         } else {
-            1.0
+            T::constant(1.0)
         };
         if displacement < 0.0 {
             -magnitude
@@ -61,7 +62,7 @@ impl Shear {
     }
 
     /// Shear stress [Pa] under `normal_stress` [Pa] after `displacement` [m], of its sign.
-    pub fn stress(&self, normal_stress: f64, displacement: f64) -> f64 {
+    pub fn stress(&self, normal_stress: T, displacement: T) -> T {
         self.strength(normal_stress) * self.mobilised(displacement)
     }
 }
@@ -70,27 +71,39 @@ impl Shear {
 ///
 /// `1 - s` driving and `1/(1 + s)` braking: the same motion in the two definitions of slip.
 /// A locked wheel (`s = -1`) has a very large one rather than none.
-pub fn speed_ratio(slip: f64) -> f64 {
+pub fn speed_ratio<T: Real>(slip: T) -> T {
     const LOCKED: f64 = 1e-9;
     if slip >= 0.0 {
-        1.0 - slip
+        -slip + 1.0
     } else {
-        1.0 / (1.0 + slip).max(LOCKED)
+        T::constant(1.0) / (slip + 1.0).larger(T::constant(LOCKED))
     }
 }
 
 /// Shear displacement along the contact of a wheel in steady rolling.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShearDisplacement {
+pub struct ShearDisplacement<T = f64> {
     /// Radius `r_s` [m] of the surface on which the soil shears.
-    pub shear_radius: f64,
+    pub shear_radius: T,
     /// Angle [rad] at which that surface enters the soil.
-    pub entry_angle: f64,
+    entry_angle: T,
+    sin_entry: T,
     /// Travel of the axle per angle turned `v/ω` [m]: the rim radius times [`speed_ratio`].
-    pub travel: f64,
+    travel: T,
 }
 
-impl ShearDisplacement {
+impl<T: Real> ShearDisplacement<T> {
+    /// A surface at `shear_radius` [m] that enters the soil at `entry_angle` [rad], with the
+    /// `travel` [m] of the axle per angle turned.
+    pub fn new(shear_radius: T, entry_angle: T, travel: T) -> Self {
+        Self {
+            shear_radius,
+            entry_angle,
+            sin_entry: entry_angle.sin(),
+            travel,
+        }
+    }
+
     /// Shear displacement `j` [m] at `angle` [rad] from straight down, positive ahead.
     ///
     /// ```text
@@ -105,8 +118,8 @@ impl ShearDisplacement {
     ///
     /// # Reference
     /// Wong and Reece (1967), J. Terramechanics 4(1):81-98.
-    pub fn at(&self, angle: f64) -> f64 {
-        let chord = libm::sin(self.entry_angle) - libm::sin(angle);
+    pub fn at(&self, angle: T) -> T {
+        let chord = self.sin_entry - angle.sin();
         self.shear_radius * (self.entry_angle - angle) - self.travel * chord
     }
 }
@@ -165,11 +178,7 @@ mod tests {
         for slip in [-0.5, -0.1, 0.0, 0.2, 1.0] {
             let (shear_radius, rim_radius, entry_angle) = (0.15, 0.14, 0.4);
             let travel = rim_radius * speed_ratio(slip);
-            let displacement = ShearDisplacement {
-                shear_radius,
-                entry_angle,
-                travel,
-            };
+            let displacement = ShearDisplacement::new(shear_radius, entry_angle, travel);
             assert_eq!(displacement.at(entry_angle), 0.0);
             // Midpoint rule with 1000 steps: relative error below 1e-7.
             let (angle, steps) = (-0.1, 1000);
@@ -185,11 +194,7 @@ mod tests {
     #[test]
     fn braking_shears_forward_and_driving_backward() {
         let at_bottom = |slip: f64| {
-            let displacement = ShearDisplacement {
-                shear_radius: 0.14,
-                entry_angle: 0.3,
-                travel: 0.14 * speed_ratio(slip),
-            };
+            let displacement = ShearDisplacement::new(0.14, 0.3, 0.14 * speed_ratio(slip));
             displacement.at(0.0)
         };
         assert!(at_bottom(0.2) > 0.0 && at_bottom(0.0) > 0.0);

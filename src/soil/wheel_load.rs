@@ -4,7 +4,8 @@
 use crate::quantity::RangeError;
 use crate::soil::closed_form::Rim;
 use crate::soil::contact::{ContactAngles, NormalStress, entry_angle};
-use crate::soil::lug_action::{covered, lug_push, shear_radius, unconfined};
+use crate::soil::lug_action::{LugFace, covered, shear_radius, unconfined};
+use crate::soil::real::Real;
 use crate::soil::shear::{Shear, ShearDisplacement, speed_ratio};
 use crate::soil::{Soil, StressConvention};
 use crate::wheel::Wheel;
@@ -13,16 +14,28 @@ use std::ops::{Add, Mul};
 
 /// Loads of the soil on a wheel in steady rolling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WheelLoad {
+pub struct WheelLoad<T = f64> {
     /// Normal force `F_N` [N], upward.
-    pub normal_force: f64,
+    pub normal_force: T,
     /// Drawbar pull `F_DP` [N], above 0 where the soil pulls the wheel forward.
-    pub drawbar_pull: f64,
+    pub drawbar_pull: T,
     /// Torque `M_R` [N·m] about the axle, above 0 where the motor drives forward against the soil.
-    pub driving_torque: f64,
+    pub driving_torque: T,
 }
 
-impl Add for WheelLoad {
+impl<T: Real> WheelLoad<T> {
+    /// No loads.
+    fn none() -> Self {
+        let zero = T::constant(0.0);
+        Self {
+            normal_force: zero,
+            drawbar_pull: zero,
+            driving_torque: zero,
+        }
+    }
+}
+
+impl<T: Real> Add for WheelLoad<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
@@ -33,9 +46,9 @@ impl Add for WheelLoad {
     }
 }
 
-impl Mul<f64> for WheelLoad {
+impl<T: Real> Mul<T> for WheelLoad<T> {
     type Output = Self;
-    fn mul(self, part: f64) -> Self {
+    fn mul(self, part: T) -> Self {
         Self {
             normal_force: self.normal_force * part,
             drawbar_pull: self.drawbar_pull * part,
@@ -46,22 +59,24 @@ impl Mul<f64> for WheelLoad {
 
 /// Steady rolling: slip and travel of the axle, both by the rim's radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rolling {
+pub struct Rolling<T = f64> {
     /// Slip ratio `s` [-] of the rim.
-    pub slip: f64,
+    pub slip: T,
     /// Travel of the axle per angle turned `v/ω` [m].
-    pub travel: f64,
+    pub travel: T,
+}
+
+impl<T: Real> Rolling<T> {
+    /// A rim of `radius` [m] that rolls with `slip` [-].
+    pub fn new(radius: f64, slip: T) -> Self {
+        Self {
+            slip,
+            travel: speed_ratio(slip) * radius,
+        }
+    }
 }
 
 impl Rolling {
-    /// A rim of `radius` [m] that rolls with `slip` [-].
-    pub fn new(radius: f64, slip: f64) -> Self {
-        Self {
-            slip,
-            travel: radius * speed_ratio(slip),
-        }
-    }
-
     /// The same motion as a slip ratio [-] by another `radius` [m], for example the lugs' edges'
     /// or the shear surface's.
     pub fn slip_at(&self, radius: f64) -> f64 {
@@ -79,11 +94,11 @@ impl Rolling {
 /// Normal stress acts at the cylinder's own radius, shear stress at the shear radius, whose
 /// surface enters the soil at `arccos((r - z)/r_s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct Contact<T = f64> {
     rim: Rim,
-    normal: NormalStress,
-    shear: Shear,
-    displacement: ShearDisplacement,
+    normal: NormalStress<T>,
+    shear: Shear<T>,
+    displacement: ShearDisplacement<T>,
     shearing: Shearing,
 }
 
@@ -96,20 +111,20 @@ enum Shearing {
     AtPeak,
 }
 
-impl Contact {
+impl<T: Real> Contact<T> {
     /// The contact of `rim` at `sinkage` [m], shearing the soil at `shear_radius` [m].
     pub fn new(
         rim: Rim,
-        shear_radius: f64,
-        soil: &Soil,
-        sinkage: f64,
-        Rolling { slip, travel }: Rolling,
+        shear_radius: T,
+        soil: &Soil<T>,
+        sinkage: T,
+        Rolling { slip, travel }: Rolling<T>,
     ) -> Self {
-        let displacement = ShearDisplacement {
+        let displacement = ShearDisplacement::new(
             shear_radius,
-            entry_angle: entry_angle(shear_radius, sinkage + shear_radius - rim.radius),
+            entry_angle(shear_radius, sinkage + shear_radius - rim.radius),
             travel,
-        };
+        );
         Self {
             rim,
             normal: NormalStress::new(soil, [rim.radius, rim.width], sinkage, slip),
@@ -131,12 +146,12 @@ impl Contact {
     }
 
     /// Normal stress and where it acts.
-    pub fn normal(&self) -> &NormalStress {
+    pub fn normal(&self) -> &NormalStress<T> {
         &self.normal
     }
 
     /// Normal stress `σ` [Pa] at `angle` [rad].
-    pub fn normal_stress(&self, angle: f64) -> f64 {
+    pub fn normal_stress(&self, angle: T) -> T {
         self.normal.at(angle)
     }
 
@@ -144,16 +159,21 @@ impl Contact {
     ///
     /// Wong-Reece: `(c + σ(θ) tan φ) E(j(θ))`. Triangular: the triangle under its value at `θ_m`,
     /// which is what Eq. (62)-(65) integrate. None outside the contact, where nothing presses.
-    pub fn shear_stress(&self, angle: f64) -> f64 {
+    pub fn shear_stress(&self, angle: T) -> T {
+        self.shear_stress_under(self.normal_stress(angle), angle)
+    }
+
+    /// The same where the normal stress [Pa] is known.
+    fn shear_stress_under(&self, normal_stress: T, angle: T) -> T {
         let depth = &self.normal.depth;
         match self.shearing {
             Shearing::There => {
                 let (entry, exit) = (depth.angles.entry, depth.angles.exit);
                 if angle <= exit || angle >= entry {
-                    return 0.0;
+                    return T::constant(0.0);
                 }
                 let displacement = self.displacement.at(angle);
-                self.shear.stress(self.normal_stress(angle), displacement)
+                self.shear.stress(normal_stress, displacement)
             }
             Shearing::AtPeak => {
                 let displacement = self.displacement.at(depth.angles.peak);
@@ -172,39 +192,38 @@ impl Contact {
     ///
     /// # Reference
     /// Wong and Reece (1967), J. Terramechanics 4(1):81-98, whose `r_s` is `r`.
-    pub fn loads(&self) -> WheelLoad {
+    pub fn loads(&self) -> WheelLoad<T> {
         self.loads_over(PANELS)
     }
 
-    fn loads_over(&self, panels: u32) -> WheelLoad {
+    fn loads_over(&self, panels: u32) -> WheelLoad<T> {
         let angles = self.normal.depth.angles;
         let rear = self.integrate([angles.exit, angles.peak], panels);
         let front = self.integrate([angles.entry, angles.peak], panels);
         // `integrate` runs from the far end to the peak: backward ahead of it.
-        rear + front * -1.0
+        rear + front * T::constant(-1.0)
     }
 
     /// Integral of the loads per angle from `end` to `peak`, nodes drawn to `end` as `u²`: there
     /// `σ ∝ (θ_1 - θ)ᴺ` is not smooth.
-    fn integrate(&self, [end, peak]: [f64; 2], panels: u32) -> WheelLoad {
+    fn integrate(&self, [end, peak]: [T; 2], panels: u32) -> WheelLoad<T> {
         let width = 1.0 / f64::from(panels);
         let of_panel = |panel: u32| {
             let from = f64::from(panel) * width;
-            integral([from, from + width], |u| {
+            integral([from, from + width].map(T::constant), |u| {
                 let angle = end + (peak - end) * u * u;
-                self.load_per_angle(angle) * (2.0 * (peak - end) * u)
+                self.load_per_angle(angle) * ((peak - end) * 2.0 * u)
             })
         };
-        (0..panels)
-            .map(of_panel)
-            .fold(WheelLoad::default(), Add::add)
+        (0..panels).map(of_panel).fold(WheelLoad::none(), Add::add)
     }
 
-    fn load_per_angle(&self, angle: f64) -> WheelLoad {
+    fn load_per_angle(&self, angle: T) -> WheelLoad<T> {
         let shear_radius = self.displacement.shear_radius;
-        let normal = self.rim.radius * self.rim.width * self.normal_stress(angle);
-        let shear = shear_radius * self.rim.width * self.shear_stress(angle);
-        let (sin, cos) = libm::sincos(angle);
+        let stress = self.normal_stress(angle);
+        let normal = stress * (self.rim.radius * self.rim.width);
+        let shear = shear_radius * self.rim.width * self.shear_stress_under(stress, angle);
+        let (sin, cos) = angle.sin_cos();
         WheelLoad {
             normal_force: normal * cos + shear * sin,
             drawbar_pull: shear * cos - normal * sin,
@@ -218,12 +237,12 @@ impl Contact {
 const PANELS: u32 = 4;
 
 /// Integral of loads from one end to the other, by one panel.
-fn integral([from, to]: [f64; 2], load: impl Fn(f64) -> WheelLoad) -> WheelLoad {
-    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-    let mut sum = WheelLoad::default();
+fn integral<T: Real>([from, to]: [T; 2], load: impl Fn(T) -> WheelLoad<T>) -> WheelLoad<T> {
+    let (middle, half) = ((from + to) * 0.5, (to - from) * 0.5);
+    let mut sum = WheelLoad::none();
     for (node, weight) in GAUSS_LEGENDRE {
         for x in [middle - half * node, middle + half * node] {
-            sum = sum + load(x) * (weight * half);
+            sum = sum + load(x) * (half * weight);
         }
     }
     sum
@@ -245,50 +264,61 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 /// sources: [`crate::soil::lug_action`]. Without lugs, the rim alone.
 ///
 /// The sinkage of a wheel that its lugs carry is below 0.
-pub fn loads(wheel: &Wheel, soil: &Soil, sinkage: f64, slip: f64) -> WheelLoad {
+pub fn loads<T: Real>(wheel: &Wheel, soil: &Soil<T>, sinkage: T, slip: T) -> WheelLoad<T> {
+    loads_to(PANELS, wheel, soil, [sinkage, slip])
+}
+
+/// The same at `[sinkage, slip]` with so many panels on either side of the peak stress.
+pub(crate) fn loads_to<T: Real>(
+    panels: u32,
+    wheel: &Wheel,
+    soil: &Soil<T>,
+    [sinkage, slip]: [T; 2],
+) -> WheelLoad<T> {
     let rolling = Rolling::new(wheel.radius, slip);
     let rim = Rim::from(wheel);
     let on_rim = Contact::new(rim, shear_radius(wheel, soil), soil, sinkage, rolling);
     let Some(lugs) = wheel.lugs else {
-        return on_rim.loads();
+        return on_rim.loads_over(panels);
     };
     let edges = Rim {
         radius: wheel.tip_radius(),
         ..rim
     };
     let depth = sinkage + wheel.lug_height();
-    let at_edges = Contact::new(edges, edges.radius, soil, depth, rolling).of_edges();
+    let at_edges = Contact::new(edges, T::constant(edges.radius), soil, depth, rolling).of_edges();
     let faces = LugFaces {
         wheel,
-        soil,
+        face: LugFace::new(wheel, soil),
         sinkage,
         rim: on_rim.normal.depth.angles,
         edges: &at_edges,
     };
-    on_rim.loads() * (1.0 - covered(wheel, rim.radius))
-        + at_edges.loads() * covered(wheel, edges.radius)
-        + faces.loads() * (f64::from(lugs.count) / TAU)
+    on_rim.loads_over(panels) * T::constant(1.0 - covered(wheel, rim.radius))
+        + at_edges.loads_over(panels) * T::constant(covered(wheel, edges.radius))
+        + faces.loads() * T::constant(f64::from(lugs.count) / TAU)
 }
 
 /// The faces of lugs that pass through soil outside the rim's contact.
-struct LugFaces<'a> {
+struct LugFaces<'a, T> {
     wheel: &'a Wheel,
-    soil: &'a Soil,
+    face: LugFace<T>,
     /// Sinkage of the rim [m].
-    sinkage: f64,
-    rim: ContactAngles,
-    edges: &'a Contact,
+    sinkage: T,
+    rim: ContactAngles<T>,
+    edges: &'a Contact<T>,
 }
 
-impl LugFaces<'_> {
+impl<T: Real> LugFaces<'_, T> {
     /// Their loads, integrated over the angle [rad] at which a lug stands.
     ///
     /// Ahead of the rim the surface is undisturbed, behind it is the rut that the rim's lowest point has pressed.
-    fn loads(&self) -> WheelLoad {
+    fn loads(&self) -> WheelLoad<T> {
         let Wheel { radius, .. } = *self.wheel;
         let tip = self.edges.rim.radius;
-        let [undisturbed, rut] = [radius - self.sinkage, radius.max(radius - self.sinkage)];
-        let leaves = |below: f64| libm::acos((below / tip).clamp(-1.0, 1.0));
+        let undisturbed = -self.sinkage + radius;
+        let rut = undisturbed.larger(T::constant(radius));
+        let leaves = |below: T| (below / tip).within([-1.0, 1.0].map(T::constant)).acos();
         let confined = self.wheel.lug_height() / radius;
         let ContactAngles { entry, exit, .. } = self.rim;
         self.over([exit, exit - confined, -leaves(rut)], rut)
@@ -297,17 +327,17 @@ impl LugFaces<'_> {
 
     /// From the end of the rim's contact over the place where nothing confines the soil any more to where lugs leave it,
     /// all [rad], with the surface so far below the axle [m].
-    fn over(&self, [end, free, leaves]: [f64; 3], surface: f64) -> WheelLoad {
+    fn over(&self, [end, free, leaves]: [T; 3], surface: T) -> WheelLoad<T> {
         let outward = if leaves < 0.0 { -1.0 } else { 1.0 };
-        let within = |angle: f64| outward * (outward * angle).min(outward * leaves);
+        let within = |angle: T| (angle * outward).smaller(leaves * outward) * outward;
         let [end, free] = [within(end), within(free)];
         let load = |angle| self.load_per_angle(angle, surface);
-        (integral([end, free], load) + integral([free, leaves], load)) * outward
+        (integral([end, free], load) + integral([free, leaves], load)) * T::constant(outward)
     }
 
-    fn load_per_angle(&self, angle: f64, surface: f64) -> WheelLoad {
-        let (sin, cos) = libm::sincos(angle);
-        let push = lug_push(self.wheel, self.soil, self.edges.rim.radius * cos - surface);
+    fn load_per_angle(&self, angle: T, surface: T) -> WheelLoad<T> {
+        let (sin, cos) = angle.sin_cos();
+        let push = self.face.push(cos * self.edges.rim.radius - surface);
         let sheared = self.edges.displacement.at(angle);
         let part = self.edges.shear.mobilised(sheared) * unconfined(self.wheel, angle, self.rim);
         WheelLoad {
@@ -392,6 +422,7 @@ fn root(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], tolerance: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::soil::real::Dual;
     use crate::soil::{closed_form, table_6};
     use proptest::prelude::*;
 
@@ -409,6 +440,83 @@ mod tests {
             stress_angle_slip: 0.2,
             exit_angle: -0.1,
             ..table_6::sand()
+        }
+    }
+
+    /// `soil` with the variables 0 to 8 in the order of Table 6.
+    fn varied(soil: &Soil) -> Soil<Dual<10>> {
+        let variable = Dual::variable;
+        Soil {
+            convention: soil.convention,
+            cohesive_modulus: Dual::constant(soil.cohesive_modulus),
+            stress_angle: variable(soil.stress_angle, 0),
+            stress_angle_slip: variable(soil.stress_angle_slip, 1),
+            frictional_modulus: variable(soil.frictional_modulus, 2),
+            sinkage_exponent: variable(soil.sinkage_exponent, 3),
+            sinkage_exponent_slip: variable(soil.sinkage_exponent_slip, 4),
+            cohesion: variable(soil.cohesion, 5),
+            friction_angle_deg: variable(soil.friction_angle_deg, 6),
+            shear_modulus: variable(soil.shear_modulus, 7),
+            exit_angle: soil.exit_angle,
+            unloading_stiffness: soil.unloading_stiffness,
+            damping: soil.damping,
+            bulk_density: soil.bulk_density,
+            repose_angle_deg: soil.repose_angle_deg,
+            departures: soil.departures,
+        }
+    }
+
+    #[test]
+    fn the_derivatives_of_the_loads_are_their_differences_over_small_steps() {
+        let lugged = Wheel::rover();
+        for (wheel, soil) in [
+            (smooth(), wong_reece_sand()),
+            (lugged, wong_reece_sand()),
+            (lugged, table_6::sand()),
+        ] {
+            for [sinkage, slip] in [[0.012, 0.3], [0.004, -0.15]] {
+                let point = [Dual::variable(sinkage, 8), Dual::variable(slip, 9)];
+                let exact = loads(&wheel, &varied(&soil), point[0], point[1]);
+                let values = loads(&wheel, &soil, sinkage, slip);
+                let error = exact.normal_force.value / values.normal_force - 1.0;
+                assert!(error.abs() < 1e-11, "{error}");
+                for variable in 0..10 {
+                    let stepped = |part: f64| {
+                        let mut soil = soil;
+                        let mut point = [sinkage, slip];
+                        let value = match variable {
+                            0 => &mut soil.stress_angle,
+                            1 => &mut soil.stress_angle_slip,
+                            2 => &mut soil.frictional_modulus,
+                            3 => &mut soil.sinkage_exponent,
+                            4 => &mut soil.sinkage_exponent_slip,
+                            5 => &mut soil.cohesion,
+                            6 => &mut soil.friction_angle_deg,
+                            7 => &mut soil.shear_modulus,
+                            place => &mut point[place - 8],
+                        };
+                        *value *= 1.0 + part;
+                        let value = *value;
+                        (loads(&wheel, &soil, point[0], point[1]), value)
+                    };
+                    let [(high, to), (low, from)] = [stepped(1e-5), stepped(-1e-5)];
+                    let near = |exact: Dual<10>, high: f64, low: f64| {
+                        let change = exact.slopes[variable] * (to - from);
+                        let scale = 1e-9 * values.normal_force + 1e-4 * change.abs();
+                        assert!(
+                            (change - (high - low)).abs() < scale,
+                            "{variable}: {change}"
+                        );
+                    };
+                    near(exact.normal_force, high.normal_force, low.normal_force);
+                    near(exact.drawbar_pull, high.drawbar_pull, low.drawbar_pull);
+                    near(
+                        exact.driving_torque,
+                        high.driving_torque,
+                        low.driving_torque,
+                    );
+                }
+            }
         }
     }
 

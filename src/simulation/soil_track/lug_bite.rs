@@ -15,7 +15,7 @@ use crate::simulation::contact::{Edge, WheelGeometry};
 use crate::simulation::motion::{WheelMotion, Wrench};
 use crate::soil::Soil;
 use crate::soil::contact::{ContactAngles, EffectiveDepth, entry_angle};
-use crate::soil::lug_action::{lug_push, unconfined};
+use crate::soil::lug_action::{LugFace, unconfined};
 use crate::wheel::Wheel;
 use libm::asin;
 
@@ -43,6 +43,7 @@ const NO_BITE: Bite = Bite {
 pub(super) struct LugBites {
     wheel: Wheel,
     soil: Soil,
+    face: LugFace,
     /// Area of one lug's edge [m²].
     area: f64,
     bites: [Bite; 64],
@@ -54,6 +55,7 @@ impl LugBites {
         Self {
             wheel: *wheel,
             soil: *soil,
+            face: LugFace::new(wheel, soil),
             area,
             bites: [NO_BITE; 64],
         }
@@ -153,7 +155,7 @@ impl LugBites {
         let mut moment = along * radius;
         let part = mobilised * unconfined(&self.wheel, angle, contact.depth.angles);
         if part != 0.0 {
-            let push = lug_push(&self.wheel, &self.soil, surface - edge.y);
+            let push = self.face.push(surface - edge.y);
             along += push.force * part;
             moment += push.moment * part;
         }

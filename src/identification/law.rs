@@ -1,0 +1,40 @@
+//! Which equations the loads are fitted with.
+
+use crate::quantity::RangeError;
+use crate::soil::StressConvention;
+use crate::wheel::Lugs;
+
+/// The equations of soil that lugs enter; on ground that they do not enter the paper's hold.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Law {
+    /// Eq. (62)-(66): triangles of stress on a smooth cylinder.
+    #[default]
+    Paper,
+    /// The simulator's quadrature of stress over rim and lugs ([`crate::soil::wheel_load`]).
+    Own(Own),
+}
+
+/// What the quadrature has to be told besides the rim.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Own {
+    /// The wheel's lugs.
+    pub lugs: Option<Lugs>,
+    /// Distribution of stress over the contact.
+    pub convention: StressConvention,
+    /// Bulk density [kg/m³] of the soil that pushes lugs.
+    pub bulk_density: f64,
+}
+
+impl Own {
+    /// # Errors
+    /// `RangeError` for lugs or a density outside their ranges.
+    pub(super) fn checked(&self) -> Result<(), RangeError> {
+        RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
+        let Some(lugs) = self.lugs else {
+            return Ok(());
+        };
+        RangeError::positive("lug height", "m", lugs.height)?;
+        RangeError::check("lug thickness", "m", lugs.thickness, [0.0, 1.0])?;
+        Ok(())
+    }
+}
