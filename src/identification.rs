@@ -280,8 +280,39 @@ impl Identification {
             minimum: *best,
         };
         self.demote(&mut estimate, around);
+        self.demote_under_one_load(&mut estimate);
         self.combine(&mut estimate, around);
         estimate
+    }
+
+    /// Under one load identifies no parameter of a pair or three that only counts together there,
+    /// unless another of them is known: what the shape of the stress over the contact says of them
+    /// apart from each other is the model's word, not the rows'.
+    fn demote_under_one_load(&self, estimate: &mut Estimate) {
+        use Parameter as P;
+        if self.model.class != Wtic::Leis || !Scope::is_one_load(&self.rows) {
+            return;
+        }
+        for together in [
+            &[P::Cohesion, P::FrictionAngle][..],
+            &[
+                P::SinkageModulus,
+                P::SinkageExponent,
+                P::SinkageExponentSlip,
+            ],
+        ] {
+            let of = |parameter: &P| estimate.of(*parameter).standing;
+            if together.iter().any(|p| of(p) == Standing::Given) {
+                continue;
+            }
+            for &parameter in together {
+                let identified = &mut estimate.parameters[parameter as usize];
+                if identified.is_identifiable() {
+                    identified.open_by(Open::OneLoad);
+                    identified.interval = [None; 2];
+                }
+            }
+        }
     }
 
     /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
@@ -410,6 +441,23 @@ impl Identification {
         estimate: &Estimate,
         rows: &[SteadyLoad],
     ) -> Result<Vec<PredictedForce>, IdentifyError> {
+        self.predict_on(&self.model.setting, estimate, rows)
+    }
+
+    /// The same of rows of another wheel, whose `setting` may have other lugs.
+    ///
+    /// # Errors
+    /// `Row` for the first number of `rows` out of its range.
+    pub fn predict_on(
+        &self,
+        setting: &Setting,
+        estimate: &Estimate,
+        rows: &[SteadyLoad],
+    ) -> Result<Vec<PredictedForce>, IdentifyError> {
+        let model = Model {
+            setting: *setting,
+            ..self.model
+        };
         let Around {
             best,
             directions,
@@ -417,13 +465,13 @@ impl Identification {
             ..
         } = self.around_estimate(estimate);
         let knowledge = Knowledge {
-            model: &self.model,
+            model: &model,
             at: best.at,
             directions,
             precision,
             scale: Scale::of(&self.rows),
         };
-        let rows = row::seen(rows, self.model.class, &self.model.setting)?;
+        let rows = row::seen(rows, model.class, &model.setting)?;
         let forces = rows.iter().flat_map(|row| knowledge.forces(row));
         Ok(forces.collect())
     }
@@ -772,7 +820,7 @@ mod tests {
     }
 
     #[test]
-    fn one_load_leaves_modulus_exponents_and_cohesion_open_but_not_the_pressure() {
+    fn one_load_leaves_all_open_but_the_pressure_and_the_strength_together() {
         let rows = stated(sand(&SLIPS, &[109.0]));
         let estimate = identify(&rows, Wtic::Leis, &setting()).unwrap();
         let open: Vec<&str> = estimate
@@ -781,7 +829,7 @@ mod tests {
             .filter(|identified| !identified.is_identifiable())
             .map(|identified| identified.parameter.name())
             .collect();
-        assert_eq!(open, ["k_s", "n0", "n1", "c"]);
+        assert_eq!(open, ["k_s", "n0", "n1", "c", "phi"]);
         let names: Vec<&str> = estimate.combinations.iter().map(|c| c.name).collect();
         assert!(names.contains(&"k_s z^(n0 + n1 s)"), "{names:?}");
         assert!(names.contains(&"c + sigma tan(phi)"), "{names:?}");

@@ -198,6 +198,8 @@ pub struct RunAttributes {
     pub lug_count: Option<u32>,
     /// Lug height [m].
     pub lug_height: f64,
+    /// Lug thickness [m] along the circumference; `None` where it is unknown.
+    pub lug_thickness: Option<f64>,
     /// Mass [kg] on the wheel's side of the force sensors, the wheel's and what turns or hangs with
     /// it; 0 where the forces are those of the contact alone, `None` where it is unknown.
     pub wheel_mass: Option<f64>,

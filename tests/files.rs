@@ -127,7 +127,7 @@ prop_compose! {
     fn attributes()(
         sizes in [number(), number(), number(), number(), number(), number()],
         counts in any::<(Option<u32>, u32)>(),
-        (wheel_mass, slope_deg, plate) in (option::of(number()), number(), option::of(plate())),
+        (wheel_mass, slope_deg, plate, lug_thickness) in (option::of(number()), number(), option::of(plate()), option::of(number())),
         terrain in option::of(label()),
         class in option::of(class()),
         day in text(),
@@ -140,7 +140,7 @@ prop_compose! {
         let (lug_count, repeat) = counts;
         let Lugs { count: lug_count, height: lug_height } = Lugs::stated(lug_count, lug_height);
         RunAttributes {
-            wheel_radius, wheel_width, lug_count, lug_height, load, speed, slip_ratio,
+            wheel_radius, wheel_width, lug_count, lug_height, lug_thickness, load, speed, slip_ratio,
             wheel_mass, slope_deg, plate,
             terrain, class, repeat, day, notes, physics_rate, angle_zero_unknown, import_notes,
         }

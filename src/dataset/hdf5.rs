@@ -5,7 +5,7 @@
 //!                              scenario and seed where simulated
 //! /runs/<id>/                  wheel_radius_m, wheel_width_m, lug_count, lug_height_m, load_n,
 //!                              speed_m_s, slip_ratio, terrain, class, repeat, day, notes,
-//!                              wheel_mass_kg, slope_deg, physics_rate_hz where simulated,
+//!                              lug_thickness_m, wheel_mass_kg, slope_deg, physics_rate_hz where simulated,
 //!                              plate_diameter_m or plate_length_m and plate_width_m; where
 //!                              imported, import_notes (one a line) and wheel_angle_zero = "unknown"
 //!                              where the angle is the integral of the wheel's speed
@@ -23,7 +23,7 @@
 //! program does not know. Numbers that nobody knows (the load of a hand-pushed cart, the spread of a
 //! published mean) are NaN. `lug_count` is left out where the count is unknown; 0 is a smooth wheel, but with a
 //! `lug_height_m` above 0 it is read as unknown, as files of earlier versions have it. `wheel_mass_kg` may be left
-//! out, as may `slope_deg` (0, level); a run with the size of a plate has no wheel.
+//! out, as may `lug_thickness_m` and `slope_deg` (0, level); a run with the size of a plate has no wheel.
 //!
 //! The structures are HDF5 1.8's, which have checksums, as compressed samples do: damage is an error
 //! or a gap, not a wrong number. Only texts have none.

@@ -4,6 +4,8 @@ use super::directions::Directions;
 use super::model::Model;
 use super::parameter::{Coordinates, Parameter};
 use super::row::SteadyLoad;
+use crate::soil::closed_form::Rim;
+use crate::soil::contact::entry_angle;
 use std::f64::consts::LN_2;
 
 /// A combination that the data fix.
@@ -76,7 +78,9 @@ impl Candidate {
 fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candidate> {
     let of = |parameter: Parameter| at[parameter as usize];
     let count = rows.len() as f64;
-    let log_sinkage = rows.iter().map(|row| libm::log(row.sinkage)).sum::<f64>() / count;
+    let sunk = rows.iter().filter(|row| row.sinkage > 0.0);
+    let log_sinkage =
+        sunk.clone().map(|row| libm::log(row.sinkage)).sum::<f64>() / sunk.count().max(1) as f64;
     let slip = rows.iter().map(|row| row.slip.abs()).sum::<f64>() / count;
     let at_rest = of(Parameter::SinkageModulus) + of(Parameter::SinkageExponent) * log_sinkage;
     let log_pressure = at_rest + of(Parameter::SinkageExponentSlip) * slip * log_sinkage;
@@ -120,7 +124,11 @@ fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candi
         },
     ];
     if Parameter::Cohesion.is_free(model.class) {
-        candidates.push(strength(model, at, libm::exp(log_pressure)));
+        let pressure = match model.own() {
+            Some(_) => mean_pressure(model, rows),
+            None => libm::exp(log_pressure),
+        };
+        candidates.push(strength(model, at, pressure));
     }
     if Parameter::ShearModulus.is_free(model.class) && of(Parameter::StressAngle) < 1.0 {
         let ahead = 1.0 - of(Parameter::StressAngle);
@@ -138,6 +146,19 @@ fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candi
         });
     }
     candidates
+}
+
+/// Mean of the loads over the area [m²] of the rim's contact, between entry and exit [Pa].
+fn mean_pressure(model: &Model, rows: &[SteadyLoad]) -> f64 {
+    let Rim { radius, width } = model.surface();
+    let pressures = rows.iter().filter_map(|row| {
+        let entry = entry_angle(radius, row.sinkage);
+        let exit = model.setting.exit_angle * entry;
+        let area = width * radius * (libm::sin(entry) - libm::sin(exit));
+        (area > 0.0).then(|| row.load / area)
+    });
+    let pressures: Vec<f64> = pressures.collect();
+    pressures.iter().sum::<f64>() / pressures.len().max(1) as f64
 }
 
 /// Shear strength `c + σ tan φ` under a `pressure` [Pa].

@@ -1,5 +1,6 @@
 //! What identified parameters are parameters of.
 
+use super::law::Law;
 use super::row::SteadyLoad;
 use crate::trace::wheel::Lugs;
 use std::fmt;
@@ -8,7 +9,7 @@ use std::fmt;
 /// sinks a fifth deeper on most soils (`z ∝ W^(2/(2 n + 1))`, n about 1), which scatter hides.
 const ONE_LOAD: f64 = 1.5;
 
-/// Why parameters by the closed form are effective ones, of the wheel and load that they were fitted to, and not
+/// Why parameters are effective ones, of the wheel and load that they were fitted to, and not
 /// the soil's own.
 ///
 /// Eq. (62)-(66) are of a smooth cylinder: under a lugged wheel their parameters hold what lugs carry, push
@@ -22,18 +23,28 @@ pub struct Scope {
 }
 
 impl Scope {
-    /// Why the parameters of these rows are effective; `None` where they may be the soil's: of a wheel known to be
-    /// smooth under several loads.
-    pub fn of(lugs: Lugs, rows: &[SteadyLoad]) -> Option<Self> {
-        let loads = || rows.iter().map(|row| row.load);
-        let least = loads().fold(f64::INFINITY, f64::min);
-        let most = loads().fold(0.0, f64::max);
+    /// Whether rows are of one load.
+    pub fn is_one_load(rows: &[SteadyLoad]) -> bool {
+        one_load(rows).is_some()
+    }
+
+    /// Why the parameters of these rows are effective; `None` where they may be the soil's: under several loads, of a
+    /// wheel known to be smooth or by a law that knows of lugs.
+    pub fn of(law: &Law, lugs: Lugs, rows: &[SteadyLoad]) -> Option<Self> {
         let scope = Self {
-            lugs: (!lugs.are_none()).then_some(lugs),
-            one_load: (most < ONE_LOAD * least).then_some([least, most]),
+            lugs: (*law == Law::Paper && !lugs.are_none()).then_some(lugs),
+            one_load: one_load(rows),
         };
         (scope.lugs.is_some() || scope.one_load.is_some()).then_some(scope)
     }
+}
+
+/// Least and greatest load [N] of rows, where they are one load.
+fn one_load(rows: &[SteadyLoad]) -> Option<[f64; 2]> {
+    let loads = || rows.iter().map(|row| row.load);
+    let least = loads().fold(f64::INFINITY, f64::min);
+    let most = loads().fold(0.0, f64::max);
+    (most < ONE_LOAD * least).then_some([least, most])
 }
 
 impl fmt::Display for Scope {
@@ -72,10 +83,22 @@ mod tests {
         let lugged = Lugs::stated(Some(28), 0.015);
         let unknown = Lugs::stated(None, f64::NAN);
         let [several, one] = [rows(&[60.0, 100.0]), rows(&[99.0, 101.0])];
-        assert_eq!(Scope::of(Lugs::NONE, &several), None);
-        assert!(Scope::of(Lugs::NONE, &one).unwrap().one_load.is_some());
-        assert!(Scope::of(lugged, &several).unwrap().one_load.is_none());
-        let words = Scope::of(unknown, &several).unwrap().to_string();
+        assert_eq!(Scope::of(&Law::Paper, Lugs::NONE, &several), None);
+        assert!(
+            Scope::of(&Law::Paper, Lugs::NONE, &one)
+                .unwrap()
+                .one_load
+                .is_some()
+        );
+        assert!(
+            Scope::of(&Law::Paper, lugged, &several)
+                .unwrap()
+                .one_load
+                .is_none()
+        );
+        let words = Scope::of(&Law::Paper, unknown, &several)
+            .unwrap()
+            .to_string();
         assert!(words.contains("smooth wheel (lugs not given)"), "{words}");
     }
 }

@@ -134,7 +134,9 @@ pub(super) fn all(
         warnings.push(Warning::NoFreedom);
     }
     warnings.extend(loads_differ(model, rows));
-    warnings.extend(braking(rows));
+    if model.own().is_none() {
+        warnings.extend(braking(rows));
+    }
     if !best.termination.is_minimum() {
         warnings.push(Warning::NotAMinimum(best.termination));
     }

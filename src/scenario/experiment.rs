@@ -207,6 +207,7 @@ impl Scenario {
             wheel_width: self.wheel.width,
             lug_count: Some(self.wheel.lug_count()),
             lug_height: self.wheel.lug_height(),
+            lug_thickness: self.wheel.lugs.map(|lugs| lugs.thickness),
             wheel_mass: Some(self.wheel.mass),
             plate: None,
             slope_deg: self.rig.slope_deg(),

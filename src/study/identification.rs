@@ -49,7 +49,7 @@ pub(super) use steady::{NAME, SteadyRows};
 use super::group::{self, Group, check_over, slip_of, swept};
 use super::{Study, flatten};
 use crate::document::{Document, Misfit};
-use crate::identification::{Cylinder, Force, Setting};
+use crate::identification::{Cylinder, Force, Law, Own, Setting};
 use crate::quantity::RangeError;
 use crate::scenario::Scenario;
 use crate::soil::closed_form::Rim;
@@ -68,9 +68,21 @@ pub(super) struct IdentificationTable {
     from: Option<toml::Table>,
     #[serde(default)]
     cylinder: Cylinder,
+    exit_angle: Option<f64>,
     #[serde(default)]
-    exit_angle: f64,
+    law: LawKey,
     published: Option<Published>,
+}
+
+/// Which equations give the loads in soil that lugs enter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum LawKey {
+    /// Eq. (62)-(66).
+    #[default]
+    Paper,
+    /// The quadrature over rim and lugs, told the scenario's stress distribution, density and `c_3`.
+    Own,
 }
 
 /// Published errors [%] of pull, load and torque, by class (Table 7).
@@ -103,17 +115,28 @@ pub(super) struct Plan {
     /// Keys and values, as TOML, of the groups whose parameters predict those of the others.
     from: Vec<(String, String)>,
     cylinder: Cylinder,
-    exit_angle: f64,
+    /// `c_3` [-]; unless given 0 by the paper's equations, the soil's own by the quadrature.
+    exit_angle: Option<f64>,
+    law: LawKey,
     published: Option<Published>,
 }
 
 impl Plan {
-    /// What the equations are told of a scenario's wheel.
+    /// What the equations are told of a scenario's wheel and soil.
     fn setting(&self, scenario: &Scenario) -> Setting {
+        let soil = own::soil(scenario).filter(|_| self.law == LawKey::Own);
+        let own_exit = soil.map_or(0.0, |soil| soil.exit_angle);
         Setting {
             lug_height: scenario.wheel.lug_height(),
             cylinder: self.cylinder,
-            exit_angle: self.exit_angle,
+            exit_angle: self.exit_angle.unwrap_or(own_exit),
+            law: soil.map_or(Law::Paper, |soil| {
+                Law::Own(Own {
+                    lugs: scenario.wheel.lugs,
+                    convention: soil.convention,
+                    bulk_density: soil.bulk_density,
+                })
+            }),
             ..Setting::new(Rim::from(&scenario.wheel))
         }
     }
@@ -130,13 +153,19 @@ impl IdentificationTable {
         check_over(study, &over, NOT_SWEPT).map_err(at("over"))?;
         let from = read_from(study, &over, self.from.unwrap_or_default()).map_err(at("from"))?;
         let exit_angle = self.exit_angle;
-        RangeError::check("exit angle coefficient", "-", exit_angle, [-1.0, 0.0])
+        let given = exit_angle.unwrap_or(0.0);
+        RangeError::check("exit angle coefficient", "-", given, [-1.0, 0.0])
             .map_err(|error| at("exit_angle")(error.to_string()))?;
+        if self.law == LawKey::Own && self.cylinder != Cylinder::Rim {
+            let message = "the quadrature knows rim and lugs apart; leave cylinder out";
+            return Err(at("cylinder")(message.to_owned()));
+        }
         let plan = Plan {
             over,
             from,
             cylinder: self.cylinder,
             exit_angle,
+            law: self.law,
             published: self.published,
         };
         plan.check_published().map_err(at("published"))?;

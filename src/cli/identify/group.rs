@@ -1,6 +1,7 @@
 //! Runs of one class and wheel, fitted together.
 
 use super::class::{Teller, Told};
+use super::law::{Chosen, LawTold};
 use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
 use lugwheel::dataset::hdf5::RunFile;
@@ -67,6 +68,8 @@ pub struct WheelOfRun {
     pub lug_count: Option<u32>,
     /// Lug height [m]; none where it is unknown.
     pub lug_height_m: f64,
+    /// Lug thickness [m]; none where it is unknown.
+    pub lug_thickness_m: Option<f64>,
 }
 
 impl WheelOfRun {
@@ -81,6 +84,7 @@ impl WheelOfRun {
                 run.lug_height
             },
             lug_count: run.lug_count,
+            lug_thickness_m: run.lug_thickness,
         }
     }
 
@@ -89,6 +93,15 @@ impl WheelOfRun {
         Lugs {
             count: self.lug_count,
             height: self.lug_height_m,
+        }
+    }
+
+    /// Number and height [m] of its lugs, `Some(None)` of a smooth wheel; `None` where either is unknown.
+    pub fn known_lugs(&self) -> Option<Option<(u32, f64)>> {
+        match self.lug_count? {
+            0 => Some(None),
+            _ if self.lug_height_m.is_nan() => None,
+            count => Some(Some((count, self.lug_height_m))),
         }
     }
 
@@ -103,10 +116,12 @@ impl WheelOfRun {
             } = wheel;
             [radius_m, width_m, lug_height_m].map(|length| length.to_bits())
         };
-        self.lug_count == other.lug_count && lengths(self) == lengths(other)
+        self.lug_count == other.lug_count
+            && self.lug_thickness_m == other.lug_thickness_m
+            && lengths(self) == lengths(other)
     }
 
-    fn setting(&self, convention: &Convention) -> Setting {
+    fn setting(&self, convention: &Convention, chosen: &Chosen) -> Setting {
         let is_rim = convention.cylinder.cylinder() == Cylinder::Rim;
         Setting {
             // The rim's equations do not need a height that nobody knows.
@@ -115,8 +130,9 @@ impl WheelOfRun {
                 height => height,
             },
             cylinder: convention.cylinder.cylinder(),
-            exit_angle: convention.exit_angle,
+            exit_angle: chosen.exit_angle,
             known: convention.known(),
+            law: chosen.law,
             ..Setting::new(lugwheel::soil::closed_form::Rim {
                 radius: self.radius_m,
                 width: self.width_m,
@@ -168,6 +184,8 @@ pub struct Fit {
     pub wheel: WheelOfRun,
     /// How the equations take the wheel.
     pub setting: Setting,
+    /// The equations.
+    pub law: LawTold,
     /// The runs used.
     pub runs: Vec<Rows>,
     /// The parameters.
@@ -179,7 +197,7 @@ pub struct Fit {
 impl Fit {
     /// Why its parameters are effective ones; `None` where they may be the soil's.
     pub fn scope(&self) -> Option<Scope> {
-        Scope::of(self.wheel.lugs(), &self.rows())
+        Scope::of(&self.setting.law, self.wheel.lugs(), &self.rows())
     }
 
     /// The rows of all its runs.
@@ -310,10 +328,14 @@ impl Group {
 
     /// The parameters of the rows that are in their ranges; the others are left out.
     fn fit(mut self, convention: &Convention, unused: &mut Unused) -> Option<Fit> {
-        let setting = self.wheel.setting(convention);
         if let Some(reason) = self.upward_sinkage() {
             self.leave_out(&reason, unused);
         }
+        let chosen = Chosen::of(convention, &self.wheel, self.class, &loads(&self.runs));
+        let chosen = chosen
+            .map_err(|reason| self.leave_out(&reason, unused))
+            .ok()?;
+        let setting = self.wheel.setting(convention, &chosen);
         while !self.runs.is_empty() {
             let rows = loads(&self.runs);
             match identified(&rows, self.class, &setting) {
@@ -321,6 +343,7 @@ impl Group {
                     return Some(Fit {
                         wheel: self.wheel,
                         setting,
+                        law: chosen.told(),
                         runs: self.runs,
                         estimate,
                         predictor,

@@ -2,6 +2,7 @@
 
 use super::class::ToldBy;
 use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
+use super::law::LawTold;
 use super::plates::PlateReport;
 use lugwheel::identification::{
     Combination, Cylinder, Drift, Estimate, Identified, Open, Parameter, Predicted, Prediction,
@@ -136,6 +137,9 @@ pub struct SettingTold {
     pub cylinder: &'static str,
     /// `c_3` [-].
     pub exit_angle: f64,
+    /// The equations.
+    #[serde(flatten)]
+    pub law: LawTold,
 }
 
 /// A run used.
@@ -331,6 +335,7 @@ impl Report {
         warnings.extend(mixed(&runs));
         warnings.extend(not_steady(fit));
         warnings.extend(unused(fit));
+        warnings.extend(thickness_assumed(&fit.law));
         Self {
             class: estimate.class,
             wheel: fit.wheel,
@@ -340,6 +345,7 @@ impl Report {
                     Cylinder::LugTips => "lug_tips",
                 },
                 exit_angle: fit.setting.exit_angle,
+                law: fit.law.clone(),
             },
             rows: rows.collect(),
             warnings,
@@ -580,6 +586,20 @@ fn mixed(runs: &[RunTold]) -> Vec<WarningTold> {
         });
     }
     warnings
+}
+
+/// A guess that carries some of the load.
+fn thickness_assumed(law: &LawTold) -> Option<WarningTold> {
+    let thickness = law.lug_thickness_m.filter(|_| law.lug_thickness_assumed)?;
+    Some(WarningTold {
+        kind: "lug_thickness_assumed",
+        message: format!(
+            "the lugs' thickness is not stated: {} mm are assumed",
+            1.0e3 * thickness
+        ),
+        meaning: "k_s and n0 depend on what the lugs' edges carry: state lug_thickness_m in the campaign, or \
+                  --lug-thickness",
+    })
 }
 
 /// Known parameters that the class sets otherwise.

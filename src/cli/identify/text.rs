@@ -2,9 +2,10 @@
 
 use super::class::ToldBy;
 use super::group::{LeftOut, StretchLeftOut, Unused};
-use super::summary::{Origin, ParameterTold, Report, RunTold, Summary, by_origin};
+use super::summary::{Origin, ParameterTold, Report, RunTold, SettingTold, Summary, by_origin};
 use lugwheel::recognition::known::Source;
 use lugwheel::report::page::four_digits;
+use lugwheel::soil::StressConvention;
 use lugwheel::terrain::class::Wtic;
 use lugwheel::trace::behind_number;
 use std::fmt;
@@ -97,16 +98,8 @@ impl Report {
         for (origin, runs) in by_origin(&self.runs) {
             write_item(f, "  ", &who_told(&origin, &runs))?;
         }
-        let cylinder = match self.setting.cylinder {
-            "rim" => "the rim's radius",
-            _ => "the radius of the lugs' tips",
-        };
         writeln!(f, "  wheel: {}", self.wheel)?;
-        writeln!(
-            f,
-            "  taken by {cylinder}, c3 = {}",
-            four_digits(self.setting.exit_angle)
-        )?;
+        write_item(f, "  ", &self.law())?;
         writeln!(
             f,
             "  {} of {}, slip {}, load {} N",
@@ -114,6 +107,38 @@ impl Report {
             counted(self.runs.len(), "run"),
             range(self.rows.iter().map(|row| row.slip), 2),
             range(self.rows.iter().map(|row| row.measured.load), 1),
+        )
+    }
+
+    /// The equations and what they presume.
+    fn law(&self) -> String {
+        let SettingTold {
+            cylinder,
+            exit_angle,
+            law,
+        } = &self.setting;
+        let c_3 = format!("c3 = {}", four_digits(*exit_angle));
+        if law.law == "paper" {
+            let cylinder = match *cylinder {
+                "rim" => "the rim's radius",
+                _ => "the radius of the lugs' tips",
+            };
+            return format!("law: paper, (62)-(66) on a cylinder of {cylinder}, {c_3}");
+        }
+        let stress = match law.stress {
+            StressConvention::WongReece => "Wong and Reece's stresses",
+            StressConvention::Triangular => "triangles of stress",
+        };
+        let of_lugs = law.lug_thickness_m.zip(law.bulk_density_kg_m3);
+        let lugs = of_lugs.map_or(String::new(), |(thickness, density)| {
+            format!(
+                ", lugs {} mm thick, {} kg/m³",
+                four_digits(1.0e3 * thickness),
+                four_digits(density)
+            )
+        });
+        format!(
+            "law: own, quadrature over rim and lugs, {stress}, {c_3}{lugs}; all of these presumed"
         )
     }
 
@@ -194,7 +219,8 @@ impl Report {
 
     fn write_errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (given, predicted) = (&self.force_error_percent, &self.prediction_error_percent);
-        let (ground, table_7) = match published(self.class) {
+        let by_paper = published(self.class).filter(|_| self.setting.law.law == "paper");
+        let (ground, table_7) = match by_paper {
             Some((ground, errors)) => (format!("   Table 7, {ground}"), errors.map(Some)),
             None => (String::new(), [None; 3]),
         };
@@ -219,7 +245,7 @@ impl Report {
         write_error(f, "drawbar pull F_DP", predicted.drawbar_pull, None)?;
         write_error(f, "driving torque T_D", predicted.driving_torque, None)?;
         let note = "Mean size of the error over mean size, of the rows fitted. By slip and sinkage, as \
-                    in Table 7 of Lv et al. 2023 (another rig and ground), (62)-(64) are taken at \
+                    in Table 7 of Lv et al. 2023 (another rig and ground), the law is taken at \
                     the sinkage measured, whose errors the exponent multiplies; by slip and load, \
                     at the one that carries the load.";
         for line in wrapped(note, LINE) {

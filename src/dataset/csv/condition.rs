@@ -69,6 +69,12 @@ impl Condition<'_> {
             )?),
             lug_count: lugs.count,
             lug_height: lugs.height,
+            lug_thickness: self.number(
+                "wheel.lug_thickness_m",
+                "m",
+                &wheel.lug_thickness_m,
+                within("lug thickness", "m", [0.0, 0.5]),
+            )?,
             wheel_mass: self.number("wheel.mass_kg", "kg", &wheel.mass_kg, mass)?,
             plate: self.plate()?,
             slope_deg: self

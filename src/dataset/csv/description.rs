@@ -73,6 +73,7 @@ pub(super) struct WheelTable {
     pub(super) width_m: Option<Given>,
     pub(super) lug_count: Option<Given>,
     pub(super) lug_height_m: Option<Given>,
+    pub(super) lug_thickness_m: Option<Given>,
     pub(super) mass_kg: Option<Given>,
 }
 
@@ -97,6 +98,7 @@ impl SourceTable {
             ("wheel.width_m", &self.wheel.width_m),
             ("wheel.lug_count", &self.wheel.lug_count),
             ("wheel.lug_height_m", &self.wheel.lug_height_m),
+            ("wheel.lug_thickness_m", &self.wheel.lug_thickness_m),
             ("load_n", &self.load_n),
             ("speed_m_s", &self.speed_m_s),
             ("slip_ratio", &self.slip_ratio),

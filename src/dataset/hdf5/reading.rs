@@ -267,6 +267,7 @@ fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
         wheel_width: run.number("wheel_width_m")?,
         lug_count: lugs.count,
         lug_height: lugs.height,
+        lug_thickness: run.optional("lug_thickness_m")?,
         wheel_mass: run.optional("wheel_mass_kg")?,
         plate: plate(run)?,
         slope_deg: run.optional("slope_deg")?.unwrap_or(0.0),

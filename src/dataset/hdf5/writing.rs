@@ -251,6 +251,7 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
         wheel_width,
         lug_count,
         lug_height,
+        lug_thickness,
         wheel_mass,
         plate,
         slope_deg,
@@ -273,6 +274,7 @@ fn write_attributes(run: &Group, attributes: &RunAttributes) -> Result<()> {
         set(run, "lug_count", count)?;
     }
     set(run, "lug_height_m", lugs.height)?;
+    write_known(run, "lug_thickness_m", *lug_thickness)?;
     let slope = Some(*slope_deg).filter(|slope| *slope != 0.0);
     write_known(run, "wheel_mass_kg", *wheel_mass)?;
     write_known(run, "slope_deg", slope)?;

@@ -22,10 +22,11 @@ impl GroupRows {
         let identification = Identification::new(&own, class, &self.setting)?;
         let mut predicted = Vec::new();
         for row in other.loads(class, |_| true) {
-            let told = identification.predict(estimate, &[row])?;
+            let predict = |row| identification.predict_on(&other.setting, estimate, &[row]);
+            let told = predict(row)?;
             predicted.extend(match class {
                 Wtic::Leis => told,
-                _ => at_measured_load(told, row, |row| identification.predict(estimate, &[row]))?,
+                _ => at_measured_load(told, row, predict)?,
             });
         }
         Ok(predicted)

@@ -3,7 +3,7 @@
 use super::Plan;
 use super::reading::Row;
 use crate::identification::{
-    Drift, Estimate, Identification, IdentifyError, PredictedForce, RIGID_SINKAGE, Setting,
+    Drift, Estimate, Identification, IdentifyError, Law, PredictedForce, RIGID_SINKAGE, Setting,
     SteadyLoad, SteadyRow, Uncertainty, pool,
 };
 use crate::recognition::class_of_most;
@@ -112,7 +112,7 @@ impl GroupRows {
     pub fn loads(&self, class: Wtic, wanted: impl Fn(&GroupRow) -> bool) -> Vec<SteadyLoad> {
         let wanted = self.rows.iter().filter(|row| wanted(row));
         wanted
-            .map(|row| as_taken(&row.steady.load, class))
+            .map(|row| as_taken(&row.steady.load, class, &self.setting.law))
             .collect()
     }
 
@@ -184,10 +184,10 @@ fn is_above(load: &SteadyLoad) -> bool {
     load.sinkage < RIGID_SINKAGE
 }
 
-/// A load as the model of a class takes it: a rim above the ground has the sinkage of hard ground,
-/// exactly.
-fn as_taken(load: &SteadyLoad, class: Wtic) -> SteadyLoad {
-    if class != Wtic::Leis || !is_above(load) {
+/// A load as the model of a class takes it: by the paper's equations a rim above the ground has the
+/// sinkage of hard ground, exactly.
+fn as_taken(load: &SteadyLoad, class: Wtic, law: &Law) -> SteadyLoad {
+    if class != Wtic::Leis || *law != Law::Paper || !is_above(load) {
         return *load;
     }
     let exact = |uncertainty: Uncertainty| Uncertainty {

@@ -1,0 +1,145 @@
+//! Which equations a wheel's rows are fitted with.
+
+use super::Convention;
+use super::group::WheelOfRun;
+use clap::ValueEnum;
+use lugwheel::identification::{Law, Own, Scope, SteadyLoad};
+use lugwheel::soil::StressConvention;
+use lugwheel::terrain::class::Wtic;
+use lugwheel::wheel::Lugs;
+use serde::Serialize;
+
+/// Bulk density [kg/m³] of dry sand, as in the ready scenarios.
+const DRY_SAND: f64 = 1600.0;
+/// Exit angle coefficient `c_3` [-] of dry sand, as in the ready scenarios.
+const EXIT_ANGLE: f64 = -0.2;
+/// Lug thickness [m] where nobody states one: that of the ready scenarios.
+const THICKNESS: f64 = 0.003;
+
+/// Which law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LawName {
+    /// Quadrature of stress over rim and lugs, as simulated
+    Own,
+    /// Eq. (62)-(66), a smooth cylinder
+    Paper,
+}
+
+/// Distribution of stress over the contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StressName {
+    /// Wong and Reece
+    WongReece,
+    /// The paper's triangles
+    Triangular,
+}
+
+impl StressName {
+    fn convention(self) -> StressConvention {
+        match self {
+            Self::WongReece => StressConvention::WongReece,
+            Self::Triangular => StressConvention::Triangular,
+        }
+    }
+}
+
+/// The law of a fit and what it was told.
+#[derive(Debug, Clone, Copy)]
+pub struct Chosen {
+    /// The law.
+    pub law: Law,
+    /// `c_3` [-].
+    pub exit_angle: f64,
+    /// Whether the lugs' thickness is a guess.
+    pub thickness_assumed: bool,
+}
+
+/// What a fit says of its law.
+#[derive(Debug, Clone, Serialize)]
+pub struct LawTold {
+    /// `own` or `paper`.
+    pub law: &'static str,
+    /// Distribution of stress over the contact.
+    pub stress: StressConvention,
+    /// Bulk density [kg/m³]; none where it does not count.
+    pub bulk_density_kg_m3: Option<f64>,
+    /// Lug thickness [m]; none where it does not count.
+    pub lug_thickness_m: Option<f64>,
+    /// Whether that is a guess.
+    pub lug_thickness_assumed: bool,
+}
+
+impl Chosen {
+    /// The law asked for; else the quadrature where the paper's cylinder falls short: in soil that
+    /// lugs enter, or under several loads.
+    ///
+    /// # Errors
+    /// Why the quadrature asked for cannot be taken.
+    pub fn of(
+        convention: &Convention,
+        wheel: &WheelOfRun,
+        class: Wtic,
+        rows: &[SteadyLoad],
+    ) -> Result<Self, String> {
+        let paper = Ok(Self {
+            law: Law::Paper,
+            exit_angle: convention.exit_angle.unwrap_or(0.0),
+            thickness_assumed: false,
+        });
+        let lugs = match (convention.law, wheel.known_lugs()) {
+            (Some(LawName::Paper), _) => return paper,
+            (None, _) if class != Wtic::Leis || convention.is_of_paper() => return paper,
+            (None, None) => return paper,
+            (None, Some(lugs)) if lugs.is_none() && Scope::is_one_load(rows) => return paper,
+            (Some(LawName::Own), _) if class != Wtic::Leis => {
+                return Err(format!(
+                    "--law own is of soil that lugs enter, and class {class} is none; leave it out or give --class LEIS"
+                ));
+            }
+            (Some(LawName::Own), None) => {
+                return Err(
+                    "--law own needs lug_count and lug_height_m of the wheel (0 of a smooth one): state them in the \
+                     campaign and import it again"
+                        .to_owned(),
+                );
+            }
+            (_, Some(lugs)) => lugs,
+        };
+        let thickness = convention.lug_thickness.or(wheel.lug_thickness_m);
+        let lugs = lugs.map(|(count, height)| Lugs {
+            count,
+            height,
+            thickness: thickness.unwrap_or(THICKNESS),
+            edge_radius: None,
+        });
+        Ok(Self {
+            thickness_assumed: lugs.is_some() && thickness.is_none(),
+            law: Law::Own(Own {
+                lugs,
+                convention: convention.stress.convention(),
+                bulk_density: convention.bulk_density.unwrap_or(DRY_SAND),
+            }),
+            exit_angle: convention.exit_angle.unwrap_or(EXIT_ANGLE),
+        })
+    }
+
+    /// In results.
+    pub fn told(&self) -> LawTold {
+        match self.law {
+            Law::Paper => LawTold {
+                law: "paper",
+                stress: StressConvention::Triangular,
+                bulk_density_kg_m3: None,
+                lug_thickness_m: None,
+                lug_thickness_assumed: false,
+            },
+            Law::Own(own) => LawTold {
+                law: "own",
+                stress: own.convention,
+                bulk_density_kg_m3: own.lugs.map(|_| own.bulk_density),
+                lug_thickness_m: own.lugs.map(|lugs| lugs.thickness),
+                lug_thickness_assumed: self.thickness_assumed,
+            },
+        }
+    }
+}
