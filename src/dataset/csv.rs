@@ -34,6 +34,10 @@
 //! what the force sensors carry of its own weight. In a [table] an attribute is a value for all rows or
 //! a `{ column = "..." }`.
 //!
+//! Slip is by the rim's radius. Of a rig that counts it otherwise, `slip_radius = "tips"` takes the radius of
+//! the lugs' tips, `"shear"` that at which soil shears off the lugs, and `slip_zero = "torque"` a slip that is
+//! 0 where the torque is; the import counts it by the rim and notes it.
+//!
 //! # How a file is written
 //!
 //! | key | default |
@@ -101,6 +105,7 @@ mod resampling;
 mod selection;
 mod series;
 mod sheet;
+mod slip_origin;
 mod source;
 mod steady;
 mod text;

@@ -2,6 +2,7 @@
 
 use super::selection::Picked;
 use super::sheet::Layout;
+use super::slip_origin::{SlipRadius, SlipZero};
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
@@ -58,6 +59,8 @@ pub(super) struct SourceTable {
     pub(super) speed_m_s: Option<Given>,
     pub(super) slip_ratio: Option<Given>,
     pub(super) rim_speed_m_s: Option<Given>,
+    pub(super) slip_radius: Option<SlipRadius>,
+    pub(super) slip_zero: Option<SlipZero>,
     pub(super) terrain: Option<Given>,
     pub(super) class: Option<Given>,
     pub(super) repeat: Option<Given>,
@@ -110,8 +113,11 @@ impl SourceTable {
             ("notes", &self.notes),
         ];
         let given = given.into_iter().find(|(_, value)| value.is_some());
+        let given = given.map(|(key, _)| key);
+        let slip_radius = self.slip_radius.map(|_| "slip_radius");
+        let slip_zero = self.slip_zero.map(|_| "slip_zero");
         let nested = (!self.source.is_empty()).then_some("source");
-        given.map(|(key, _)| key).or(nested)
+        given.or(slip_radius).or(slip_zero).or(nested)
     }
 
     /// The first key given that describes a file and not a run of several.

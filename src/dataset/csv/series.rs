@@ -9,6 +9,7 @@ use super::clock::short;
 use super::moment::Origin;
 use super::notes::last_part;
 use super::record::{self, Record};
+use super::slip_origin;
 use super::source::Source;
 use super::{Misplaced, condition};
 use crate::trace::{Channel, Trace, turned_along};
@@ -34,12 +35,13 @@ pub(super) fn read(
         );
         source.notes.of_run(note);
     }
-    attributes.import_notes = source.notes.all();
-    let trace = Trace {
+    let mut trace = Trace {
         attributes,
         channels,
         ..Trace::default()
     };
+    slip_origin::count_by_rim(source, &mut trace)?;
+    trace.attributes.import_notes = source.notes.all();
     Ok((id, trace))
 }
 

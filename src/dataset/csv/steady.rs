@@ -2,6 +2,7 @@
 
 use super::description;
 use super::sheet::{Header, Row};
+use super::slip_origin;
 use super::source::{Measure, Source};
 use super::{Misplaced, condition};
 use crate::trace::{Mean, Trace};
@@ -60,11 +61,12 @@ pub(super) fn read(
             let at = |message| source.fault(&format!("columns.{}", quantity.mean.name), message);
             means.extend(mean(quantity, &header, row).map_err(at)?);
         }
-        let trace = Trace {
+        let mut trace = Trace {
             attributes,
             means,
             ..Trace::default()
         };
+        slip_origin::count_by_rim(source, &mut trace)?;
         runs.push((id, trace));
     }
     if runs.is_empty() {

@@ -56,7 +56,16 @@ const DRIVING_SLIP: f64 = 0.05;
 /// Torque over radius and load [-] below which a unit that makes it so small explains nothing.
 const LEAST_THRUST: f64 = 1.0e-3;
 
-/// Checks pull and torque against each other, load and sinkage.
+/// Torque over radius and load [-] that is as good as none: the quadrature gives 0.1 to 0.25 of lugged wheels at slip 0.
+const TORQUE_FREE: f64 = 0.02;
+
+/// Slip [-] that is as good as 0.
+const AT_REST: f64 = 0.005;
+
+/// Lug height over radius [-] from which lugs show at slip 0.
+const LEAST_LUGS: f64 = 0.03;
+
+/// Checks pull and torque against each other, load, slip and sinkage.
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
     let is_doubted = doubts.has_any(&["drawbar_pull", "driving_torque"]);
     let is_still = subject.trace.attributes.is_lifted() || subject.is_rest();
@@ -71,6 +80,11 @@ pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
     let Some(loads) = Loads::of(subject, entry) else {
         return;
     };
+    if let Some(seen) = loads.torque_free(subject) {
+        let guess = "is slip counted from the lugs' tips, or from where the torque is 0? State slip_radius or slip_zero in the \
+                     campaign";
+        doubts.channel("driving_torque", Severity::Warning, &seen, guess);
+    }
     for fault in [loads.power(), loads.resistance()].into_iter().flatten() {
         doubts.channel("drawbar_pull", Severity::Warning, &fault, &loads.remedies());
     }
@@ -191,6 +205,24 @@ impl Loads {
                  wheel is in it (load x tan(entry angle))",
                 number(resistance),
                 number(most)
+            )
+        })
+    }
+
+    /// What is odd of the torque at slip 0, if a lugged wheel in soil has next to none there: by the rim
+    /// its lugs' tips slip.
+    fn torque_free(&self, subject: &Subject<'_>) -> Option<String> {
+        let thrust = self.thrust?;
+        let depth = subject.steady("sinkage")?.mean;
+        let lugged = self.tips > 1.0 + LEAST_LUGS && depth > 0.0;
+        let least = TORQUE_FREE * self.load + SIGMAS * thrust.sd;
+        (lugged && self.slip.abs() <= AT_REST && thrust.mean.abs() < least).then(|| {
+            format!(
+                "a lugged wheel in soil has a torque of {} N over its tips' radius at slip {}, where the tips slip by {} \
+                 and shear the soil",
+                number(thrust.mean),
+                number(self.slip),
+                number(1.0 - 1.0 / self.tips)
             )
         })
     }
