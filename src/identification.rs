@@ -281,6 +281,15 @@ impl Identification {
         };
         self.demote(&mut estimate, around);
         self.demote_under_one_load(&mut estimate);
+        if self.model.peak_at_end(&best.at, &self.rows).is_some() {
+            for parameter in [Parameter::StressAngle, Parameter::StressAngleSlip] {
+                let identified = &mut estimate.parameters[parameter as usize];
+                if identified.is_identifiable() {
+                    identified.open_by(Open::PeakAtEnd);
+                    identified.interval = [None; 2];
+                }
+            }
+        }
         self.combine(&mut estimate, around);
         estimate
     }

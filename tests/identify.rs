@@ -135,7 +135,7 @@ pub(crate) fn warned(found: &Value, kind: &str) -> bool {
 
 #[test]
 fn loads_made_by_the_equations_give_the_sand_of_table_6_back() {
-    let found = json(&folder(&campaign()), "");
+    let found = json(&folder(&campaign()), "--law paper");
     let truth = [
         ("k_s", 2.4904e6, "N/m^(N+2)"),
         ("n0", 0.8169, "1"),
@@ -198,7 +198,7 @@ fn published() -> TempDir {
 #[test]
 fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() {
     let folder = published();
-    let found = json(&folder, "");
+    let found = json(&folder, "--law paper");
     let [smooth, lugged] = &found.as_array().unwrap()[..] else {
         panic!("{found}");
     };
@@ -228,7 +228,7 @@ fn published_means_are_two_wheels_on_sand_with_what_not_to_believe_said_first() 
     let row = &lugged["rows"][2]["predicted"]["sinkage"];
     let [low, high] = [0, 1].map(|end| row["interval95"][end].as_f64().unwrap());
     assert!((low..high).contains(&0.0075), "{row}");
-    let said = done(identify(&folder, ""));
+    let said = done(identify(&folder, "--law paper"));
     let [warning, table, errors] =
         ["WARNING", "95 % interval", "Table 7, ST"].map(|part| said.find(part).unwrap());
     assert!(warning < table && table < errors, "{said}");
@@ -289,9 +289,9 @@ fn a_known_parameter_is_not_fitted_and_fixes_what_it_was_mixed_up_with() {
     // One load leaves k_s, n0, n1 and c open.
     let folder = folder(&campaign()[8..16]);
     let standing = |found: &Value, name: &str| found["parameters"][name]["standing"].clone();
-    let alone = json(&folder, "");
+    let alone = json(&folder, "--law paper");
     assert_eq!(standing(&alone, "k_s"), "not_identifiable");
-    let found = json(&folder, "--known n0=0.8169 --known c=308.6");
+    let found = json(&folder, "--law paper --known n0=0.8169 --known c=308.6");
     assert_eq!(found["parameters"]["n0"]["value"], 0.8169);
     assert_eq!(standing(&found, "n0"), "given");
     assert_eq!(standing(&found, "c"), "given");
@@ -384,7 +384,7 @@ fn a_faulty_run_is_left_out_with_its_reason_and_the_others_are_fitted() {
     for (edit, parts) in FAULTS {
         let mut runs = campaign();
         edit(&mut runs[5].1);
-        let found = json(&folder(&runs), "");
+        let found = json(&folder(&runs), "--law paper");
         let left_out = &found["left_out"].as_array().unwrap()[..];
         let [one] = left_out else {
             panic!("{left_out:?}");
@@ -405,10 +405,10 @@ fn where_every_run_is_faulty_the_exit_code_is_3_and_each_reason_is_told_once() {
         runs.truncate(5);
         runs.iter_mut().for_each(|(_, trace)| edit(trace));
         let runs = folder(&runs);
-        refused(&runs, "", 3, parts);
+        refused(&runs, "--law paper", 3, parts);
         refused(
             &runs,
-            "",
+            "--law paper",
             3,
             &["no terrain parameters from runs.h5; runs p00, p01, p02, p03, p04"],
         );

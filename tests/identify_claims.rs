@@ -61,7 +61,7 @@ fn reason<'v>(found: &'v Value, name: &str) -> &'v str {
 
 #[test]
 fn parameters_of_a_lugged_wheel_or_of_one_load_are_effective_ones() {
-    let lugged = json(&folder(&campaign()), "");
+    let lugged = json(&folder(&campaign()), "--law paper");
     assert!(
         lugged["effective"]
             .as_str()
@@ -69,14 +69,14 @@ fn parameters_of_a_lugged_wheel_or_of_one_load_are_effective_ones() {
             .contains("24 lugs of 10 mm")
     );
     assert_eq!(lugged["parameters"]["phi"]["effective"], true);
-    let said = done(identify(&folder(&campaign()), ""));
+    let said = done(identify(&folder(&campaign()), "--law paper"));
     assert!(said.contains("effective, of this wheel and load"), "{said}");
     let smooth = |(id, mut trace): (String, Trace)| {
         (trace.attributes.lug_count, trace.attributes.lug_height) = (Some(0), 0.0);
         (id, trace)
     };
     let smooth: Vec<_> = campaign().into_iter().map(smooth).collect();
-    let several_loads = json(&folder(&smooth), "");
+    let several_loads = json(&folder(&smooth), "--law paper");
     assert_eq!(several_loads["effective"], Value::Null);
     assert_eq!(several_loads["parameters"]["phi"]["effective"], false);
     let one_load = json(&folder(&smooth[8..16]), "");
@@ -90,7 +90,7 @@ fn parameters_of_a_lugged_wheel_or_of_one_load_are_effective_ones() {
 
 #[test]
 fn the_lugged_wheel_of_ding_misses_its_load_by_a_third_and_the_smooth_one_does_not() {
-    let found = json(&imported("ding2011/points.toml"), "");
+    let found = json(&imported("ding2011/points.toml"), "--law paper");
     let [smooth, lugged] = &found.as_array().unwrap()[..] else {
         panic!("{found}");
     };
@@ -102,7 +102,8 @@ fn the_lugged_wheel_of_ding_misses_its_load_by_a_third_and_the_smooth_one_does_n
                 .unwrap()
                 .contains("one load (80.0 N)")
         );
-        assert_eq!(one["parameters"]["phi"]["effective"], true);
+        // One load does not tell friction from cohesion.
+        assert_eq!(one["parameters"]["phi"]["identifiable"], false);
     }
     let warnings = lugged["warnings"].as_array().unwrap();
     let missed = warnings
@@ -114,13 +115,38 @@ fn the_lugged_wheel_of_ding_misses_its_load_by_a_third_and_the_smooth_one_does_n
 }
 
 #[test]
+fn the_lugged_wheel_of_ding_is_explained_with_its_slip_from_zero_torque_and_not_by_the_rim() {
+    let lugged = |campaign: &str| {
+        let found = json(&imported(campaign), "--law own --lug-thickness 0.003");
+        found[1].clone()
+    };
+    let by_rim = lugged("ding2011/points.toml");
+    assert!(warned(&by_rim, "misfit") && warned(&by_rim, "peak_at_end"));
+    for name in ["c1", "c2"] {
+        assert!(!is_identified(&by_rim, name));
+        assert!(reason(&by_rim, name).contains("end of the contact"));
+    }
+    let from_torque = lugged("ding2011/points_from_torque.toml");
+    assert!(!warned(&from_torque, "misfit") && !warned(&from_torque, "peak_at_end"));
+    let pull = &from_torque["force_error_percent"]["drawbar_pull"];
+    // 11.7 % by the rim; the points were read off to 5 % of full scale.
+    assert!(pull.as_f64().unwrap() < 4.0, "{pull}");
+    for name in ["phi", "c", "k_s", "n0"] {
+        assert!(!is_identified(&from_torque, name), "{name}");
+    }
+    let together = from_torque["combinations"].as_array().unwrap();
+    let named = |name| together.iter().any(|one| one["name"] == name);
+    assert!(named("c + sigma tan(phi)") && named("k_s z^(n0 + n1 s)"));
+}
+
+#[test]
 fn loads_that_are_met_are_not_called_missed_and_loads_off_by_a_sixth_are() {
     let mut runs = campaign();
-    assert!(!warned(&json(&folder(&runs), ""), "load_missed"));
+    assert!(!warned(&json(&folder(&runs), "--law paper"), "load_missed"));
     for (number, (_, trace)) in runs.iter_mut().enumerate() {
         *mean(trace, "normal_force") *= [1.17, 0.83][number % 2];
     }
-    assert!(warned(&json(&folder(&runs), ""), "load_missed"));
+    assert!(warned(&json(&folder(&runs), "--law paper"), "load_missed"));
 }
 
 // How well.
@@ -155,7 +181,7 @@ fn with_a_pull_that_is_not_tared_no_strength_is_identified() {
 #[test]
 fn an_interval_whose_ends_differ_by_ten_or_more_identifies_no_modulus() {
     let mut runs = campaign();
-    let precise = json(&folder(&runs), "");
+    let precise = json(&folder(&runs), "--law paper");
     for name in ["k_s", "c", "K"] {
         assert!(is_identified(&precise, name), "{name}");
     }
@@ -164,7 +190,7 @@ fn an_interval_whose_ends_differ_by_ten_or_more_identifies_no_modulus() {
             mean.sd *= 3000.0;
         }
     }
-    let vague = json(&folder(&runs), "");
+    let vague = json(&folder(&runs), "--law paper");
     for name in ["k_s", "c", "K"] {
         let ends = [0, 1].map(|end| vague["parameters"][name]["ci95"][end].as_f64());
         let spans = match ends {
@@ -254,7 +280,7 @@ fn a_gap_in_any_channel_costs_its_stretch_or_less() {
 fn a_run_without_torque_among_others_counts_with_its_pull_and_load() {
     let mut runs = campaign();
     runs[5].1.means.retain(|mean| mean.name != "driving_torque");
-    let found = json(&folder(&runs), "");
+    let found = json(&folder(&runs), "--law paper");
     assert_eq!(found["rows"].as_array().unwrap().len(), 24);
     assert_eq!(found["left_out"], Value::Array(Vec::new()));
     for (name, expected) in [("phi", 29.67), ("n0", 0.8169), ("c", 308.6)] {
@@ -265,7 +291,7 @@ fn a_run_without_torque_among_others_counts_with_its_pull_and_load() {
     for (_, trace) in &mut runs[2..] {
         trace.means.retain(|mean| mean.name != "driving_torque");
     }
-    let few = json(&folder(&runs), "");
+    let few = json(&folder(&runs), "--law paper");
     assert_eq!(few["staged"], Value::Null);
     assert!((value(&few, "n0") / 0.8169 - 1.0).abs() < 2e-2);
 }
@@ -334,7 +360,12 @@ fn a_rim_that_its_lugs_hold_above_the_soil_is_still_a_case_for_the_lugs_circle()
     for (_, trace) in &mut carried {
         trace.attributes.lug_height = 0.030;
     }
-    refused(&folder(&carried), "", 3, &["--cylinder lug-tips"]);
+    refused(
+        &folder(&carried),
+        "--law paper",
+        3,
+        &["--cylinder lug-tips"],
+    );
     let found = json(&folder(&carried), "--cylinder lug-tips");
     assert_eq!(found["rows"].as_array().unwrap().len(), 8);
 }

@@ -126,7 +126,7 @@ fn a_study_of_runs_that_still_sink_says_so_everywhere_and_fits_them_as_identify_
     ] {
         assert!(read(name).contains(mark), "{name}: {mark}");
     }
-    let alone = json("identify sinks/dataset.h5 --class LEIS --json");
+    let alone = json("identify sinks/dataset.h5 --class LEIS --law paper --json");
     let fits = found["identification"]["groups"][0]["fits"].as_array();
     let fit = fits.unwrap().iter().find(|fit| fit["class"] == "LEIS");
     let parameters = fit.unwrap()["found"]["parameters"].as_array().unwrap();

@@ -111,7 +111,11 @@ fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candi
             ]
             .concat(),
         },
-        Candidate {
+    ];
+    // Held by the contact, shares say nothing of the rows.
+    let is_free = model.peak_at_end(at, rows).is_none();
+    if is_free {
+        candidates.push(Candidate {
             name: "c1 + c2 s",
             place: slipping,
             unit: "1",
@@ -121,8 +125,8 @@ fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candi
                 (Parameter::StressAngle, 1.0),
                 (Parameter::StressAngleSlip, slip),
             ],
-        },
-    ];
+        });
+    }
     if Parameter::Cohesion.is_free(model.class) {
         let pressure = match model.own() {
             Some(_) => mean_pressure(model, rows),
@@ -130,7 +134,7 @@ fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candi
         };
         candidates.push(strength(model, at, pressure));
     }
-    if Parameter::ShearModulus.is_free(model.class) && of(Parameter::StressAngle) < 1.0 {
+    if is_free && Parameter::ShearModulus.is_free(model.class) && of(Parameter::StressAngle) < 1.0 {
         let ahead = 1.0 - of(Parameter::StressAngle);
         candidates.push(Candidate {
             // To first order of a short contact, j(θ_m) = r s θ_1 (1 - c_1).

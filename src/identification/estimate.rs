@@ -35,6 +35,8 @@ pub enum Open {
     With(Parameter),
     /// The rows leave `k_s`, `n_0` and `n_1` open together: the value is that of the most usual `n_0`.
     Ridge,
+    /// The fit has the maximum stress at an end of the contact, which holds it there.
+    PeakAtEnd,
     /// The rows are of one load, under which it only counts together with others.
     OneLoad,
 }
@@ -47,6 +49,9 @@ impl fmt::Display for Open {
             Self::AtEnd(end) => write!(f, "the search ended at {end}, an end of its range"),
             Self::With(other) => write!(f, "goes with {}, which ended at its end", other.name()),
             Self::Ridge => f.write_str("k_s, n0 and n1 make up for each other"),
+            Self::PeakAtEnd => {
+                f.write_str("the maximum stress stands at an end of the contact, which holds it")
+            }
             Self::OneLoad => f.write_str("one load tells it only together with others"),
         }
     }

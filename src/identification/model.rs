@@ -180,6 +180,17 @@ impl Model {
         depth - self.lug_depth()
     }
 
+    /// The slip [-] of a row whose peak the quadrature holds at an end of the contact.
+    pub fn peak_at_end(&self, at: &Coordinates, rows: &[SteadyLoad]) -> Option<f64> {
+        const NEAR: f64 = 1e-3;
+        self.own()?;
+        let slips = rows.iter().map(|row| row.slip);
+        let inside = self.setting.exit_angle + NEAR..1.0 - NEAR;
+        slips
+            .into_iter()
+            .find(|slip| !inside.contains(&peak_share(at, *slip)))
+    }
+
     /// The loads at a point.
     pub fn loads<T: Real>(&self, point: &Point<T>) -> WheelLoad<T> {
         let soil = self.soil(&point.at);

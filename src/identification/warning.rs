@@ -34,6 +34,11 @@ pub enum Warning {
         /// `θ_m/θ_1` [-].
         share: f64,
     },
+    /// The fit has the maximum stress at an end of the contact, beyond which the quadrature cannot go.
+    PeakAtEnd {
+        /// A slip ratio [-] at which it has.
+        slip: f64,
+    },
     /// The rows scatter about the model by more than their uncertainties explain; the intervals
     /// are widened by the root of this ratio.
     Misfit {
@@ -83,6 +88,10 @@ impl fmt::Display for Warning {
                 "the maximum stress lies outside the contact at slip {slip:.3}: \
                  c1 + c2 s = {share:.3}"
             ),
+            Self::PeakAtEnd { slip } => write!(
+                f,
+                "the maximum stress stands at an end of the contact at slip {slip:.3}, which holds it there"
+            ),
             Self::Misfit { reduced_chi_square } => write!(
                 f,
                 "the rows scatter about the model by more than their uncertainties explain, stated \
@@ -122,7 +131,16 @@ pub(super) fn all(
     (directions, precision): (&Directions, Precision),
 ) -> Vec<Warning> {
     let mut warnings = at_bounds(model, &best.at);
-    warnings.extend(peak_outside(model, rows, &best.at, (directions, precision)));
+    match model.own() {
+        Some(_) => {
+            let slip = model.peak_at_end(&best.at, rows);
+            warnings.extend(slip.map(|slip| Warning::PeakAtEnd { slip }));
+        }
+        None => {
+            let known = (directions, precision);
+            warnings.extend(peak_outside(model, rows, &best.at, known));
+        }
+    }
     let misfit = precision.misfit;
     warnings.extend(misfit.map(|reduced_chi_square| Warning::Misfit { reduced_chi_square }));
     warnings.extend(LoadMissed::of(model, rows, &best.at).map(Warning::LoadMissed));

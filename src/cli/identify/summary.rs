@@ -485,6 +485,11 @@ fn warning(warning: &Warning) -> WarningTold {
             "c1 and c2 only serve to give these forces back: they say nothing of where the stress \
              peaks, here or at other slips",
         ),
+        Warning::PeakAtEnd { .. } => (
+            "peak_at_end",
+            "c1 and c2 are held by the contact and not by the loads, and the others are as given with them: is \
+             slip counted from another radius, or is the convention or c3 another?",
+        ),
         Warning::Misfit { .. } => (
             "misfit",
             "the model does not describe these loads: no parameter is known as well as its \

@@ -109,6 +109,9 @@ impl SlipOrigin {
         }
         let rim = trace.attributes.wheel_radius;
         let counted = self.counted(trace)?;
+        if counted == rim {
+            return Ok(None);
+        }
         let by_rim = |slip: f64| Rolling::new(counted, slip).slip_at(rim);
         trace.attributes.slip_ratio = by_rim(trace.attributes.slip_ratio);
         for Channel { name, samples, .. } in &mut trace.channels {
