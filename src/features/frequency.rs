@@ -139,13 +139,21 @@ pub fn lug_line(increments: &VelocityIncrements) -> f64 {
     }
 }
 
+/// Steps of a sinusoid that are taken together.
+const FINE: usize = 32;
+
 /// Share of the power [-] that a sinusoid of this order explains, its own mean taken off.
 fn line_share(varying: &[f64], order: f64) -> f64 {
     let phase = |step: usize| TAU * order / STEPS as f64 * step as f64;
     let n = varying.len() as f64;
-    let waves: Vec<_> = (0..varying.len())
-        .map(|step| libm::sincos(phase(step)))
-        .collect();
+    // Sine and cosine of the sum of a coarse and a fine step.
+    let fine: [_; FINE] = std::array::from_fn(|step| libm::sincos(phase(step)));
+    let coarse = (0..varying.len()).step_by(FINE);
+    let waves = coarse.flat_map(|step| {
+        let (sin, cos) = libm::sincos(phase(step));
+        fine.map(|(s, c)| (sin * c + cos * s, cos * c - sin * s))
+    });
+    let waves: Vec<_> = waves.take(varying.len()).collect();
     let [s_mean, c_mean] = waves
         .iter()
         .fold([0.0, 0.0], |[s, c], (sin, cos)| [s + sin / n, c + cos / n]);

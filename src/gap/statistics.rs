@@ -33,7 +33,7 @@ use crate::features::Settings;
 use crate::features::reference::Reference;
 use crate::quantity::RangeError;
 use crate::recognition::{Method, Recognizer};
-use crate::trace::Trace;
+use crate::trace::{Channel, Trace, unwrapped};
 use orders::Turning;
 use signal::Signal;
 use spectra::{Spectra, Spectrum};
@@ -59,9 +59,14 @@ impl Statistician {
     /// All that can be read from a run. A run of means has the load domain only.
     pub fn read(&mut self, trace: &Trace) -> Readings {
         let mut readings = Readings::default();
-        loads::read(trace, &mut readings);
-        let signals: Vec<Signal> = trace.channels.iter().filter_map(Signal::of).collect();
-        let mut turning = Turning::of(trace);
+        let angle = angle(trace);
+        loads::read(trace, angle.as_ref(), &mut readings);
+        let channels = trace.channels.iter().map(|channel| match &angle {
+            Some(angle) if channel.name == angle.name => angle,
+            _ => channel,
+        });
+        let signals: Vec<Signal> = channels.filter_map(Signal::of).collect();
+        let mut turning = Turning::of(trace, angle);
         for signal in &signals {
             moments::read(signal, trace, &mut readings);
             if let Some(turning) = &mut turning {
@@ -81,4 +86,13 @@ impl Statistician {
         vibration::read(&mut self.recognizer, trace, &mut readings);
         readings
     }
+}
+
+/// The wheel angle without jumps, where it was measured.
+fn angle(trace: &Trace) -> Option<Channel> {
+    let channel = trace.channel("wheel_angle")?;
+    Some(Channel {
+        samples: unwrapped(&channel.samples),
+        ..channel.clone()
+    })
 }

@@ -3,11 +3,12 @@
 use super::signal::{settled, straight_line};
 use crate::gap::cell::Statistic;
 use crate::gap::readings::Readings;
-use crate::trace::{Trace, unwrapped};
+use crate::trace::{Channel, Trace};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-pub(super) fn read(trace: &Trace, readings: &mut Readings) {
+/// `angle` is the wheel's without jumps.
+pub(super) fn read(trace: &Trace, angle: Option<&Channel>, readings: &mut Readings) {
     let channels = trace.channels.iter().map(|channel| &channel.name[..]);
     let means = trace.means.iter().map(|mean| &mean.name[..]);
     let names: BTreeSet<&str> = channels.chain(means).collect();
@@ -22,7 +23,9 @@ pub(super) fn read(trace: &Trace, readings: &mut Readings) {
     if !trace.attributes.is_lifted() {
         per_load(trace, readings);
     }
-    turning_speed(trace, readings);
+    if let Some(angle) = angle {
+        turning_speed(angle, readings);
+    }
 }
 
 fn per_load(trace: &Trace, readings: &mut Readings) {
@@ -40,15 +43,11 @@ fn per_load(trace: &Trace, readings: &mut Readings) {
     }
 }
 
-fn turning_speed(trace: &Trace, readings: &mut Readings) {
-    let Some(channel) = trace.channel("wheel_angle") else {
-        return;
-    };
-    let angle = unwrapped(&channel.samples);
-    let part = &angle[settled(angle.len())];
+fn turning_speed(angle: &Channel, readings: &mut Readings) {
+    let part = &angle.samples[settled(angle.samples.len())];
     if part.iter().filter(|angle| angle.is_finite()).count() > 1 {
         let [_, slope] = straight_line(part);
-        let speed = slope * channel.sample_rate;
+        let speed = slope * angle.sample_rate;
         let name = Arc::from("wheel_angle");
         readings.note_of_size(&name, Statistic::TurningSpeed, speed, speed.abs());
     }

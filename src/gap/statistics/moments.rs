@@ -1,6 +1,6 @@
 //! Statistics of the samples of one channel, and how they change along the run.
 
-use super::signal::{Signal, decibel, mean, mean_square, straight_line};
+use super::signal::{Signal, decibel, mean, mean_square, straight_line, sum};
 use crate::gap::cell::Statistic;
 use crate::gap::readings::Readings;
 use crate::trace::Trace;
@@ -39,19 +39,26 @@ pub(super) fn read(signal: &Signal, trace: &Trace, readings: &mut Readings) {
 }
 
 fn shape(signal: &Signal, [average, deviation]: [f64; 2], readings: &mut Readings) {
-    let (mut third, mut fourth, mut crest) = (0.0, 0.0, 0.0_f64);
     let count = signal.measured.len() as f64;
-    for x in &signal.measured {
-        let d = (x - average) / deviation;
-        third += d * d * d / count;
-        fourth += d * d * d * d / count;
-        crest = crest.max(d.abs());
-    }
+    let scaled = |x: f64| (x - average) / deviation;
+    let moment = |of: fn(f64) -> f64| sum(&signal.measured, |x| of(scaled(x))) / count;
+    let third = moment(|d| d * d * d);
+    let fourth = moment(|d| d * d * d * d);
+    let [low, high] = range(&signal.measured);
+    let crest = scaled(high).max(-scaled(low));
     let name = &signal.name;
     // A cube root: the skewness of impacts spans decades.
     readings.note(name, Statistic::Skewness, libm::cbrt(third));
     readings.note(name, Statistic::Kurtosis, libm::log(fourth));
     readings.note(name, Statistic::Crest, decibel(crest));
+}
+
+/// Least and greatest of numbers.
+fn range(samples: &[f64]) -> [f64; 2] {
+    let bounds = [f64::INFINITY, f64::NEG_INFINITY];
+    samples
+        .iter()
+        .fold(bounds, |[low, high], x| [low.min(*x), high.max(*x)])
 }
 
 fn steps(signal: &Signal, readings: &mut Readings) {
@@ -69,10 +76,7 @@ fn steps(signal: &Signal, readings: &mut Readings) {
         let (_, step, _) = steps.select_nth_unstable_by(place, f64::total_cmp);
         readings.note(name, Statistic::Step, signal.level(*step));
     }
-    let bounds = [f64::INFINITY, f64::NEG_INFINITY];
-    let [low, high] = samples
-        .iter()
-        .fold(bounds, |[low, high], x| [low.min(*x), high.max(*x)]);
+    let [low, high] = range(samples);
     let reach = RAIL * (high - low);
     let rails = samples
         .iter()

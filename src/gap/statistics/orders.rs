@@ -4,7 +4,7 @@ use super::signal::{Signal, bridged, mean, mean_square};
 use crate::gap::cell::Statistic;
 use crate::gap::readings::Readings;
 use crate::quantity::SlipRatio;
-use crate::trace::{Channel, Trace, turned_along, unwrapped};
+use crate::trace::{Channel, Trace, turned_along};
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -35,8 +35,8 @@ struct Waves {
 }
 
 impl Turning {
-    /// None where nothing tells how the wheel turned.
-    pub fn of(trace: &Trace) -> Option<Self> {
+    /// By the wheel's `angle` without jumps, where there is one. None where nothing tells how the wheel turned.
+    pub fn of(trace: &Trace, angle: Option<Channel>) -> Option<Self> {
         // Without a count there are turns and no lug passes.
         let lugs = trace.attributes.lug_count.unwrap_or(0);
         let turning = |angle, tells_phase| Self {
@@ -45,7 +45,7 @@ impl Turning {
             lugs,
             waves: None,
         };
-        match trace.channel("wheel_angle").and_then(measured) {
+        match angle.and_then(measured) {
             Some(angle) => Some(turning(angle, true)),
             None => Some(turning(summed_up(trace)?, false)),
         }
@@ -155,15 +155,12 @@ impl Turning {
     }
 }
 
-/// The measured angle without jumps and gaps.
-fn measured(channel: &Channel) -> Option<Channel> {
-    let samples = bridged(&unwrapped(&channel.samples));
-    let rate = channel.sample_rate;
+/// The angle without gaps.
+fn measured(angle: Channel) -> Option<Channel> {
+    let samples = bridged(&angle.samples);
+    let rate = angle.sample_rate;
     let known = samples.len() > 1 && samples[0].is_finite() && rate > 0.0 && rate.is_finite();
-    known.then(|| Channel {
-        samples,
-        ..channel.clone()
-    })
+    known.then_some(Channel { samples, ..angle })
 }
 
 /// Orders to read: of whole turns all, else the lugs' only.

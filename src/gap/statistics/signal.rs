@@ -1,6 +1,6 @@
 //! A channel made ready: its settled part, gaps bridged, the wheel angle less steady turning.
 
-use crate::trace::{Channel, unwrapped};
+use crate::trace::Channel;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -38,19 +38,25 @@ pub(super) fn settled(length: usize) -> Range<usize> {
 }
 
 impl Signal {
-    /// None where the channel is too short or has no rate.
+    /// None where the channel is too short or has no rate. The wheel angle is one without jumps.
     pub fn of(channel: &Channel) -> Option<Self> {
         let rate = channel.sample_rate;
         if !(rate > 0.0 && rate.is_finite() && channel.start.is_finite()) {
             return None;
         }
+        let turning;
         let samples = match channel.name.as_str() {
-            "wheel_angle" => less_steady_turning(&unwrapped(&channel.samples)),
-            _ => channel.samples.clone(),
+            "wheel_angle" => {
+                turning = less_steady_turning(&channel.samples);
+                &turning[..]
+            }
+            _ => &channel.samples[..],
         };
         let part = settled(samples.len());
         let numbers = |samples: &[f64]| -> Vec<f64> {
-            samples.iter().copied().filter(|x| x.is_finite()).collect()
+            let mut numbers = samples.to_vec();
+            numbers.retain(|x| x.is_finite());
+            numbers
         };
         let measured = numbers(&samples[part.clone()]);
         if measured.len() < FEWEST {
@@ -94,24 +100,31 @@ fn less_steady_turning(angle: &[f64]) -> Vec<f64> {
 /// Mean, and slope per sample, of the numbers among `samples`.
 pub(super) fn straight_line(samples: &[f64]) -> [f64; 2] {
     let middle = 0.5 * samples.len() as f64;
-    let numbers = || {
-        let places = samples.iter().enumerate();
-        places
-            .map(|(i, x)| (i as f64 + 0.5 - middle, *x))
-            .filter(|(_, x)| x.is_finite())
-    };
-    let count = numbers().count() as f64;
-    let [place, mean] = numbers().fold([0.0, 0.0], |[p, m], (i, x)| [p + i / count, m + x / count]);
-    let [square, product] = numbers().fold([0.0, 0.0], |[s, p], (i, x)| {
-        [s + (i - place) * (i - place), p + (i - place) * (x - mean)]
-    });
+    let place = |i: usize| i as f64 + 0.5 - middle;
+    let (mut count, mut places, mut values) = (0.0, 0.0, 0.0);
+    let numbers = || samples.iter().enumerate().filter(|(_, x)| x.is_finite());
+    for (i, x) in numbers() {
+        count += 1.0;
+        places += place(i);
+        values += x;
+    }
+    let (centre, mean) = (places / count, values / count);
+    let (mut square, mut product) = (0.0, 0.0);
+    for (i, x) in numbers() {
+        let away = place(i) - centre;
+        square += away * away;
+        product += away * (x - mean);
+    }
     let slope = if square > 0.0 { product / square } else { 0.0 };
-    [mean - slope * place, slope]
+    [mean - slope * centre, slope]
 }
 
 /// Gaps on straight lines between their neighbours, at the ends as the next number.
 pub(super) fn bridged(samples: &[f64]) -> Vec<f64> {
     let mut whole = samples.to_vec();
+    if whole.iter().all(|x| x.is_finite()) {
+        return whole;
+    }
     let mut before: Option<usize> = None;
     for i in 0..whole.len() {
         if !whole[i].is_finite() {
@@ -150,16 +163,27 @@ impl Signal {
     }
 }
 
+/// Sums that are taken side by side: one alone waits for each addition to end.
+const LANES: usize = 8;
+
+/// Sum of a function of numbers.
+pub(super) fn sum(samples: &[f64], of: impl Fn(f64) -> f64) -> f64 {
+    let (chunks, rest) = samples.as_chunks::<LANES>();
+    let mut lanes = [0.0; LANES];
+    for chunk in chunks {
+        for lane in 0..LANES {
+            lanes[lane] += of(chunk[lane]);
+        }
+    }
+    lanes.iter().sum::<f64>() + rest.iter().map(|x| of(*x)).sum::<f64>()
+}
+
 /// Mean of numbers.
 pub(super) fn mean(samples: &[f64]) -> f64 {
-    samples.iter().sum::<f64>() / samples.len() as f64
+    sum(samples, |x| x) / samples.len() as f64
 }
 
 /// Mean square of `samples` about `centre`.
 pub(super) fn mean_square(samples: &[f64], centre: f64) -> f64 {
-    samples
-        .iter()
-        .map(|x| (x - centre) * (x - centre))
-        .sum::<f64>()
-        / samples.len() as f64
+    sum(samples, |x| (x - centre) * (x - centre)) / samples.len() as f64
 }
