@@ -7,6 +7,7 @@ mod common;
 mod any_scenario;
 mod architecture;
 mod challenge;
+mod chrono_scm;
 mod cli;
 mod convergence;
 mod diagnosis;
