@@ -1,25 +1,34 @@
-//! Terrain parameters from steady loads, slip and sinkage: the closed forms of
-//! [`soil`](crate::soil::closed_form) run backward.
+//! Terrain parameters from steady loads, slip and sinkage: laws of the [`soil`](crate::soil) run backward.
+//!
+//! Two laws give the loads of soil that lugs enter:
+//!
+//! - [`Law::Paper`]: the [closed forms](crate::soil::closed_form) (62)-(66), triangles of stress on a smooth
+//!   cylinder, whose parameters hold what lugs do;
+//! - [`Law::Own`]: the simulator's [quadrature](crate::soil::wheel_load) over rim and lugs, whose parameters are
+//!   the soil's as far as what it is told (stress distribution, `c_3`, density, lugs) holds.
+//!
+//! Either is evaluated with its derivatives ([`crate::soil::real`]). On ground that lugs do not enter the
+//! paper's hold. True slip and sinkage of each row are unknowns of the row alone, eliminated at every trial of the
+//! parameters.
 //!
 //! The class of wheel-terrain interaction switches the model (Table 4): `c = K = 0`, `E = 1` where
 //! all lugs touch (ALCT), `c = 0` where some do (SLCT), all parameters free where lugs enter the
-//! soil (LEIS); sinkage is [0.01 mm](RIGID_SINKAGE) unless they do. Three least-squares stages
+//! soil (LEIS); sinkage is [0.01 mm](RIGID_SINKAGE) unless they do. Three least-squares stages of the closed forms
 //! find `{c_1, c_2}` from Eq. (73), `{k_s, n_0, n_1}` from (74) and `{c, φ, K}` from (75), as in
-//! the paper; from there all rows and three channels are fitted at once by Eq. (62)-(64).
+//! the paper; from there all rows and three channels are fitted at once by either law.
 //!
-//! Conventions, all stated and none fitted: stresses are the paper's triangles; radius is the
+//! Conventions of the closed forms, all stated and none fitted: stresses are the paper's triangles; radius is the
 //! rim's unless the [`Setting`] takes the [lugs' tips](Cylinder::LugTips); `c_3` is the setting's
 //! (0 unless given); `j(θ_m)` is Wong and Reece's with that radius as shear surface.
 //!
-//! Parameters fitted to a lugged wheel hold what its lugs do, and every interval presumes the
-//! model: where it misses the loads by more than their uncertainties, a
+//! Every interval presumes the model: where it misses the loads by more than their uncertainties, a
 //! [warning](Warning::Misfit) says so.
 //!
 //! An [`Estimate`] says what the data fix and what they leave open: a parameter that ended at an end of its
 //! search, or whose interval is wider than is of use, is [not identifiable](Standing::NotIdentifiable)
 //! with the [reason](Open), and a
 //! [`Combination`] names what is known of it together with others. On hard ground, for example,
-//! `k_s` and `n_0` are not, `k_s z^n0` is. In soil under one load `k_s`, `n_0` and `n_1` are not:
+//! `k_s` and `n_0` are not, `k_s z^n0` is. In soil under one load neither `k_s`, `n_0` and `n_1` nor `c` and `φ` are:
 //! of all values that explain the rows as well, those with an `n_0` nearest to that of soils are
 //! told, and a [warning](Warning::ExponentAssumed) says so.
 

@@ -142,7 +142,7 @@ pub(super) fn common_exponent<'a>(sizes: impl IntoIterator<Item = &'a LogSums>) 
     (spread[0] > 1e-12 * weight).then(|| spread[1] / spread[0])
 }
 
-fn is_pressed([sinkage, pressure]: &[f64; 2]) -> bool {
+pub(super) fn is_pressed([sinkage, pressure]: &[f64; 2]) -> bool {
     *sinkage > 0.0 && *pressure > 0.0
 }
 

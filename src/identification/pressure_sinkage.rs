@@ -8,7 +8,7 @@
 //! the points of one test all lie on the same curve and say nothing of the next place; of a single test of a size it
 //! leaves out an eighth of the points at a time, and the interval does not hold the scatter between places.
 
-use super::plates::{LogSums, PlateError, common_exponent};
+use super::plates::{LogSums, PlateError, common_exponent, is_pressed};
 use super::precision::student;
 use super::pressing::Pressing;
 use crate::trace::wheel::Plate;
@@ -75,10 +75,30 @@ pub struct PressureSinkage {
     pub sizes: Vec<PlateSize>,
     /// `k_c` and `k_φ`, which one size does not part.
     pub moduli: Option<Moduli>,
+    /// Sinkages [m] between which the law was fitted: pressures count by their squares, and shallower than the first
+    /// lies a twentieth of their weight. The second is the deepest.
+    pub sinkages: [f64; 2],
     /// What was left out in turn for the intervals.
     pub resampled: Resampled,
     /// Degrees of freedom of the intervals.
     pub freedom: usize,
+}
+
+/// The sinkage [m] above which a twentieth of the points' weight lies, and the deepest.
+fn weighed(pressings: &[Pressing]) -> [f64; 2] {
+    const SHALLOW: f64 = 0.05;
+    let points = pressings.iter().flat_map(|pressing| &pressing.points);
+    let mut points: Vec<[f64; 2]> = points.copied().filter(is_pressed).collect();
+    points.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let weight = |point: &[f64; 2]| point[1] * point[1];
+    let all: f64 = points.iter().map(weight).sum();
+    let mut sum = 0.0;
+    let first = points.iter().find(|point| {
+        sum += weight(point);
+        sum >= SHALLOW * all
+    });
+    let sinkage = |point: Option<&[f64; 2]>| point.map_or(f64::NAN, |point| point[0]);
+    [sinkage(first), sinkage(points.last())]
 }
 
 /// Tests of plates of one size, cut into what the jackknife leaves out.
@@ -122,6 +142,7 @@ impl PressureSinkage {
         let several = sizes.len() > 1;
         Ok(Self {
             exponent: fitted.straight(0),
+            sinkages: weighed(pressings),
             sizes: fitted.sizes(&sizes),
             moduli: several.then(|| Moduli {
                 cohesive: fitted.straight(1 + sizes.len()),
@@ -330,6 +351,8 @@ mod tests {
     fn one_size_gives_its_modulus_and_parts_nothing() {
         let plate = Plate::rectangle([0.2, 0.05]);
         let found = PressureSinkage::of(&[pressing(plate, 1.0), pressing(plate, 1.2)]).unwrap();
+        let [shallow, deep] = found.sinkages;
+        assert!(0.0 < shallow && shallow < deep, "{shallow}, {deep}");
         assert_eq!((found.moduli, found.modulus_under(0.1)), (None, None));
         let [one] = &found.sizes[..] else { panic!() };
         let between = COHESIVE / 0.05 + FRICTIONAL;

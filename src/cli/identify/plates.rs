@@ -89,6 +89,8 @@ pub struct PlateReport {
     terrain: Option<TerrainLabel>,
     runs: Vec<String>,
     plates: Vec<SizeReport>,
+    /// Sinkages [m] between which the law was fitted.
+    sinkage_m: [f64; 2],
     /// `n0`, and `k_c` and `k_phi` of several sizes.
     parameters: BTreeMap<&'static str, ValueReport>,
     /// What to fit wheels on this ground with.
@@ -154,6 +156,7 @@ impl PlateReport {
             terrain,
             runs,
             plates: law.sizes.iter().map(SizeReport::of).collect(),
+            sinkage_m: law.sinkages,
             parameters,
             known: known(law, widths),
             intervals_from: match law.resampled {
@@ -265,6 +268,12 @@ impl fmt::Display for PlateReport {
         let freedom = self.degrees_of_freedom;
         let from = format!("intervals from {from} ({freedom} degrees of freedom)");
         write_item(f, "  ", &from)?;
+        let [shallow, deep] = self.sinkage_m.map(|sinkage| four_digits(1.0e3 * sinkage));
+        let fitted = format!(
+            "fitted from {shallow} mm (a twentieth of the weight is shallower) to {deep} mm: under a wheel that sinks less, \
+             p is extrapolated"
+        );
+        write_item(f, "  ", &fitted)?;
         writeln!(
             f,
             "\n{:<30}{:>12}  {:<26}{:<12}standing",
