@@ -7,8 +7,8 @@
 //! - [`Law::Own`]: the simulator's [quadrature](crate::soil::wheel_load) over rim and lugs, whose parameters are
 //!   the soil's as far as what it is told (stress distribution, `c_3`, density, lugs) holds.
 //!
-//! Either is evaluated with its derivatives ([`crate::soil::real`]). On ground that lugs do not enter the
-//! paper's hold. True slip and sinkage of each row are unknowns of the row alone, eliminated at every trial of the
+//! Either is evaluated with its derivatives ([`crate::soil::real`]). On ground that lugs do not enter, (62)-(69)
+//! apply. True slip and sinkage of each row are unknowns of the row alone, eliminated at every trial of the
 //! parameters.
 //!
 //! The class of wheel-terrain interaction switches the model (Table 4): `c = K = 0`, `E = 1` where
@@ -94,6 +94,7 @@ use forces::Knowledge;
 use joint::Joint;
 use least_squares::{Minimum, minimise_from};
 use model::Model;
+use parameter::Coordinates;
 use precision::Precision;
 use profile::Profile;
 use rayon::prelude::*;
@@ -207,7 +208,12 @@ impl Identification {
         };
         let rows = row::seen(rows, class, setting)?;
         if rows.iter().all(SteadyLoad::has_torque) {
-            enough_for_stages(&model, &rows)?;
+            // Lugs in the soil count as the rim does.
+            let reaching = rows.iter().map(|row| SteadyLoad {
+                sinkage: model.depth(row.sinkage),
+                ..*row
+            });
+            enough_for_stages(&model, &reaching.collect::<Vec<_>>())?;
         } else {
             enough_without_torque(&model, &rows)?;
         }
@@ -290,17 +296,24 @@ impl Identification {
         };
         self.demote(&mut estimate, around);
         self.demote_under_one_load(&mut estimate);
-        if self.model.peak_at_end(&best.at, &self.rows).is_some() {
-            for parameter in [Parameter::StressAngle, Parameter::StressAngleSlip] {
-                let identified = &mut estimate.parameters[parameter as usize];
-                if identified.is_identifiable() {
-                    identified.open_by(Open::PeakAtEnd);
-                    identified.interval = [None; 2];
-                }
-            }
-        }
+        self.open_held_peak(&mut estimate, &best.at);
         self.combine(&mut estimate, around);
         estimate
+    }
+
+    /// Where the contact holds the peak at its end, identifies neither what places it nor `K`, which makes up for it.
+    fn open_held_peak(&self, estimate: &mut Estimate, at: &Coordinates) {
+        if self.model.peak_at_end(at, &self.rows).is_none() {
+            return;
+        }
+        use Parameter as P;
+        for parameter in [P::StressAngle, P::StressAngleSlip, P::ShearModulus] {
+            let identified = &mut estimate.parameters[parameter as usize];
+            if identified.is_identifiable() {
+                identified.open_by(Open::PeakAtEnd);
+                identified.interval = [None; 2];
+            }
+        }
     }
 
     /// Under one load identifies no parameter of a pair or three that only counts together there,
@@ -311,16 +324,21 @@ impl Identification {
         if self.model.class != Wtic::Leis || !Scope::is_one_load(&self.rows) {
             return;
         }
-        for together in [
-            &[P::Cohesion, P::FrictionAngle][..],
-            &[
-                P::SinkageModulus,
-                P::SinkageExponent,
-                P::SinkageExponentSlip,
-            ],
+        let pair = [P::Cohesion, P::FrictionAngle];
+        let pressure = [P::SinkageModulus, P::SinkageExponent];
+        for (apart, together) in [
+            (pair, &pair[..]),
+            (
+                pressure,
+                &[
+                    P::SinkageModulus,
+                    P::SinkageExponent,
+                    P::SinkageExponentSlip,
+                ],
+            ),
         ] {
-            let of = |parameter: &P| estimate.of(*parameter).standing;
-            if together.iter().any(|p| of(p) == Standing::Given) {
+            let is_given = |parameter: &P| estimate.of(*parameter).standing == Standing::Given;
+            if apart.iter().any(is_given) {
                 continue;
             }
             for &parameter in together {
@@ -377,6 +395,7 @@ impl Identification {
             }
         }
         estimate.open_at_ends(&self.model.held_at(&usual.at));
+        self.open_held_peak(estimate, &usual.at);
         estimate.force_errors = ForceErrors::new(&self.model, &usual.at, &self.rows);
         estimate.chi_square = usual.chi_square;
         estimate.termination = usual.termination;

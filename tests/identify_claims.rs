@@ -134,6 +134,12 @@ fn the_lugged_wheel_of_ding_is_explained_with_its_slip_from_zero_torque_and_not_
     for name in ["phi", "c", "k_s", "n0"] {
         assert!(!is_identified(&from_torque, name), "{name}");
     }
+    // What is presumed of the stress has a rival beside it.
+    let other = &from_torque["other_stress"];
+    assert_eq!(other["stress"], "triangular");
+    assert!(
+        other["parameters"]["K"].as_f64().unwrap() > 0.0 && other["reduced_chi_square"].is_number()
+    );
     let together = from_torque["combinations"].as_array().unwrap();
     let named = |name| together.iter().any(|one| one["name"] == name);
     assert!(named("c + sigma tan(phi)") && named("k_s z^(n0 + n1 s)"));

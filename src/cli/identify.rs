@@ -108,8 +108,8 @@ impl FromStr for SlipRange {
 /// How wheel and contact are taken.
 #[derive(Debug, Clone, Args)]
 pub struct Convention {
-    /// Equations of soil that lugs enter; unless given, own where the wheel has lugs or runs under
-    /// several loads, else paper
+    /// Equations of soil that lugs enter; unless given, own for a wheel whose lugs are known, if it has
+    /// any or the loads differ, else and with --cylinder paper
     #[arg(long, value_enum)]
     law: Option<LawName>,
     /// Distribution of stress that --law own presumes

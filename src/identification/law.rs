@@ -3,8 +3,9 @@
 use crate::quantity::RangeError;
 use crate::soil::StressConvention;
 use crate::wheel::Lugs;
+use std::f64::consts::TAU;
 
-/// The equations of soil that lugs enter; on ground that they do not enter the paper's hold.
+/// The equations of soil that lugs enter; on ground that lugs do not enter, Eq. (62)-(69) apply.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Law {
     /// Eq. (62)-(66): triangles of stress on a smooth cylinder.
@@ -27,14 +28,15 @@ pub struct Own {
 
 impl Own {
     /// # Errors
-    /// `RangeError` for lugs or a density outside their ranges.
-    pub(super) fn checked(&self) -> Result<(), RangeError> {
+    /// `RangeError` for lugs or a density outside their ranges, and for lugs that have no room on a rim of `radius` [m].
+    pub(super) fn checked(&self, radius: f64) -> Result<(), RangeError> {
         RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
         let Some(lugs) = self.lugs else {
             return Ok(());
         };
         RangeError::positive("lug height", "m", lugs.height)?;
-        RangeError::check("lug thickness", "m", lugs.thickness, [0.0, 1.0])?;
+        let pitch = TAU * radius / f64::from(lugs.count);
+        RangeError::check("lug thickness", "m", lugs.thickness, [0.0, pitch])?;
         Ok(())
     }
 }

@@ -23,8 +23,8 @@ pub(super) struct Model {
     pub setting: Setting,
 }
 
-/// Panels of the quadrature on either side of the peak: a load changes by less than 1e-4 of the
-/// normal force with more, a hundredth of what a force sensor's calibration leaves open.
+/// Panels of the quadrature on either side of the peak: of a driven wheel a load changes by less than 1e-4 of
+/// the normal force with more, a hundredth of what a force sensor's calibration leaves open.
 const FINE_ENOUGH: u32 = 1;
 
 impl Model {
@@ -102,12 +102,13 @@ impl Model {
         moved
     }
 
-    /// The rows that say something to a stage: those with a torque, which all three need; on hard
+    /// The rows that say something to a stage: those of a sunken rim with a torque, which all three need; on hard
     /// ground, one held by static friction is not that of Eq. (75).
     pub fn rows_of(&self, stage: Stage, rows: &[SteadyLoad]) -> Vec<SteadyLoad> {
         let slips = |row: &SteadyLoad| !self.setting.holds(row, self.class);
-        let used =
-            |row: &&SteadyLoad| row.has_torque() && (stage != Stage::ShearStress || slips(row));
+        // A rim that lugs hold above the soil has no arc in it.
+        let sunk = |row: &SteadyLoad| row.has_torque() && row.sinkage > 0.0;
+        let used = |row: &&SteadyLoad| sunk(row) && (stage != Stage::ShearStress || slips(row));
         rows.iter().filter(used).copied().collect()
     }
 

@@ -198,10 +198,10 @@ impl Setting {
     }
 
     pub(super) fn checked(&self) -> Result<(), RangeError> {
-        if let Law::Own(own) = &self.law {
-            own.checked()?;
-        }
         RangeError::positive("wheel radius", "m", self.rim.radius)?;
+        if let Law::Own(own) = &self.law {
+            own.checked(self.rim.radius)?;
+        }
         RangeError::positive("wheel width", "m", self.rim.width)?;
         RangeError::check("lug height", "m", self.lug_height, [0.0, self.rim.radius])?;
         RangeError::check("exit angle coefficient", "-", self.exit_angle, [-1.0, 0.0])?;

@@ -1,12 +1,12 @@
 //! Runs of one class and wheel, fitted together.
 
 use super::class::{Teller, Told};
-use super::law::{Chosen, LawTold};
+use super::law::{Chosen, LawTold, OtherStress};
 use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::identification::{
-    Cylinder, Estimate, Identification, IdentifyError, Predictor, Scope, Setting, SteadyLoad,
+    Cylinder, Estimate, Identification, IdentifyError, Law, Predictor, Scope, Setting, SteadyLoad,
     SteadyRow, pool, steady_stretches,
 };
 use lugwheel::quantity::RangeError;
@@ -116,8 +116,9 @@ impl WheelOfRun {
             } = wheel;
             [radius_m, width_m, lug_height_m].map(|length| length.to_bits())
         };
+        let thicknesses = self.lug_thickness_m.zip(other.lug_thickness_m);
         self.lug_count == other.lug_count
-            && self.lug_thickness_m == other.lug_thickness_m
+            && thicknesses.is_none_or(|(own, other)| own == other)
             && lengths(self) == lengths(other)
     }
 
@@ -186,6 +187,8 @@ pub struct Fit {
     pub setting: Setting,
     /// The equations.
     pub law: LawTold,
+    /// The parameters by another distribution of stress, which is presumed and not fitted.
+    pub other_stress: Option<OtherStress>,
     /// The runs used.
     pub runs: Vec<Rows>,
     /// The parameters.
@@ -248,7 +251,11 @@ impl Groups {
         };
         let mut groups = self.groups.iter_mut();
         match groups.find(|group| group.class == class && group.wheel.is(&wheel)) {
-            Some(group) => group.runs.push(run),
+            Some(group) => {
+                let known = &mut group.wheel.lug_thickness_m;
+                *known = known.or(wheel.lug_thickness_m);
+                group.runs.push(run);
+            }
             None => self.groups.push(Group {
                 class,
                 wheel,
@@ -331,19 +338,20 @@ impl Group {
         if let Some(reason) = self.upward_sinkage() {
             self.leave_out(&reason, unused);
         }
-        let chosen = Chosen::of(convention, &self.wheel, self.class, &loads(&self.runs));
-        let chosen = chosen
-            .map_err(|reason| self.leave_out(&reason, unused))
-            .ok()?;
-        let setting = self.wheel.setting(convention, &chosen);
         while !self.runs.is_empty() {
             let rows = loads(&self.runs);
+            let chosen = Chosen::of(convention, &self.wheel, self.class, &rows);
+            let chosen = chosen
+                .map_err(|reason| self.leave_out(&reason, unused))
+                .ok()?;
+            let setting = self.wheel.setting(convention, &chosen);
             match identified(&rows, self.class, &setting) {
                 Ok((estimate, predictor)) => {
                     return Some(Fit {
                         wheel: self.wheel,
                         setting,
                         law: chosen.told(),
+                        other_stress: OtherStress::of(&rows, self.class, &setting),
                         runs: self.runs,
                         estimate,
                         predictor,
@@ -462,6 +470,9 @@ fn way_out(fault: &RangeError, setting: &Setting) -> String {
         }
         "sinkage" if fault.value > setting.rim.radius => {
             "check that it is in m and counted from the undisturbed surface".to_owned()
+        }
+        "sinkage" if setting.law != Law::Paper => {
+            "neither rim nor lugs reach the soil: check its zero and sign".to_owned()
         }
         "sinkage" if setting.cylinder == Cylinder::Rim && setting.lug_height > 0.0 => {
             "the rim does not reach the soil: --cylinder lug-tips takes the circle that does"

@@ -2,8 +2,11 @@
 
 use super::Convention;
 use super::group::WheelOfRun;
+use super::summary::values_by_name;
 use clap::ValueEnum;
-use lugwheel::identification::{Law, Own, Scope, SteadyLoad};
+use lugwheel::identification::{
+    Identification, Law, Own, Scope, Setting, SteadyLoad, TerrainParameters,
+};
 use lugwheel::soil::StressConvention;
 use lugwheel::terrain::class::Wtic;
 use lugwheel::wheel::Lugs;
@@ -54,6 +57,44 @@ pub struct Chosen {
     pub thickness_assumed: bool,
 }
 
+/// The same rows by the other distribution of stress.
+#[derive(Debug, Clone, Serialize)]
+pub struct OtherStress {
+    /// Which.
+    pub stress: StressConvention,
+    /// The parameters by name.
+    #[serde(serialize_with = "values_by_name")]
+    pub parameters: TerrainParameters,
+    /// Sum of squares per degree of freedom [-].
+    pub reduced_chi_square: f64,
+}
+
+impl OtherStress {
+    /// What the quadrature finds in rows if the stress is distributed otherwise than the setting has it; none by the
+    /// paper's equations, which have one distribution.
+    pub fn of(rows: &[SteadyLoad], class: Wtic, setting: &Setting) -> Option<Self> {
+        let Law::Own(own) = setting.law else {
+            return None;
+        };
+        let stress = match own.convention {
+            StressConvention::WongReece => StressConvention::Triangular,
+            StressConvention::Triangular => StressConvention::WongReece,
+        };
+        let law = Law::Own(Own {
+            convention: stress,
+            ..own
+        });
+        let setting = Setting { law, ..*setting };
+        let identification = Identification::new(rows, class, &setting).ok()?;
+        let estimate = identification.estimate().ok()?;
+        Some(Self {
+            stress,
+            parameters: estimate.terrain,
+            reduced_chi_square: estimate.chi_square / estimate.degrees_of_freedom as f64,
+        })
+    }
+}
+
 /// What a fit says of its law.
 #[derive(Debug, Clone, Serialize)]
 pub struct LawTold {
@@ -70,8 +111,8 @@ pub struct LawTold {
 }
 
 impl Chosen {
-    /// The law asked for; else the quadrature where the paper's cylinder falls short: in soil that
-    /// lugs enter, or under several loads.
+    /// The law asked for; else the quadrature in soil that lugs enter, of a wheel whose lugs are known, if it has any
+    /// or the loads differ, unless something is asked that only the paper's equations have.
     ///
     /// # Errors
     /// Why the quadrature asked for cannot be taken.
@@ -100,6 +141,12 @@ impl Chosen {
                 return Err(
                     "--law own needs lug_count and lug_height_m of the wheel (0 of a smooth one): state them in the \
                      campaign and import it again"
+                        .to_owned(),
+                );
+            }
+            (Some(LawName::Own), _) if convention.is_of_paper() => {
+                return Err(
+                    "the quadrature knows rim and lugs apart: leave --cylinder or --law own out"
                         .to_owned(),
                 );
             }

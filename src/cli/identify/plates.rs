@@ -270,8 +270,8 @@ impl fmt::Display for PlateReport {
         write_item(f, "  ", &from)?;
         let [shallow, deep] = self.sinkage_m.map(|sinkage| four_digits(1.0e3 * sinkage));
         let fitted = format!(
-            "fitted from {shallow} mm (a twentieth of the weight is shallower) to {deep} mm: under a wheel that sinks less, \
-             p is extrapolated"
+            "fitted from {shallow} mm (shallower points hold 5 % of the sum of p^2) to {deep} mm: under a wheel that sinks \
+             less, p is extrapolated"
         );
         write_item(f, "  ", &fitted)?;
         writeln!(

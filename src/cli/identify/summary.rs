@@ -2,7 +2,7 @@
 
 use super::class::ToldBy;
 use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
-use super::law::LawTold;
+use super::law::{LawTold, OtherStress};
 use super::plates::PlateReport;
 use lugwheel::identification::{
     Combination, Cylinder, Drift, Estimate, Identified, Open, Parameter, Predicted, Prediction,
@@ -106,6 +106,8 @@ pub struct Report {
     /// The parameters by name.
     #[serde(serialize_with = "by_name")]
     pub parameters: Vec<(Parameter, ParameterTold)>,
+    /// The parameters if the stress is distributed otherwise than presumed; none by the paper's equations.
+    pub other_stress: Option<OtherStress>,
     /// What is known of parameters that are not identified one by one.
     pub combinations: Vec<CombinationTold>,
     /// How estimates go together.
@@ -356,6 +358,7 @@ impl Report {
                     (parameter, told)
                 })
                 .into(),
+            other_stress: fit.other_stress.clone(),
             combinations: estimate.combinations.iter().map(combination).collect(),
             correlation: Correlation {
                 parameters: free(estimate),
@@ -487,8 +490,8 @@ fn warning(warning: &Warning) -> WarningTold {
         ),
         Warning::PeakAtEnd { .. } => (
             "peak_at_end",
-            "c1 and c2 are held by the contact and not by the loads, and the others are as given with them: is \
-             slip counted from another radius, or is the convention or c3 another?",
+            "c1, c2 and K are held by the contact and not by the loads, and the intervals of the others presume this \
+             peak: is slip counted from another radius, or is the convention or c3 another?",
         ),
         Warning::Misfit { .. } => (
             "misfit",
@@ -633,7 +636,7 @@ fn by_name<S: Serializer>(
     serializer.collect_map(parameters.iter().map(|(of, told)| (of.name(), told)))
 }
 
-fn values_by_name<S: Serializer>(
+pub fn values_by_name<S: Serializer>(
     parameters: &TerrainParameters,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {

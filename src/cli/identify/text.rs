@@ -2,6 +2,7 @@
 
 use super::class::ToldBy;
 use super::group::{LeftOut, StretchLeftOut, Unused};
+use super::law::OtherStress;
 use super::summary::{Origin, ParameterTold, Report, RunTold, SettingTold, Summary, by_origin};
 use lugwheel::recognition::known::Source;
 use lugwheel::report::page::four_digits;
@@ -125,10 +126,7 @@ impl Report {
             };
             return format!("law: paper, (62)-(66) on a cylinder of {cylinder}, {c_3}");
         }
-        let stress = match law.stress {
-            StressConvention::WongReece => "Wong and Reece's stresses",
-            StressConvention::Triangular => "triangles of stress",
-        };
+        let stress = stress_name(law.stress);
         let of_lugs = law.lug_thickness_m.zip(law.bulk_density_kg_m3);
         let lugs = of_lugs.map_or(String::new(), |(thickness, density)| {
             format!(
@@ -177,6 +175,9 @@ impl Report {
         if let Some(effective) = &self.effective {
             write_item(f, "", effective)?;
         }
+        if let Some(other) = &self.other_stress {
+            write_item(f, "", &self.by_other_stress(other))?;
+        }
         for combination in &self.combinations {
             let value = four_digits(combination.value);
             let [low, high] = combination.ci95.map(four_digits);
@@ -192,6 +193,29 @@ impl Report {
             )?;
         }
         Ok(())
+    }
+
+    /// How the identified parameters move with the distribution of stress.
+    fn by_other_stress(&self, other: &OtherStress) -> String {
+        let identified = self.parameters.iter().filter(|(_, told)| told.identifiable);
+        let moved: Vec<String> = identified
+            .map(|(parameter, told)| {
+                let unit = behind_number(shown_unit(told.unit));
+                let value = four_digits(other.parameters.get(*parameter));
+                format!("{} = {value}{unit}", parameter.name())
+            })
+            .collect();
+        let moved = match moved.is_empty() {
+            true => "no parameter is identified either".to_owned(),
+            false => moved.join(", "),
+        };
+        let here = self.chi_square / self.degrees_of_freedom as f64;
+        format!(
+            "by {} instead: {moved} (reduced chi square {}, here {})",
+            stress_name(other.stress),
+            four_digits(other.reduced_chi_square),
+            four_digits(here)
+        )
     }
 
     fn write_correlation(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -252,6 +276,13 @@ impl Report {
             writeln!(f, "{line}")?;
         }
         Ok(())
+    }
+}
+
+fn stress_name(stress: StressConvention) -> &'static str {
+    match stress {
+        StressConvention::WongReece => "Wong and Reece's stresses",
+        StressConvention::Triangular => "triangles of stress",
     }
 }
 

@@ -4,8 +4,8 @@
 //! also take that of the lugs' tips, or put slip 0 where the torque vanishes. The motion is the same,
 //! so a slip by another radius becomes one by the rim through the travel per turn, `v/ω`.
 //!
-//! Where slip is 0 at no torque nobody measured `v/ω` there. It is taken to be the radius of the tips:
-//! a wheel that its lugs' tips roll through the soil shears nothing. For the lugged wheel of Ding et al.
+//! Where slip is 0 at no torque nobody measured `v/ω` there. It is taken for pure rolling of the circle
+//! through the tips. For the lugged wheel of Ding et al.
 //! (2011), whose torque is 0 at slip 0, the quadrature's torque vanishes at 0.003 by the tips and at
 //! -0.057 by the rim; one soil for its smooth and its lugged wheel leaves a sum of squares of 243 by the
 //! tips, of 420 by the shear radius and of 552 by the rim (36 values).
@@ -112,7 +112,11 @@ impl SlipOrigin {
         if counted == rim {
             return Ok(None);
         }
-        let by_rim = |slip: f64| Rolling::new(counted, slip).slip_at(rim);
+        // What nobody knows stays so.
+        let by_rim = |slip: f64| match slip.is_nan() {
+            true => slip,
+            false => Rolling::new(counted, slip).slip_at(rim),
+        };
         trace.attributes.slip_ratio = by_rim(trace.attributes.slip_ratio);
         for Channel { name, samples, .. } in &mut trace.channels {
             if name == "slip_ratio" {
@@ -216,6 +220,7 @@ mod tests {
         let slipping = by_rim(SlipRadius::Tips, SlipZero::Speed, 0.3);
         assert!((slipping - (1.0 - 0.7 * 0.16735 / 0.15735)).abs() < 1e-12);
         assert_eq!(by_rim(SlipRadius::Rim, SlipZero::Speed, 0.3), 0.3);
+        assert!(by_rim(SlipRadius::Tips, SlipZero::Speed, f64::NAN).is_nan());
     }
 
     #[test]

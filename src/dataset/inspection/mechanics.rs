@@ -57,10 +57,10 @@ const DRIVING_SLIP: f64 = 0.05;
 const LEAST_THRUST: f64 = 1.0e-3;
 
 /// Torque over radius and load [-] that is as good as none: the quadrature gives 0.1 to 0.25 of lugged wheels at slip 0.
-const TORQUE_FREE: f64 = 0.02;
+const TORQUE_FREE: f64 = 0.06;
 
 /// Slip [-] that is as good as 0.
-const AT_REST: f64 = 0.005;
+const NO_SLIP: f64 = 0.005;
 
 /// Lug height over radius [-] from which lugs show at slip 0.
 const LEAST_LUGS: f64 = 0.03;
@@ -214,9 +214,9 @@ impl Loads {
     fn torque_free(&self, subject: &Subject<'_>) -> Option<String> {
         let thrust = self.thrust?;
         let depth = subject.steady("sinkage")?.mean;
+        let most = thrust.mean.abs() + SIGMAS * thrust.sd;
         let lugged = self.tips > 1.0 + LEAST_LUGS && depth > 0.0;
-        let least = TORQUE_FREE * self.load + SIGMAS * thrust.sd;
-        (lugged && self.slip.abs() <= AT_REST && thrust.mean.abs() < least).then(|| {
+        (lugged && self.slip.abs() <= NO_SLIP && most < TORQUE_FREE * self.load).then(|| {
             format!(
                 "a lugged wheel in soil has a torque of {} N over its tips' radius at slip {}, where the tips slip by {} \
                  and shear the soil",

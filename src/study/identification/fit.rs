@@ -184,10 +184,11 @@ fn is_above(load: &SteadyLoad) -> bool {
     load.sinkage < RIGID_SINKAGE
 }
 
-/// A load as the model of a class takes it: by the paper's equations a rim above the ground has the
-/// sinkage of hard ground, exactly.
+/// A load as the model of a class takes it: where it knows no lugs, a rim above the ground has the sinkage of hard
+/// ground, exactly.
 fn as_taken(load: &SteadyLoad, class: Wtic, law: &Law) -> SteadyLoad {
-    if class != Wtic::Leis || *law != Law::Paper || !is_above(load) {
+    let lugs_reach = matches!(law, Law::Own(own) if own.lugs.is_some());
+    if class != Wtic::Leis || lugs_reach || !is_above(load) {
         return *load;
     }
     let exact = |uncertainty: Uncertainty| Uncertainty {
