@@ -303,16 +303,10 @@ impl Identification {
 
     /// Where the contact holds the peak at its end, identifies neither what places it nor `K`, which makes up for it.
     fn open_held_peak(&self, estimate: &mut Estimate, at: &Coordinates) {
-        if self.model.peak_at_end(at, &self.rows).is_none() {
-            return;
-        }
         use Parameter as P;
-        for parameter in [P::StressAngle, P::StressAngleSlip, P::ShearModulus] {
-            let identified = &mut estimate.parameters[parameter as usize];
-            if identified.is_identifiable() {
-                identified.open_by(Open::PeakAtEnd);
-                identified.interval = [None; 2];
-            }
+        if self.model.peak_at_end(at, &self.rows).is_some() {
+            let held = [P::StressAngle, P::StressAngleSlip, P::ShearModulus];
+            estimate.open_identified(&held, Open::PeakAtEnd);
         }
     }
 
@@ -324,30 +318,14 @@ impl Identification {
         if self.model.class != Wtic::Leis || !Scope::is_one_load(&self.rows) {
             return;
         }
-        let pair = [P::Cohesion, P::FrictionAngle];
-        let pressure = [P::SinkageModulus, P::SinkageExponent];
-        for (apart, together) in [
-            (pair, &pair[..]),
-            (
-                pressure,
-                &[
-                    P::SinkageModulus,
-                    P::SinkageExponent,
-                    P::SinkageExponentSlip,
-                ],
-            ),
-        ] {
-            let is_given = |parameter: &P| estimate.of(*parameter).standing == Standing::Given;
-            if apart.iter().any(is_given) {
-                continue;
-            }
-            for &parameter in together {
-                let identified = &mut estimate.parameters[parameter as usize];
-                if identified.is_identifiable() {
-                    identified.open_by(Open::OneLoad);
-                    identified.interval = [None; 2];
-                }
-            }
+        let is_given = |parameter: P| estimate.of(parameter).standing == Standing::Given;
+        let strength_is_split = is_given(P::Cohesion) || is_given(P::FrictionAngle);
+        let pressure_is_split = is_given(P::SinkageModulus) || is_given(P::SinkageExponent);
+        if !strength_is_split {
+            estimate.open_identified(&[P::Cohesion, P::FrictionAngle], Open::OneLoad);
+        }
+        if !pressure_is_split {
+            estimate.open_identified(Stage::NormalStress.parameters(), Open::OneLoad);
         }
     }
 

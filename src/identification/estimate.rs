@@ -144,6 +144,22 @@ impl Estimate {
         }
     }
 
+    /// Takes those of `parameters` that are identified for ones that the data do not fix.
+    pub(super) fn open_identified(&mut self, parameters: &[Parameter], reason: Open) {
+        for &parameter in parameters {
+            let identified = &mut self.parameters[parameter as usize];
+            if identified.is_identifiable() {
+                identified.open_by(reason);
+                identified.interval = [None; 2];
+            }
+        }
+    }
+
+    /// Sum of squares per degree of freedom [-].
+    pub fn reduced_chi_square(&self) -> f64 {
+        self.chi_square / self.degrees_of_freedom as f64
+    }
+
     /// What is known of one parameter.
     pub fn of(&self, parameter: Parameter) -> &Identified {
         &self.parameters[parameter as usize]

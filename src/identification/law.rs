@@ -27,6 +27,11 @@ pub struct Own {
 }
 
 impl Own {
+    /// By how much lugs reach deeper than the rim [m].
+    pub(super) fn lug_height(&self) -> f64 {
+        self.lugs.map_or(0.0, |lugs| lugs.height)
+    }
+
     /// # Errors
     /// `RangeError` for lugs or a density outside their ranges, and for lugs that have no room on a rim of `radius` [m].
     pub(super) fn checked(&self, radius: f64) -> Result<(), RangeError> {

@@ -167,8 +167,7 @@ impl Model {
 
     /// By how much lugs reach deeper than the sinkage that the equations are in [m].
     fn lug_depth(&self) -> f64 {
-        let lugs = self.own().and_then(|own| own.lugs);
-        lugs.map_or(0.0, |lugs| lugs.height)
+        self.own().map_or(0.0, Own::lug_height)
     }
 
     /// Depth [m] of the lowest point of wheel and lugs at a `sinkage` [m], which is above 0.
@@ -185,10 +184,9 @@ impl Model {
     pub fn peak_at_end(&self, at: &Coordinates, rows: &[SteadyLoad]) -> Option<f64> {
         const NEAR: f64 = 1e-3;
         self.own()?;
-        let slips = rows.iter().map(|row| row.slip);
         let inside = self.setting.exit_angle + NEAR..1.0 - NEAR;
-        slips
-            .into_iter()
+        rows.iter()
+            .map(|row| row.slip)
             .find(|slip| !inside.contains(&peak_share(at, *slip)))
     }
 

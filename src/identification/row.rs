@@ -193,7 +193,7 @@ impl Setting {
     fn lowest(&self) -> f64 {
         match self.law {
             Law::Paper => self.offset(),
-            Law::Own(own) => own.lugs.map_or(0.0, |lugs| lugs.height),
+            Law::Own(own) => own.lug_height(),
         }
     }
 

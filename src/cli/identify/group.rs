@@ -89,19 +89,10 @@ impl WheelOfRun {
     }
 
     /// Its lugs.
-    fn lugs(&self) -> Lugs {
+    pub fn lugs(&self) -> Lugs {
         Lugs {
             count: self.lug_count,
             height: self.lug_height_m,
-        }
-    }
-
-    /// Number and height [m] of its lugs, `Some(None)` of a smooth wheel; `None` where either is unknown.
-    pub fn known_lugs(&self) -> Option<Option<(u32, f64)>> {
-        match self.lug_count? {
-            0 => Some(None),
-            _ if self.lug_height_m.is_nan() => None,
-            count => Some(Some((count, self.lug_height_m))),
         }
     }
 

@@ -90,7 +90,7 @@ impl OtherStress {
         Some(Self {
             stress,
             parameters: estimate.terrain,
-            reduced_chi_square: estimate.chi_square / estimate.degrees_of_freedom as f64,
+            reduced_chi_square: estimate.reduced_chi_square(),
         })
     }
 }
@@ -127,35 +127,38 @@ impl Chosen {
             exit_angle: convention.exit_angle.unwrap_or(0.0),
             thickness_assumed: false,
         });
-        let lugs = match (convention.law, wheel.known_lugs()) {
-            (Some(LawName::Paper), _) => return paper,
-            (None, _) if class != Wtic::Leis || convention.is_of_paper() => return paper,
-            (None, None) => return paper,
-            (None, Some(lugs)) if lugs.is_none() && Scope::is_one_load(rows) => return paper,
-            (Some(LawName::Own), _) if class != Wtic::Leis => {
+        let lugs = wheel.lugs();
+        let known = lugs.are_none() || lugs.count.is_some() && !lugs.height.is_nan();
+        let is_smooth_under_one_load = || lugs.are_none() && Scope::is_one_load(rows);
+        match convention.law {
+            Some(LawName::Paper) => return paper,
+            None if class != Wtic::Leis || convention.is_of_paper() => return paper,
+            None if !known || is_smooth_under_one_load() => return paper,
+            Some(LawName::Own) if class != Wtic::Leis => {
                 return Err(format!(
                     "--law own is of soil that lugs enter, and class {class} is none; leave it out or give --class LEIS"
                 ));
             }
-            (Some(LawName::Own), None) => {
+            Some(LawName::Own) if !known => {
                 return Err(
                     "--law own needs lug_count and lug_height_m of the wheel (0 of a smooth one): state them in the \
                      campaign and import it again"
                         .to_owned(),
                 );
             }
-            (Some(LawName::Own), _) if convention.is_of_paper() => {
+            Some(LawName::Own) if convention.is_of_paper() => {
                 return Err(
                     "the quadrature knows rim and lugs apart: leave --cylinder or --law own out"
                         .to_owned(),
                 );
             }
-            (_, Some(lugs)) => lugs,
-        };
+            None | Some(LawName::Own) => {}
+        }
         let thickness = convention.lug_thickness.or(wheel.lug_thickness_m);
-        let lugs = lugs.map(|(count, height)| Lugs {
+        let count = lugs.count.filter(|count| *count > 0);
+        let lugs = count.map(|count| Lugs {
             count,
-            height,
+            height: lugs.height,
             thickness: thickness.unwrap_or(THICKNESS),
             edge_radius: None,
         });

@@ -199,7 +199,7 @@ impl FoundScore {
         Self {
             parameters: estimate.parameters.iter().map(parameter).collect(),
             combinations: combinations.collect(),
-            reduced_chi_square: estimate.chi_square / estimate.degrees_of_freedom as f64,
+            reduced_chi_square: estimate.reduced_chi_square(),
             warnings: estimate.warnings.iter().map(Warning::to_string).collect(),
             fitted: Accuracy::of(&fitted.fitted),
             means: Accuracy::of(&fitted.means),
