@@ -12,6 +12,7 @@
 //! | `l`, `n_l`, `t` | lug height, number, thickness | m, -, m | [`crate::wheel::Lugs`] |
 //! | `r_s` | shear radius | m | [`lug_action::shear_radius`] |
 //! | `z` | sinkage of the rim, positive down | m | `sinkage` |
+//! | `h`, `d` | thickness of the soil carried by lugs, depth dug by it | m | [`carried_soil`] |
 //! | `s` | slip ratio by the rim | - | [`crate::quantity::SlipRatio`] |
 //! | `k_c`, `k_φ`, `k_s` | cohesive, frictional, sinkage modulus | N·m⁻⁽ᴺ⁺¹⁾, N·m⁻⁽ᴺ⁺²⁾ twice | [`Soil::sinkage_modulus`] |
 //! | `n_0`, `n_1`, `N` | sinkage exponent `N = n_0 + n_1 abs(s)` | - | [`Soil::exponent`] |
@@ -27,6 +28,7 @@
 //! | `M_R`, `T_D` | resistance moment, driving torque | N·m | [`wheel_load::WheelLoad`] |
 
 pub mod bulldozing;
+pub mod carried_soil;
 pub mod closed_form;
 pub mod contact;
 pub mod departures;

@@ -257,8 +257,9 @@ fn two_sinkages_of_the_smooth_wheel_calibrate_the_exponent_for_the_lugged_wheel(
     let lugged = score(points.iter().filter(|p| p.wheel.lugs.is_some()), |point| {
         by_quadrature(&soil, point)
     });
-    // No lugged point was used. What is left grows at s = 0.6, where lugs dig.
-    assert!(median(&lugged.sinkage) < 0.15);
+    // No lugged point was used. At s = 0.6 lugs dig deeper still: 19 % is left there.
+    assert!(median(&lugged.sinkage) < 0.10);
+    assert!(lugged.sinkage.iter().all(|error| *error < 0.20));
     assert!(median(&lugged.pull) < 0.20);
     assert!(median(&lugged.torque) < 0.08);
 }
@@ -283,6 +284,6 @@ fn the_simulated_lugged_wheel_follows_from_two_sinkages_of_the_smooth_one() {
         by_simulation(&calibrated, point)
     });
     assert!(median(&lugged.pull) < 0.27);
-    assert!(median(&lugged.sinkage) < 0.25);
+    assert!(median(&lugged.sinkage) < 0.10);
     assert!(median(&lugged.torque) < 0.10);
 }

@@ -187,6 +187,8 @@ pub struct NormalStress<T = f64> {
     pub law: PressureSinkage<T>,
     /// Maximum stress `σ_m` [Pa].
     pub peak: T,
+    /// Depth [m] to which the ground was dug before it was pressed: so much nearer is a hard base.
+    dug: T,
 }
 
 impl<T: Real> NormalStress<T> {
@@ -194,9 +196,34 @@ impl<T: Real> NormalStress<T> {
     ///
     /// `σ_m` is `k_s zᴺ` in the triangular convention and `k_s rᴺ (cos θ_m - cos θ_1)ᴺ` in
     /// Wong-Reece's.
-    pub fn new(soil: &Soil<T>, [radius, width]: [f64; 2], sinkage: T, slip: T) -> Self {
-        let depth = EffectiveDepth::new(soil, radius, sinkage, slip);
+    pub fn new(soil: &Soil<T>, rim: [f64; 2], sinkage: T, slip: T) -> Self {
+        Self::on_dug_ground(soil, rim, [sinkage, T::constant(0.0)], slip)
+    }
+
+    /// The same at `sinkage` [m] into ground of which `dug` [m] were taken off.
+    pub(crate) fn on_dug_ground(
+        soil: &Soil<T>,
+        [radius, width]: [f64; 2],
+        [sinkage, dug]: [T; 2],
+        slip: T,
+    ) -> Self {
         let law = soil.pressure_sinkage(width, slip);
+        Self::by(law, soil, radius, [sinkage, dug], slip)
+    }
+
+    /// The same at another sinkage, with the same law of pressure.
+    pub(crate) fn at_sinkage(&self, soil: &Soil<T>, depths: [T; 2], slip: T) -> Self {
+        Self::by(self.law, soil, self.depth.radius, depths, slip)
+    }
+
+    fn by(
+        law: PressureSinkage<T>,
+        soil: &Soil<T>,
+        radius: f64,
+        [sinkage, dug]: [T; 2],
+        slip: T,
+    ) -> Self {
+        let depth = EffectiveDepth::new(soil, radius, sinkage, slip);
         let peak_depth = match soil.convention {
             StressConvention::WongReece => (depth.angles.peak.cos() - depth.cos_entry) * radius,
             StressConvention::Triangular => depth.sinkage,
@@ -204,7 +231,8 @@ impl<T: Real> NormalStress<T> {
         Self {
             depth,
             law,
-            peak: law.pressure(peak_depth),
+            peak: law.pressure_of(peak_depth, peak_depth + dug),
+            dug,
         }
     }
 
@@ -219,7 +247,7 @@ impl<T: Real> NormalStress<T> {
             }
             StressConvention::WongReece => self
                 .law
-                .pressure_of(self.depth.at(angle), self.depth.pressed(angle)),
+                .pressure_of(self.depth.at(angle), self.depth.pressed(angle) + self.dug),
             StressConvention::Triangular => self.peak * self.depth.triangle(angle),
         }
     }

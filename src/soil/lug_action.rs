@@ -34,8 +34,13 @@ use std::f64::consts::TAU;
 /// `L = l cot(45° - φ/2)` is the wedge's length, `p = 2πr/n_l` the pitch at the rim. A layer of
 /// soil that clings to the wheel ([`crate::soil::departures`]) adds its thickness.
 pub fn shear_radius<T: Real>(wheel: &Wheel, soil: &Soil<T>) -> T {
+    carried_layer(wheel, soil) + wheel.radius + soil.departures.clinging_layer
+}
+
+/// Mean thickness `λ l` [m] of the soil between lugs that moves with the wheel; 0 without lugs.
+pub fn carried_layer<T: Real>(wheel: &Wheel, soil: &Soil<T>) -> T {
     let Some(Lugs { count, height, .. }) = wheel.lugs else {
-        return T::constant(wheel.radius + soil.departures.clinging_layer);
+        return T::constant(0.0);
     };
     let wedge = soil.passive_pressure_coefficient().sqrt() * height;
     let pitch = TAU * wheel.radius / f64::from(count);
@@ -44,7 +49,7 @@ pub fn shear_radius<T: Real>(wheel: &Wheel, soil: &Soil<T>) -> T {
     } else {
         -(T::constant(0.5 * pitch) / wedge) + 1.0
     };
-    fill * height + wheel.radius + soil.departures.clinging_layer
+    fill * height
 }
 
 /// Part [-] of the arc of `radius` [m] that lugs cover.

@@ -21,19 +21,34 @@ const RELAX_EVERY: f64 = 0.02;
 /// One millimetre of track.
 #[derive(Debug, Clone, Copy)]
 struct Column {
-    /// Undisturbed height [m].
+    /// Height before any wheel came [m].
+    undisturbed: f64,
+    /// Height of the same soil if nothing had pressed it [m]: lower where soil was taken off.
     virgin: f64,
     /// Height when the wheel arrived [m].
     arrival: f64,
     /// Lowest level it was pressed to [m].
     pressed: f64,
+    /// Soil that slid off to the sides, as a height over the wheel's width [m].
+    beside: f64,
     /// Whether the rim bears on it.
     loaded: bool,
     /// Whether a stone lies on it.
     covered: bool,
 }
 
-/// The columns of one stretch; 32 kB a metre, kept for the run.
+/// Where the surface of one column is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// Height [m] of the same soil if nothing had pressed it.
+    pub virgin: f64,
+    /// Height [m] now.
+    pub height: f64,
+    /// Depth [m] of soil taken off.
+    pub dug: f64,
+}
+
+/// The columns of one stretch; 48 kB a metre, kept for the run.
 pub(super) struct Columns {
     profile: Profile,
     range: [f64; 2],
@@ -116,7 +131,7 @@ impl Columns {
         Pressed {
             virgin: column.virgin,
             lowest: column.pressed,
-            reached: column.pressed,
+            reached: column.pressed - column.dug(),
         }
     }
 
@@ -134,7 +149,13 @@ impl Columns {
     pub fn dig_out(&mut self, index: i64, level: f64) {
         let column = self.column_mut(index);
         if level < column.pressed {
-            (column.virgin, column.arrival, column.pressed) = (level, level, level);
+            *column = Column {
+                undisturbed: level,
+                virgin: level,
+                arrival: level,
+                pressed: level,
+                ..*column
+            };
         }
         self.cover(index);
     }
@@ -152,10 +173,48 @@ impl Columns {
         }
     }
 
-    /// Undisturbed height and height now [m].
-    pub fn heights(&self, index: i64) -> [f64; 2] {
+    /// Whether the rim bears on a column.
+    pub fn is_loaded(&self, index: i64) -> bool {
+        self.column(index).loaded
+    }
+
+    /// Whether soil may come onto a column and leave it: not below a stone.
+    pub fn can_pass(&self, index: i64) -> bool {
+        !self.column(index).covered
+    }
+
+    /// Puts soil of this height [m] on a column, or takes it off where it is below 0.
+    pub fn carry(&mut self, index: i64, height: f64) {
+        self.column_mut(index).carry(height);
+    }
+
+    /// A column's surface.
+    pub fn surface_at(&self, index: i64) -> Surface {
         let column = self.column(index);
-        [column.virgin, column.height()]
+        Surface {
+            virgin: column.virgin,
+            height: column.height(),
+            dug: column.dug(),
+        }
+    }
+
+    /// Lets soil that stands above undisturbed ground in `[low, high]` [m] slide to both sides of a wheel of `width` [m].
+    ///
+    /// A berm as high as the soil beside it, at the angle of repose, holds `h²/(b tan β)` of it, as a height over the
+    /// wheel's width; it does not slide back.
+    pub fn spread(&mut self, [low, high]: [f64; 2], width: f64) {
+        let slope = self.steepest / COLUMN;
+        for index in self.indices(low, high) {
+            let column = self.column_mut(index);
+            let above = column.height() - column.undisturbed;
+            if above <= 0.0 || column.loaded || column.covered {
+                continue;
+            }
+            let berm = above * above / (width * slope);
+            let slides = (0.5 * (berm - column.beside)).clamp(0.0, 0.5 * above);
+            column.carry(-slides);
+            column.beside += slides;
+        }
     }
 
     /// Leaves a print down to `level` [m] where no rim lies above it.
@@ -224,9 +283,11 @@ impl Columns {
     fn fresh(&self, index: i64) -> Column {
         let virgin = self.profile.at(index as f64 * COLUMN).height;
         Column {
+            undisturbed: virgin,
             virgin,
             arrival: virgin,
             pressed: virgin,
+            beside: 0.0,
             loaded: false,
             covered: false,
         }
@@ -276,10 +337,84 @@ impl Column {
         self.pressed.min(self.arrival)
     }
 
+    /// Depth [m] of soil taken off.
+    fn dug(&self) -> f64 {
+        (self.undisturbed - self.virgin).max(0.0)
+    }
+
+    /// Takes up loose soil of this height [m], or gives away soil as dense as it lies.
+    fn carry(&mut self, height: f64) {
+        if height > 0.0 {
+            self.settle(height);
+        } else {
+            self.virgin += height;
+            self.arrival += height;
+            self.pressed += height;
+        }
+    }
+
     /// Takes up or gives away soil of this height [m].
     fn settle(&mut self, height: f64) {
         self.pressed += height;
         self.arrival += height;
         self.virgin = self.virgin.max(self.pressed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Seed;
+    use crate::simulation::soil_track::tests::sand;
+    use crate::terrain::Relief;
+
+    fn flat() -> Columns {
+        let profile = Profile::new(&Relief::default(), 1.0e-3, Seed(0), 0);
+        let mut columns = Columns::new(profile, &sand(), [f64::NEG_INFINITY, f64::INFINITY]);
+        columns.reach(-0.5, 0.5);
+        columns
+    }
+
+    /// Soil [m] in all columns and beside them, over columns of one width.
+    fn soil_of(columns: &Columns) -> f64 {
+        let all = columns.indices(-0.4, 0.4);
+        all.map(|index| columns.column(index))
+            .map(|column| column.height() + column.beside)
+            .sum()
+    }
+
+    #[test]
+    fn soil_carried_slid_and_spread_is_conserved() {
+        let mut columns = flat();
+        let mut moved = 0.0;
+        for step in 0..20_000 {
+            // A hole dug at 0 and heaped 50 mm on.
+            let height = 2.0e-6;
+            columns.carry(0, -height);
+            columns.carry(50, height);
+            moved += height;
+            if step % 10 == 0 {
+                columns.relax(-0.4, 0.4);
+                columns.spread([-0.4, 0.4], 0.15);
+            }
+        }
+        let lost = soil_of(&columns).abs();
+        assert!(lost < 1e-6 * moved, "{lost} of {moved}");
+        let heap = columns.column(50);
+        assert!(heap.height() > 0.003, "{}", heap.height());
+        assert!(heap.beside > 0.5 * heap.height() * heap.height() / (0.15 * 0.62));
+    }
+
+    #[test]
+    fn a_column_is_no_denser_for_soil_taken_off_it_and_looser_for_soil_put_on() {
+        let mut columns = flat();
+        columns.press(0, -0.010);
+        columns.carry(0, -0.002);
+        let dug = columns.surface_at(0);
+        assert!((dug.virgin - dug.height - 0.010).abs() < 1e-15);
+        assert!((dug.dug - 0.002).abs() < 1e-15);
+        columns.carry(0, 0.003);
+        let filled = columns.surface_at(0);
+        assert!((filled.virgin - filled.height - 0.007).abs() < 1e-15);
     }
 }

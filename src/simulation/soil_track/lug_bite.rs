@@ -7,9 +7,9 @@
 //! measured with. Its depth counts along the arc as the rim's does. A lug outside the rim's
 //! contact, where nothing confines the soil before it, pushes it with passive pressure. The cut
 //! closes behind the lug; its print remains where the rim has already left, and relaxes to the
-//! angle of repose. What lugs throw backward is not moved: `N = n_0 + n_1 s` stands for it.
+//! angle of repose. What lugs carry backward is moved by [`super::transport`].
 
-use super::columns::Columns;
+use super::columns::{Columns, Surface};
 use super::{Contact, Field, Pressed};
 use crate::simulation::contact::{Edge, WheelGeometry};
 use crate::simulation::motion::{WheelMotion, Wrench};
@@ -87,21 +87,26 @@ impl LugBites {
                 self.bites[edge.lug] = NO_BITE;
                 continue;
             };
-            let [virgin, surface] = columns.heights(index);
-            if edge.y >= surface {
+            let ground = columns.surface_at(index);
+            let Surface {
+                virgin,
+                height,
+                dug,
+            } = ground;
+            if edge.y >= height {
                 let bite = std::mem::replace(&mut self.bites[edge.lug], NO_BITE);
                 if bite.lowest.is_finite() {
                     // What lies on a base does not spring back, and no print reaches into it.
-                    let base = contact.law.base.pressed(virgin - bite.reached);
+                    let base = contact.law.base.pressed(virgin + dug - bite.reached);
                     let bottom = bite.lowest + base * (bite.reached - bite.lowest);
-                    columns.print(index, bottom.max(surface - self.wheel.lug_height()));
+                    columns.print(index, bottom.max(height - self.wheel.lug_height()));
                 }
                 continue;
             }
             if virgin - edge.y > ENTERED {
                 field.reach.entered |= 1 << edge.lug;
             }
-            let wrench = self.push_lug(motion, contact, &edge, [virgin, surface], field);
+            let wrench = self.push_lug(motion, contact, &edge, ground, field);
             if wrench.force() > wheel.touch_force {
                 field.reach.touching |= 1 << edge.lug;
             }
@@ -115,7 +120,11 @@ impl LugBites {
         motion: &WheelMotion,
         contact: &Contact,
         edge: &Edge,
-        [virgin, surface]: [f64; 2],
+        Surface {
+            virgin,
+            height,
+            dug,
+        }: Surface,
         field: &mut Field,
     ) -> Wrench {
         let (radius, d) = (edge.radius, contact.direction);
@@ -124,7 +133,7 @@ impl LugBites {
         let bite = &mut self.bites[edge.lug];
         bite.reached = bite.reached.min(edge.y);
         let spring_back = if angle < 0.0 {
-            let springing = 1.0 - contact.law.base.pressed(virgin - bite.reached);
+            let springing = 1.0 - contact.law.base.pressed(virgin + dug - bite.reached);
             contact.developed * springing * radius * (1.0 - cosine)
         } else {
             0.0
@@ -137,7 +146,7 @@ impl LugBites {
             Pressed {
                 virgin,
                 lowest: bite.lowest,
-                reached: bite.reached,
+                reached: bite.reached - dug,
             },
             contact.shear.mobilised(bite.shear),
         );
@@ -155,7 +164,7 @@ impl LugBites {
         let mut moment = along * radius;
         let part = mobilised * unconfined(&self.wheel, angle, contact.depth.angles);
         if part != 0.0 {
-            let push = self.face.push(surface - edge.y);
+            let push = self.face.push(height - edge.y);
             along += push.force * part;
             moment += push.moment * part;
         }
