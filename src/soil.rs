@@ -105,6 +105,20 @@ impl<T: Real> Soil<T> {
         self.cohesive_modulus / width + self.frictional_modulus
     }
 
+    /// This soil as a wheel of `diameter` [m] meets it: its moduli are of flat plates.
+    pub fn under_wheel_of(&self, diameter: f64) -> Self {
+        let factor = self.departures.diameter_factor(diameter);
+        Self {
+            cohesive_modulus: self.cohesive_modulus * factor,
+            frictional_modulus: self.frictional_modulus * factor,
+            departures: Departures {
+                diameter_exponent: 0.0,
+                ..self.departures
+            },
+            ..*self
+        }
+    }
+
     /// Sinkage exponent `N` [-] at `slip`.
     pub fn exponent(&self, slip: T) -> T {
         self.sinkage_exponent + self.sinkage_exponent_slip * slip.magnitude()

@@ -120,7 +120,9 @@ struct Contact {
 
 /// A stretch of soil.
 pub(super) struct SoilTrack {
+    /// As the wheel meets it, and as stones do.
     soil: Soil,
+    under_stones: Soil,
     columns: Columns,
     shear_radius: f64,
     rim_shear: RimShear,
@@ -139,8 +141,11 @@ pub(super) struct SoilTrack {
 impl SoilTrack {
     /// Soil on `range` [m] whose undisturbed surface is `profile`.
     pub fn new(profile: Profile, soil: Soil, wheel: &Wheel, range: [f64; 2]) -> Self {
+        let under_stones = soil;
+        let soil = soil.under_wheel_of(2.0 * wheel.radius);
         Self {
             soil,
+            under_stones,
             columns: Columns::new(profile, &soil, range),
             shear_radius: shear_radius(wheel, &soil),
             rim_shear: RimShear::new(),
@@ -198,8 +203,8 @@ impl SoilTrack {
     /// sheared the soil below it by `stretch` [m].
     pub fn bear(&mut self, stone: &StoneOutline, stretch: &mut f64, dt: f64) -> [f64; 3] {
         let (law, shear) = (
-            self.soil.pressure_sinkage(stone.depth, 0.0),
-            self.soil.shear(),
+            self.under_stones.pressure_sinkage(stone.depth, 0.0),
+            self.under_stones.shear(),
         );
         let [low, high] = stone.extent();
         self.columns.reach(low, high);
@@ -593,6 +598,10 @@ mod tests {
 
     impl Led {
         fn new(wheel: Wheel) -> Self {
+            Self::on(sand(), wheel)
+        }
+
+        fn on(soil: Soil, wheel: Wheel) -> Self {
             let flat = Profile::new(&crate::terrain::Relief::default(), 1.0e-3, Seed(0), 0);
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             let motion = WheelMotion {
@@ -600,7 +609,7 @@ mod tests {
                 ..WheelMotion::default()
             };
             Self {
-                track: SoilTrack::new(flat, sand(), &wheel, everywhere),
+                track: SoilTrack::new(flat, soil, &wheel, everywhere),
                 wheel: WheelGeometry::new(&wheel, 100.0),
                 motion,
             }
@@ -793,5 +802,20 @@ mod tests {
             .map(|pair| (pair[1][1] - pair[0][1]).abs() / COLUMN)
             .fold(0.0, f64::max);
         assert!(steepest < 1.05 * 32.0_f64.to_radians().tan(), "{steepest}");
+    }
+
+    #[test]
+    fn a_small_wheel_is_borne_by_the_pressure_at_its_diameter() {
+        let departures = Departures {
+            diameter_exponent: 0.5,
+            ..Departures::NONE
+        };
+        let soil = Soil {
+            departures,
+            ..sand()
+        };
+        let load = |soil: Soil| Led::on(soil, smooth()).stand(0.008);
+        // A wheel of 0.28 m: (0.28/0.5)^0.5 by hand.
+        assert!((load(soil) / load(sand()) - 0.748_331).abs() < 1e-6);
     }
 }

@@ -11,6 +11,7 @@
 //! |---|---|---|
 //! | slip digs | `z → z/(1 + w(g(s) - 1))` | [`Departures::depth_factor`] |
 //! | former passes | `k_s → k_s (1 + m (1 - e^(-p/p_0)))` | [`Departures::modulus_factor`] |
+//! | small wheel | `k_s → k_s (D/D_0)ᵐ` below `D_0` | [`Departures::diameter_factor`] |
 //! | precompression | virgin curve from `z_p` on | [`crate::soil::pressure_sinkage`] |
 //! | hard base, two forms | `z → z/(1 - z/H)`, `z → -H ln(1 - z/H)` | [`crate::soil::hard_base`] |
 //! | penetration rate, two forms | `p ∝ żᵐ`, `p ∝ 1 + κ ln(1 + ż/ż_0)` | [`crate::soil::penetration_rate`] |
@@ -60,10 +61,16 @@ pub struct Departures {
     /// Thickness [m] of a layer of soil that clings to the wheel and shears at its outside.
     #[serde(skip_serializing_if = "is_zero")]
     pub clinging_layer: f64,
+    /// Exponent `m` [-] of pressure over the diameter of a small wheel; above 0 a smaller one sinks deeper.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub diameter_exponent: f64,
 }
 
 /// Number of passes `p_0` [-] that bring 63 % of the gain: the first does most. A guess.
 const LASTING_PASSES: f64 = 1.5;
+
+/// Diameter `D_0` [m] of a wheel from which on flat plates tell the pressure under it.
+const LARGE_DIAMETER: f64 = 0.5;
 
 impl Departures {
     /// Ideal soil.
@@ -79,6 +86,7 @@ impl Departures {
         heap: 0.0,
         front_pressure: 0.0,
         clinging_layer: 0.0,
+        diameter_exponent: 0.0,
     };
 
     /// Whether the soil is ideal.
@@ -117,6 +125,21 @@ impl Departures {
         1.0 - self.compaction * expm1(-(1.0 + self.earlier_passes) / LASTING_PASSES)
     }
 
+    /// How many times as hard the soil is under a wheel of `diameter` [m] as under a flat plate of its width [-].
+    ///
+    /// ```text
+    /// (D/D_0)ᵐ below D_0 = 0.5 m, else 1
+    /// ```
+    ///
+    /// The arc of a small wheel leaves soil more ways to flow than a plate does.
+    ///
+    /// # Reference
+    /// `p = k zⁿ Dᵐ` of rigid wheels smaller than some 0.5 m: Meirion-Griffith and Spenko (2011), J. Terramechanics
+    /// 48(2):149-155.
+    pub fn diameter_factor(&self, diameter: f64) -> f64 {
+        libm::pow((diameter / LARGE_DIAMETER).min(1.0), self.diameter_exponent)
+    }
+
     /// # Errors
     /// `RangeError` for a departure outside its physical range.
     pub fn check(&self) -> Result<(), RangeError> {
@@ -138,6 +161,12 @@ impl Departures {
             ("front pressure", "-", self.front_pressure, 10.0),
             ("clinging layer", "m", self.clinging_layer, 0.1),
         ];
+        RangeError::check(
+            "diameter exponent",
+            "-",
+            self.diameter_exponent,
+            [-3.0, 3.0],
+        )?;
         checks
             .into_iter()
             .try_for_each(|(quantity, unit, value, most)| {
@@ -206,5 +235,22 @@ mod tests {
         assert_eq!(hardness(-1.0), 1.0);
         assert!(gains.windows(2).all(|pair| pair[1] < 0.6 * pair[0]));
         assert!((hardness(100.0) - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wheel_of_half_the_diameter_is_borne_by_half_the_pressure_at_the_exponent_1() {
+        let soil = Soil {
+            departures: Departures {
+                diameter_exponent: 1.0,
+                ..Departures::NONE
+            },
+            ..table_6::sand()
+        };
+        let modulus = |diameter| soil.under_wheel_of(diameter).sinkage_modulus(0.15);
+        assert!((modulus(0.1) / modulus(0.2) - 0.5).abs() < 1e-12);
+        assert_eq!(modulus(0.5), modulus(2.0));
+        // The option is used up: a soil under a wheel is of plates again.
+        let twice = soil.under_wheel_of(0.2).under_wheel_of(0.2);
+        assert_eq!(twice, soil.under_wheel_of(0.2));
     }
 }

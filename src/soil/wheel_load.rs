@@ -282,6 +282,7 @@ pub(crate) fn loads_to<T: Real>(
     soil: &Soil<T>,
     [sinkage, slip]: [T; 2],
 ) -> WheelLoad<T> {
+    let soil = &soil.under_wheel_of(2.0 * wheel.radius);
     let rolling = Rolling::new(wheel.radius, slip);
     let rim = Rim::from(wheel);
     let dug = CarriedSoil::new(wheel, soil, rolling).dug_below(sinkage);
