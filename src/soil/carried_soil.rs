@@ -33,7 +33,7 @@
 //!
 //! # Reference
 //! Slip-sinkage of lugs by the soil they remove: Reece (1965), *Principles of Soil-Vehicle
-//! Mechanics*, Proc. Inst. Mech. Eng. 180(2A):45-66. The balance of mass is derived here.
+//! Mechanics*, Proc. Inst. Mech. Eng. (Automobile Division) 180(1):45-66. The balance of mass is derived here.
 
 use crate::soil::Soil;
 use crate::soil::lug_action::{carried_layer, shear_radius};
