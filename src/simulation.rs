@@ -1,13 +1,12 @@
 //! The motion of the wheel: an iterator of [`WheelState`].
 //!
-//! Each step the fixed ground, the load, the leg, the carriage and the motor act on the wheel's body, and rapier
-//! moves it: by its integrator alone on fixed ground, by its whole pipeline among stones. The ground's loads are
-//! the sum of its contacts; what a transducer in the hub reads follows from them and from the wheel's inertia.
+//! Each step the ground, the load, the leg, the carriage and the motor act on the wheel's body, and rapier's integrator moves it.
+//! Stones take steps of their own in between. The ground's loads are the sum of its contacts; what a transducer in the hub reads
+//! follows from them and from the wheel's inertia.
 
 #[cfg(test)]
 mod balance;
 mod contact;
-mod engine;
 mod free_body;
 mod ground_force;
 mod hard_contact;
@@ -21,7 +20,6 @@ mod rolling;
 mod soil_track;
 mod stone_bearing;
 mod stone_bed;
-mod stone_world;
 mod world;
 
 use crate::quantity::{RangeError, SampleRate};
@@ -34,7 +32,7 @@ use motion::{WheelMotion, Wrench};
 use mount::{AtLimits, Mount};
 use rig::flaws::GuideFriction;
 use rig::{Command, Commanded, Leg, Rig};
-use stone_world::StoneWorld;
+use stone_bed::OnBed;
 use world::{WheelBody, World};
 
 /// Loads on the wheel in the plane of travel.
@@ -173,15 +171,19 @@ impl Simulation {
             inertia: wheel.inertia,
             clamped: rig.clearance() > 0.0,
         };
-        let heading = rig.drive().forward_speed;
-        let mut physics = stone_world::engine(rig.gravity(), rate);
-        let mut ground = GroundForce::new(terrain, wheel, heading, &mut physics);
-        let mut world = if ground.has_stones() {
-            ground.follow(&mut physics, 0.0, rate.period());
-            World::among_stones(StoneWorld::new(physics, wheel, &body), rate)
-        } else {
-            World::on_fixed_ground(&body, rate)
+        let on_bed = OnBed {
+            friction: wheel.friction,
+            load: rig.load(),
+            gravity: rig.gravity(),
+            heading: if rig.drive().forward_speed < 0.0 {
+                -1.0
+            } else {
+                1.0
+            },
         };
+        let mut ground = GroundForce::new(terrain, wheel, on_bed);
+        ground.follow(0.0, rate.period());
+        let mut world = World::new(&body, rate);
         let [_, rim] = wheel.flaws.rim_centre(1.0, 0.0);
         let start = ground.resting_height(&geometry) - rim + rig.clearance();
         world.place(start);
@@ -232,7 +234,7 @@ impl Simulation {
     }
 
     fn let_down(&mut self) -> Result<(), SimulationError> {
-        let seconds = if self.world.stones().is_some() {
+        let seconds = if self.ground.has_stones() {
             LET_DOWN_ON_STONES
         } else {
             LET_DOWN
@@ -256,11 +258,9 @@ impl Simulation {
         let dt = self.rate.period();
         let before = self.world.motion();
         let rim = self.geometry.rim_centre(&before);
+        self.ground.follow(before.x, dt);
         let mut reach = self.ground.push(&self.geometry, &before.at(rim), dt);
         reach.wrench = reach.wrench.acting_at(rim);
-        if let Some(stones) = self.world.stones() {
-            self.ground.follow(stones.physics(), before.x, dt);
-        }
         let spring = self.push_leg(&before, damping);
         let mut wrench = reach.wrench;
         wrench.fy += spring - self.weight(&before) - damping * self.mass * before.vy;
@@ -268,11 +268,6 @@ impl Simulation {
         self.world.step(wrench, &actions);
         let after = self.world.motion();
         self.check(&after)?;
-        if let Some(stones) = self.world.stones() {
-            let (load, touched) = stones.load(self.geometry.touch_force);
-            reach.wrench += load;
-            reach.touching |= touched;
-        }
         let state = self.read(&before, &after, reach);
         self.pull = state.ground.drawbar_pull;
         Ok(state)

@@ -162,7 +162,7 @@ impl DataSet {
              **For what could it be used?** Classes of interaction, terrain parameters, slip and sinkage, \
              transfer from simulation to a rig.\n\n\
              **What should it not be used for?** To claim how a recogniser does on a real rover: grounds are \
-             planar, stones are prisms as wide as the wheel, and many rig values are guesses marked in the \
+             planar but for their stones, contacts of stones are guesses, and many rig values are guesses marked in the \
              scenarios.\n\n\
              ## Distribution and maintenance\n\n\
              **Under what licence?** That of the program, MIT, unless whoever publishes it says otherwise. \

@@ -41,6 +41,14 @@ pub(super) struct Reach {
     pub entered: u64,
 }
 
+impl std::ops::AddAssign for Reach {
+    fn add_assign(&mut self, other: Self) {
+        self.wrench += other.wrench;
+        self.touching |= other.touching;
+        self.entered |= other.entered;
+    }
+}
+
 /// How much a force moves the wheel: reciprocals of what moves, 0 where a drive imposes the motion.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mobility {

@@ -1,8 +1,7 @@
-//! The wheel on fixed ground: a free body, moved by rapier's own integrator without its pipeline.
+//! The wheel: a free body, moved by rapier's own integrator without its pipeline.
 //!
-//! Nothing collides on fixed ground, so the broad phase, the islands and the solver of the pipeline
-//! have nothing to do, but cost seventy times the integration itself. Symplectic Euler, as in the
-//! pipeline:
+//! The ground acts on it by forces and nothing collides in the engine, so the broad phase, the islands and the solver of the
+//! pipeline would have nothing to do, but cost seventy times the integration itself. Symplectic Euler, as in the pipeline:
 //!
 //! ```text
 //! v' = v + M⁻¹ (F + F_c) Δt,   q' = q + v' Δt
@@ -16,7 +15,7 @@ use super::world::WheelBody;
 use rapier2d::math::{Pose, Vector};
 use rapier2d::prelude::{RigidBodyForces, RigidBodyMassProps, RigidBodyVelocity};
 
-/// The wheel's body on fixed ground.
+/// The wheel's body.
 pub(super) struct FreeBody {
     properties: RigidBodyMassProps,
     velocity: RigidBodyVelocity<f64>,

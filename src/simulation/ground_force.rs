@@ -5,13 +5,12 @@ use super::hard_contact::{HardGround, RAMP_LENGTH};
 use super::motion::WheelMotion;
 use super::soil_track::SoilTrack;
 use super::stone_bearing::StoneBearing;
-use super::stone_bed::{BedRecipe, Floor, Laying, StoneBed};
+use super::stone_bed::{BedRecipe, Floor, Laying, OnBed, StoneBed};
 use crate::terrain::class::TerrainLabel;
 use crate::terrain::profile::Profile;
 use crate::terrain::{Stones, Stretch, Terrain, TerrainSpec};
 use crate::wheel::Wheel;
-use rapier2d::prelude::PhysicsWorld;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Share of a stone's diameter that lies below the surface of sand [-].
 const EMBEDDING: f64 = 0.5;
@@ -37,14 +36,13 @@ pub(super) struct GroundForce {
 }
 
 impl GroundForce {
-    /// The ground of `terrain` under a wheel that sets out in the direction of `heading`; its
-    /// stones live in `world`.
-    pub fn new(terrain: &Terrain, wheel: &Wheel, heading: f64, world: &mut PhysicsWorld) -> Self {
+    /// The ground of `terrain` under a wheel that rolls on its stones as `on_bed` says.
+    pub fn new(terrain: &Terrain, wheel: &Wheel, on_bed: OnBed) -> Self {
         let layers = terrain
             .stretches()
             .iter()
             .enumerate()
-            .map(|numbered| Layer::new(terrain, numbered, wheel, heading, world))
+            .map(|numbered| Layer::new(terrain, numbered, wheel, on_bed))
             .collect();
         Self { layers }
     }
@@ -59,14 +57,14 @@ impl GroundForce {
             .iter_mut()
             .filter(|layer| layer.range[0] < high && layer.range[1] > low)
         {
-            let reach = match &mut layer.filling {
+            sum += match &mut layer.filling {
                 Filling::Hard(ground) => ground.push(wheel, motion, dt),
                 Filling::Soil(track) => track.push(wheel, motion, dt),
-                Filling::Stones => continue,
+                Filling::Stones => Reach::default(),
             };
-            sum.wrench += reach.wrench;
-            sum.touching |= reach.touching;
-            sum.entered |= reach.entered;
+            if let Some((bed, _)) = &mut layer.stones {
+                sum += bed.push(wheel, motion, dt);
+            }
         }
         sum
     }
@@ -78,14 +76,14 @@ impl GroundForce {
 
     /// Brings the stones along with a wheel at `x` [m]: those ahead in, those behind out, those in
     /// soil borne by it over the next step of `dt` [s].
-    pub fn follow(&mut self, world: &mut PhysicsWorld, x: f64, dt: f64) {
+    pub fn follow(&mut self, x: f64, dt: f64) {
         for layer in &mut self.layers {
             let Some((bed, bearing)) = &mut layer.stones else {
                 continue;
             };
-            bed.follow(world, x);
+            bed.follow(x);
             if let Filling::Soil(track) = &mut layer.filling {
-                bearing.push(world, bed, track, dt);
+                bearing.push(bed, track, dt);
             }
         }
     }
@@ -179,8 +177,7 @@ impl Layer {
         terrain: &Terrain,
         (number, stretch): (usize, &Stretch),
         wheel: &Wheel,
-        heading: f64,
-        world: &mut PhysicsWorld,
+        on_bed: OnBed,
     ) -> Self {
         let (label, range) = (stretch.label, stretch.range);
         let profile = terrain.profile(stretch);
@@ -207,13 +204,13 @@ impl Layer {
             let recipe = BedRecipe {
                 stones,
                 laying,
-                width: wheel.width,
+                wheel_width: wheel.width,
                 seed,
                 run,
                 number,
             };
             let floor = floor(laying, profile);
-            let bed = StoneBed::between(world, recipe, range, heading, floor);
+            let bed = StoneBed::between(recipe, range, on_bed, floor);
             (bed, StoneBearing::default())
         });
         Self {
@@ -260,10 +257,10 @@ fn laying(ground: &TerrainSpec) -> Option<(Stones, Laying)> {
 /// What stones lie on: the bottom of the trench, or the fixed surface.
 fn floor(laying: Laying, profile: Profile) -> Floor {
     match laying {
-        Laying::Pile { depth } => Box::new(move |_| -depth),
+        Laying::Pile { depth } => Arc::new(move |_| -depth),
         Laying::Scattered { .. } | Laying::Embedded { .. } => {
             let profile = Mutex::new(profile);
-            Box::new(move |x| {
+            Arc::new(move |x| {
                 let mut profile = profile.lock().expect("no height panics");
                 profile.extend(x, x);
                 profile.at(x).height

@@ -46,7 +46,7 @@ fn roll(
         inertia: wheel.inertia,
         clamped: false,
     };
-    let mut world = World::on_fixed_ground(&body, SampleRate::new(RATE).unwrap());
+    let mut world = World::new(&body, SampleRate::new(RATE).unwrap());
     world.place(start);
     let turning = speed / wheel.tip_radius();
     world.free_body().launch(speed, 0.0, turning);
@@ -162,7 +162,7 @@ fn the_body_of_a_rover_leg_follows_eq_2_within_2_percent_for_a_base_sine() {
             inertia: 1.0,
             clamped: false,
         };
-        let mut world = World::on_fixed_ground(&axle, SampleRate::new(rate).unwrap());
+        let mut world = World::new(&axle, SampleRate::new(rate).unwrap());
         world.add_leg(mass, 0.0);
         world.free_body().launch(0.0, amplitude * omega, 0.0);
         let (mut in_phase, mut quadrature) = (0.0, 0.0);

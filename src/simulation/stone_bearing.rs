@@ -7,22 +7,22 @@
 //! undisturbed there, and carries nothing yet.
 
 use super::soil_track::SoilTrack;
-use super::stone_bed::StoneBed;
-use crate::terrain::stones::{PlacedStone, extent_at};
-use rapier2d::prelude::*;
+use super::stone_bed::{Load, Stone, StoneBed};
+use crate::terrain::stones::{Ball, extent, extent_at};
+use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// Stones on one stretch of soil.
 #[derive(Default)]
 pub(super) struct StoneBearing {
-    /// How far the soil under each stone is sheared [m].
-    stretch: HashMap<RigidBodyHandle, f64>,
+    /// How far the soil under each stone, by its number, is sheared [m].
+    stretch: HashMap<u64, f64>,
 }
 
-/// A stone as the soil meets it.
+/// A stone as the soil meets it: its outline in the plane of travel.
 pub(super) struct StoneOutline {
-    /// Corners in the track's frame [m], counter-clockwise.
-    pub corners: Vec<[f64; 2]>,
+    /// Spheres of the stone [m].
+    balls: Vec<Ball>,
     /// Centroid [m].
     pub centre: [f64; 2],
     /// Velocity of the centroid [m/s].
@@ -34,68 +34,58 @@ pub(super) struct StoneOutline {
 }
 
 impl StoneOutline {
-    fn new(stone: &PlacedStone, depth: f64, body: &RigidBody) -> Self {
-        let (centre, rotation, velocity) = (body.translation(), body.rotation(), body.linvel());
-        let [cos, sin] = [rotation.cos(), rotation.sin()];
-        let corner =
-            |[x, y]: [f64; 2]| [centre.x + cos * x - sin * y, centre.y + sin * x + cos * y];
+    fn new(stone: &Stone, depth: f64) -> Self {
+        let (centre, velocity) = (stone.placed.position, stone.velocity);
+        let ball = |centre, radius| Ball { centre, radius };
         Self {
-            corners: stone.shape.corners.iter().map(|&at| corner(at)).collect(),
+            balls: stone
+                .balls
+                .iter()
+                .map(|now| ball(now.centre, now.radius))
+                .collect(),
             centre: [centre.x, centre.y],
             velocity: [velocity.x, velocity.y],
-            spin: body.angvel(),
+            spin: stone.spin.z,
             depth,
         }
     }
 
     /// Extent along the track [m].
     pub fn extent(&self) -> [f64; 2] {
-        let along = self.corners.iter().map(|corner| corner[0]);
-        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-            [low.min(x), high.max(x)]
-        })
+        extent(&self.balls)
     }
 
     /// Height [m] of the underside at `x` [m].
     pub fn underside(&self, x: f64) -> f64 {
-        extent_at(&self.corners, x).map_or(f64::INFINITY, |[low, _]| low)
+        extent_at(&self.balls, x).map_or(f64::INFINITY, |[low, _]| low)
     }
 }
 
 impl StoneBearing {
     /// Pushes every free stone of `bed` that lies in the soil for the next step of `dt` [s].
-    pub fn push(
-        &mut self,
-        world: &mut PhysicsWorld,
-        bed: &StoneBed,
-        track: &mut SoilTrack,
-        dt: f64,
-    ) {
-        let stones: Vec<(RigidBodyHandle, StoneOutline, bool)> = bed
-            .in_world()
-            .map(|(body, stone, free)| {
-                let outline = StoneOutline::new(stone, bed.depth(stone), &world.bodies[body]);
-                (body, outline, free)
-            })
+    pub fn push(&mut self, bed: &mut StoneBed, track: &mut SoilTrack, dt: f64) {
+        let outlines: Vec<StoneOutline> = bed
+            .near()
+            .iter()
+            .map(|stone| StoneOutline::new(stone, bed.depth(&stone.placed)))
             .collect();
         self.stretch
-            .retain(|body, _| stones.iter().any(|(other, _, _)| other == body));
+            .retain(|id, _| bed.near().iter().any(|stone| stone.id == *id));
         track.uncover();
-        for (body, outline, free) in &stones {
+        for (stone, outline) in bed.near_mut().iter_mut().zip(&outlines) {
             track.cover(outline);
-            let stretch = self.stretch.entry(*body).or_insert_with(|| {
+            let stretch = self.stretch.entry(stone.id).or_insert_with(|| {
                 track.dig_out(outline);
                 0.0
             });
-            if !free {
+            if !stone.free {
                 continue;
             }
             let [fx, fy, moment] = track.bear(outline, stretch, dt);
-            let body = &mut world.bodies[*body];
-            body.reset_forces(false);
-            body.reset_torques(false);
-            body.add_force(Vector::new(fx, fy), false);
-            body.add_torque(moment, false);
+            stone.outside = Load {
+                force: Vector3::new(fx, fy, 0.0),
+                moment: Vector3::new(0.0, 0.0, moment),
+            };
         }
     }
 }

@@ -1,15 +1,11 @@
-//! The wheel's body among what moves it: free on fixed ground, in rapier's pipeline among stones.
+//! The wheel's body, and the body above it that a leg's spring carries.
 //!
-//! Fixed ground is no collider. It acts through the wrench of a step, so that contact stiffness is a
-//! property of the ground and not of the solver; only loose stones collide.
-//!
-//! The body stands for all that moves vertically with the wheel (wheel, carriage slide and
-//! counterweight); its weight is a force of the rig's, so the engine's gravity acts on stones only.
+//! The ground is no collider. It acts through the wrench of a step, so that contact stiffness is a property of the ground and not
+//! of a solver. The body stands for all that moves vertically with the wheel (wheel, carriage slide and counterweight).
 
 use super::free_body::FreeBody;
 use super::motion::{WheelMotion, Wrench};
 use super::mount::Actions;
-use super::stone_world::StoneWorld;
 use crate::quantity::SampleRate;
 
 /// The wheel's body as the integrators see it.
@@ -34,52 +30,26 @@ struct SprungBody {
     force: f64,
 }
 
-/// What moves the wheel's body.
-enum Body {
-    Free(FreeBody),
-    AmongStones(Box<StoneWorld>),
-}
-
 /// The wheel, and the sprung body of a leg, and their clock.
 pub(super) struct World {
-    body: Body,
+    body: FreeBody,
     leg: Option<SprungBody>,
     dt: f64,
 }
 
 impl World {
-    /// A wheel on fixed ground, stepped at `rate`.
-    pub fn on_fixed_ground(body: &WheelBody, rate: SampleRate) -> Self {
-        Self::new(Body::Free(FreeBody::new(body)), rate)
-    }
-
-    /// A wheel among stones, stepped at `rate`.
-    pub fn among_stones(stones: StoneWorld, rate: SampleRate) -> Self {
-        Self::new(Body::AmongStones(Box::new(stones)), rate)
-    }
-
-    fn new(body: Body, rate: SampleRate) -> Self {
+    /// A wheel stepped at `rate`.
+    pub fn new(body: &WheelBody, rate: SampleRate) -> Self {
         Self {
-            body,
+            body: FreeBody::new(body),
             leg: None,
             dt: rate.period(),
         }
     }
 
-    /// The stones and the wheel among them; `None` on fixed ground.
-    pub fn stones(&mut self) -> Option<&mut StoneWorld> {
-        match &mut self.body {
-            Body::Free(_) => None,
-            Body::AmongStones(stones) => Some(stones),
-        }
-    }
-
     /// Puts the axle at `height` [m].
     pub fn place(&mut self, height: f64) {
-        match &mut self.body {
-            Body::Free(body) => body.place(height),
-            Body::AmongStones(stones) => stones.place(height),
-        }
+        self.body.place(height);
     }
 
     /// Adds a body of `mass` [kg] above the axle, which starts at `height` [m] and moves
@@ -113,10 +83,7 @@ impl World {
 
     /// Advances by one step, in which `wrench` acts on the wheel, and carriage and motor.
     pub fn step(&mut self, wrench: Wrench, actions: &Actions) {
-        match &mut self.body {
-            Body::Free(body) => body.step(wrench, actions, self.dt),
-            Body::AmongStones(stones) => stones.step(wrench, actions),
-        }
+        self.body.step(wrench, actions, self.dt);
         if let Some(leg) = &mut self.leg {
             leg.speed += leg.force / leg.mass * self.dt;
             leg.height += leg.speed * self.dt;
@@ -125,18 +92,12 @@ impl World {
 
     /// The wheel now.
     pub fn motion(&self) -> WheelMotion {
-        match &self.body {
-            Body::Free(body) => body.motion(),
-            Body::AmongStones(stones) => stones.motion(),
-        }
+        self.body.motion()
     }
 
-    /// The free body of a wheel on fixed ground.
+    /// The wheel's body.
     #[cfg(test)]
     pub fn free_body(&mut self) -> &mut FreeBody {
-        match &mut self.body {
-            Body::Free(body) => body,
-            Body::AmongStones(_) => panic!("among stones"),
-        }
+        &mut self.body
     }
 }
