@@ -7,7 +7,7 @@ use crate::wheel::flaws::Flaws;
 use libm::{cos, sin};
 
 /// A part of the wheel that may touch the ground.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Part {
     /// The lug of this number.
     Lug(usize),

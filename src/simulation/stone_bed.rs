@@ -196,7 +196,7 @@ impl StoneBed {
                 .with_friction(recipe.stones.friction.min(wheel.friction)),
             assembly: Assembly::new(medium, surfaces),
             floor: Arc::new(move |way| floor(heading * way)),
-            pouring: Pouring::new(start, SECTION),
+            pouring: Pouring::new(start),
             end: last,
             waiting: Vec::new(),
             rate,
@@ -357,7 +357,7 @@ mod tests {
     }
 
     fn pour(run: u64, sections: usize) -> Vec<Vec<PlacedStone>> {
-        let (recipe, mut pouring) = (pile(run), Pouring::new(0.0, SECTION));
+        let (recipe, mut pouring) = (pile(run), Pouring::new(0.0));
         let floor: Floor = Arc::new(|_| -DEPTH);
         (0..sections)
             .map(|_| pouring.pour(&recipe, &floor))
@@ -436,7 +436,7 @@ mod tests {
                 wheel_width: STRIP * 0.05,
                 ..recipe(laying, run)
             };
-            let mut pouring = Pouring::new(0.0, SECTION);
+            let mut pouring = Pouring::new(0.0);
             let floor: Floor = Arc::new(move |_| -depth);
             pouring.pour(&recipe, &floor);
             let edge: Floor = Arc::new(move |x| {
@@ -523,7 +523,7 @@ mod tests {
         assert!(fastest < 1e-2, "{fastest} m/s");
     }
 
-    /// A wheel on a bed, loaded, that moves forward and turns as told.
+    /// A wheel on a bed, loaded, that moves forward and turns as set.
     struct Rolling {
         bed: StoneBed,
         wheel: WheelGeometry,
@@ -655,7 +655,7 @@ mod tests {
         let height = |x: f64| 0.003 * libm::sin(40.0 * x);
         let floor: Floor = Arc::new(height);
         let recipe = recipe(Laying::Scattered { per_metre: 8.0 }, 0);
-        let mut pouring = Pouring::new(0.0, SECTION);
+        let mut pouring = Pouring::new(0.0);
         let sections: Vec<Vec<PlacedStone>> =
             (0..5).map(|_| pouring.pour(&recipe, &floor)).collect();
         let stones = sections.concat();
@@ -681,7 +681,7 @@ mod tests {
             embedding: 0.4,
         };
         let floor: Floor = Arc::new(|_| 0.0);
-        let (recipe, mut pouring) = (recipe(laying, 0), Pouring::new(0.0, SECTION));
+        let (recipe, mut pouring) = (recipe(laying, 0), Pouring::new(0.0));
         let mut stones: Vec<PlacedStone> = Vec::new();
         for _ in 0..7 {
             stones.extend(pouring.pour(&recipe, &floor));

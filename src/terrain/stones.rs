@@ -59,6 +59,22 @@ pub struct PlacedStone {
     pub rotation: UnitQuaternion<f64>,
 }
 
+/// Position [m] and rotation of a stone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    position: Vector3<f64>,
+    rotation: UnitQuaternion<f64>,
+}
+
+impl Place {
+    /// Bound [m] on the distance between a point of a stone here and the same point of it at `other`, where it reaches
+    /// `outer_radius` [m] from its centroid.
+    pub fn distance(&self, other: &Self, outer_radius: f64) -> f64 {
+        let turned = (self.rotation.coords - other.rotation.coords).norm();
+        (self.position - other.position).norm() + 2.0 * outer_radius * turned
+    }
+}
+
 impl Stones {
     /// Draws a stone, not turned. Its diameter (of the sphere with the same volume) is log-uniform between the sizes.
     pub fn draw(&self, rng: &mut impl Rng) -> StoneShape {
@@ -228,10 +244,18 @@ impl PlacedStone {
         tops.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Where it lies.
+    pub fn place(&self) -> Place {
+        Place {
+            position: self.position,
+            rotation: self.rotation,
+        }
+    }
+
     /// Bound [m] on the distance between a point of this stone and the same point of `other`, the same stone elsewhere.
     pub fn distance(&self, other: &Self) -> f64 {
-        let turned = (self.rotation.coords - other.rotation.coords).norm();
-        (self.position - other.position).norm() + 2.0 * self.shape.outer_radius() * turned
+        self.place()
+            .distance(&other.place(), self.shape.outer_radius())
     }
 
     /// The stone seen in a mirror that stands across the track at its origin.

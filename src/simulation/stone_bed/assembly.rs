@@ -538,11 +538,8 @@ impl Assembly {
                 centre.x - normal.x * gap.distance - motion.x,
                 centre.y - normal.y * gap.distance - motion.y,
             ];
-            let wheel_velocity = Vector3::new(
-                motion.vx + motion.omega * from_axle[1],
-                motion.vy - motion.omega * from_axle[0],
-                0.0,
-            );
+            let there = motion.at(from_axle);
+            let wheel_velocity = Vector3::new(there.vx, there.vy, 0.0);
             let touch = Touch {
                 normal,
                 overlap: radius - gap.distance,
@@ -557,37 +554,38 @@ impl Assembly {
     }
 }
 
-/// Loads of stones on the parts of the wheel, summed over steps.
+/// Loads of stones on the wheel, summed over steps.
 #[derive(Debug, Clone, Default)]
 pub struct WheelLoads {
     /// On the whole wheel, about its rim's centre.
-    pub sum: Wrench,
-    /// Forces [N] on each lug.
-    lugs: Vec<[f64; 2]>,
+    sum: Wrench,
+    /// On each lug.
+    lugs: Vec<Wrench>,
 }
 
 impl WheelLoads {
-    fn add(&mut self, part: Part, [rx, ry]: [f64; 2], force: Vector3<f64>) {
-        self.sum += Wrench {
+    /// Adds a `force` [N] on a part at `arm` [m] from the rim's centre.
+    fn add(&mut self, part: Part, arm: [f64; 2], force: Vector3<f64>) {
+        let load = Wrench {
             fx: force.x,
             fy: force.y,
-            torque: ry * force.x - rx * force.y,
-        };
+            torque: 0.0,
+        }
+        .acting_at(arm);
+        self.sum += load;
         if let Part::Lug(lug) = part {
             if self.lugs.len() <= lug {
-                self.lugs.resize(lug + 1, [0.0; 2]);
+                self.lugs.resize(lug + 1, Wrench::default());
             }
-            self.lugs[lug][0] += force.x;
-            self.lugs[lug][1] += force.y;
+            self.lugs[lug] += load;
         }
     }
 
     /// Means over `steps` steps: the load, and the lugs that carry more than `touch_force` [N], one bit each.
     pub fn mean(&self, steps: usize, touch_force: f64) -> (Wrench, u64) {
         let share = 1.0 / steps as f64;
-        let carries = |[fx, fy]: &[f64; 2]| (fx * fx + fy * fy).sqrt() * share > touch_force;
         let touching = self.lugs.iter().enumerate();
-        let touching = touching.filter(|(_, force)| carries(force));
+        let touching = touching.filter(|(_, load)| load.force() * share > touch_force);
         let wrench = Wrench {
             fx: self.sum.fx * share,
             fy: self.sum.fy * share,

@@ -7,8 +7,8 @@ use super::assembly::{Stone, WheelNow};
 use super::surface::Surface;
 use crate::simulation::contact::Part;
 use crate::simulation::motion::WheelMotion;
-use crate::terrain::stones::BALLS;
-use nalgebra::{UnitQuaternion, Vector3};
+use crate::terrain::stones::{BALLS, Place};
+use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// Movement [-], over the skin, of one side at which lists are renewed: two sides' together stay below the skin.
@@ -56,19 +56,11 @@ enum Other {
     /// A sphere, and which of its images across the track.
     Ball(u64, i32),
     Surface(usize),
-    Lug(usize),
-    Rim,
+    Part(Part),
 }
 
 /// A contact, whatever its place in a list.
 type Key = (u64, Other);
-
-/// Where a stone was when the lists were made.
-#[derive(Debug, Clone)]
-struct Place {
-    position: Vector3<f64>,
-    rotation: UnitQuaternion<f64>,
-}
 
 /// The lists.
 pub struct Near {
@@ -81,6 +73,7 @@ pub struct Near {
     pub on_surfaces: Vec<OnSurface>,
     pub on_wheel: Vec<OnWheel>,
     slips: HashMap<Key, Vector3<f64>>,
+    /// Where the stones were when the lists were made.
     places: Vec<Place>,
     wheel: Option<WheelMotion>,
     /// Steps until the next look.
@@ -89,15 +82,6 @@ pub struct Near {
 
 fn ball_id(stone: &Stone, ball: usize) -> u64 {
     stone.id * BALLS as u64 + ball as u64
-}
-
-impl Other {
-    fn part(part: Part) -> Self {
-        match part {
-            Part::Rim => Self::Rim,
-            Part::Lug(lug) => Self::Lug(lug),
-        }
-    }
 }
 
 impl Near {
@@ -145,7 +129,7 @@ impl Near {
         }
         for pair in self.on_wheel.drain(..).filter(|pair| slipped(&pair.slip)) {
             let ball = ball_id(&stones[pair.stone], pair.ball);
-            self.slips.insert((ball, Other::part(pair.part)), pair.slip);
+            self.slips.insert((ball, Other::Part(pair.part)), pair.slip);
         }
         self.forget_places();
     }
@@ -162,7 +146,7 @@ impl Near {
         self.moving = self.on_stones.partition_point(moves);
     }
 
-    /// Makes the lists anew where something has moved, and tells whether it did; call it at every step.
+    /// Makes the lists anew where something has moved; returns whether it did. Call it at every step.
     pub fn follow(
         &mut self,
         stones: &[Stone],
@@ -188,13 +172,7 @@ impl Near {
             self.list_wheel(stones, wheel);
         }
         self.slips.clear();
-        self.places = stones
-            .iter()
-            .map(|stone| Place {
-                position: stone.placed.position,
-                rotation: stone.placed.rotation,
-            })
-            .collect();
+        self.places = stones.iter().map(|stone| stone.placed.place()).collect();
         self.wheel = wheel.map(|wheel| wheel.motion);
         self.steps = 0;
         true
@@ -209,9 +187,7 @@ impl Near {
     fn has_moved(&self, stones: &[Stone], wheel: Option<&WheelNow<'_>>) -> bool {
         let moved_far = MOVED * self.skin;
         let moved = |(stone, place): (&Stone, &Place)| {
-            let turned = (stone.placed.rotation.coords - place.rotation.coords).norm();
-            let way = (stone.placed.position - place.position).norm();
-            way + 2.0 * stone.outer_radius * turned > moved_far
+            stone.placed.place().distance(place, stone.outer_radius) > moved_far
         };
         let wheel_moved = |(wheel, then): (&WheelNow<'_>, &WheelMotion)| {
             let now = &wheel.motion;
@@ -328,7 +304,7 @@ impl Near {
                     if gap.distance > now.radius + self.skin {
                         continue;
                     }
-                    let key = (ball_id(stone, ball), Other::part(part));
+                    let key = (ball_id(stone, ball), Other::Part(part));
                     self.on_wheel.push(OnWheel {
                         stone: index,
                         ball,

@@ -10,7 +10,7 @@
 use super::assembly::{Assembly, Medium, WheelLoads};
 use super::contact_law::ContactLaw;
 use super::surface::{Floor, Surface};
-use super::{BedRecipe, GRAVITY, Laying};
+use super::{BedRecipe, GRAVITY, Laying, SECTION};
 use crate::terrain::stones::{PlacedStone, StoneShape, random_rotation};
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
@@ -51,8 +51,6 @@ const PATIENCE: f64 = 3.0;
 
 /// Pours one section after the other; forward is the direction of growing position.
 pub(super) struct Pouring {
-    /// Length [m] of a section.
-    length: f64,
     /// Where the next section begins [m].
     edge: f64,
     /// The next section.
@@ -64,10 +62,9 @@ pub(super) struct Pouring {
 }
 
 impl Pouring {
-    /// Begins against a wall at `edge` [m], by sections of `length` [m].
-    pub(super) fn new(edge: f64, length: f64) -> Self {
+    /// Begins against a wall at `edge` [m].
+    pub(super) fn new(edge: f64) -> Self {
         Self {
-            length,
             edge,
             index: 0,
             loose: Vec::new(),
@@ -77,7 +74,7 @@ impl Pouring {
 
     /// Position [m] up to which the bed is final.
     pub(super) fn finished(&self) -> f64 {
-        self.edge - if self.index > 0 { self.length } else { 0.0 }
+        self.edge - if self.index > 0 { SECTION } else { 0.0 }
     }
 
     /// Stones of the last section, which the next one may still move.
@@ -90,7 +87,7 @@ impl Pouring {
     pub(super) fn pour(&mut self, recipe: &BedRecipe, floor: &Floor) -> Vec<PlacedStone> {
         let stage = format!("stones of bed {}, section {}", recipe.number, self.index);
         let mut rng = recipe.seed.rng(&stage, recipe.run);
-        let range = [self.edge, self.edge + self.length];
+        let range = [self.edge, self.edge + SECTION];
         let stones: Vec<PlacedStone> = match recipe.laying {
             Laying::Pile { depth } => {
                 let range = [range[0] - self.overlap(depth), range[1]];
@@ -107,7 +104,7 @@ impl Pouring {
                 scratch.stones()
             }
             Laying::Scattered { per_metre } => {
-                let shapes = draw_number(recipe, per_metre * self.length, &mut rng);
+                let shapes = draw_number(recipe, per_metre * SECTION, &mut rng);
                 let mut scratch = self.scratch(recipe, floor);
                 let placed = in_layers(shapes, range, recipe.width(), &mut rng);
                 scratch.drop(placed);
@@ -119,7 +116,7 @@ impl Pouring {
                 per_metre,
                 embedding,
             } => {
-                let shapes = draw_number(recipe, per_metre * self.length, &mut rng);
+                let shapes = draw_number(recipe, per_metre * SECTION, &mut rng);
                 let mut stones = std::mem::take(&mut self.loose);
                 stones.extend(in_one_row(shapes, range, &mut rng, |shape, x| {
                     floor(x) + (0.5 - embedding) * shape.diameter
@@ -141,7 +138,7 @@ impl Pouring {
 
     /// An assembly with floor, walls, and the stones poured so far.
     fn scratch<'a>(&self, recipe: &'a BedRecipe, floor: &Floor) -> Scratch<'a> {
-        let [back, end] = [self.finished(), self.edge + self.length];
+        let [back, end] = [self.finished(), self.edge + SECTION];
         let mut surfaces: Vec<Surface> = recipe.floor(floor).into_iter().collect();
         if self.index <= 1 {
             surfaces.push(Surface::Wall {
@@ -175,9 +172,9 @@ impl Pouring {
             .partition(|stone| stone.position.x < self.edge);
         self.loose = loose;
         self.fixed.extend(done.iter().cloned());
-        let behind = self.edge - self.length;
+        let behind = self.edge - SECTION;
         self.fixed.retain(|stone| stone.position.x > behind);
-        self.edge += self.length;
+        self.edge += SECTION;
         self.index += 1;
         done
     }
