@@ -6,8 +6,8 @@
 //! v' = v + F/m Δt,   x' = x + v' Δt,   L' = L + M Δt,   ω' = R J⁻¹ Rᵀ L',   q' = q + ½ ω' q Δt
 //! ```
 //!
-//! Most stones under a wheel bear the same load for many steps. A stone that has not moved faster than [`STILL`] over [`WINDOW`] steps
-//! rests: it stands still, and what it and other resting stones do to each other is not computed, until the load of its moving
+//! Most stones under a wheel bear the same load for many steps. A stone that has not moved faster than [`STILL`] for [`WINDOW`] steps
+//! at the lowest rate rests: it stands still, and what it and other resting stones do to each other is not computed, until the load of its moving
 //! neighbours and of the wheel on it has changed by [`DISTURBED`] of the wheel's load. The contacts would have given by some tenths of a
 //! micrometre.
 //!
@@ -30,8 +30,8 @@ const MARGIN: f64 = 1.1;
 
 /// Speed [m/s] below which stones come to rest.
 const STILL: f64 = 2.0e-4;
-/// Steps over which they have to stay below it.
-const WINDOW: u32 = 32;
+/// Steps, at the lowest [rate](Assembly::rate), for which they have to stay below it: some periods of a stone on its contacts.
+const WINDOW: f64 = 32.0;
 /// Change of load [-], over the wheel's load, that moves a resting stone.
 const DISTURBED: f64 = 0.004;
 
@@ -54,6 +54,8 @@ pub struct Medium {
     pub planar: bool,
     /// Load [N] of the wheel; 0 where stones never rest.
     pub load: f64,
+    /// Lowest rate [Hz] of steps.
+    pub rate: f64,
 }
 
 /// A force and its moment about a stone's centroid.
@@ -118,8 +120,12 @@ pub struct Assembly {
     surfaces: Vec<Surface>,
     near: Near,
     next_id: u64,
-    /// Steps left of this window.
-    window: u32,
+    /// Places of the stones that move.
+    moving: Vec<usize>,
+    /// Places of the resting stones that others may move.
+    disturbed: Vec<usize>,
+    /// Time [s] left of this window.
+    window: f64,
     /// Whether others move or rest than at the last step.
     changed: bool,
 }
@@ -285,7 +291,9 @@ impl Assembly {
             surfaces,
             near: Near::within(medium.skin),
             next_id: 0,
-            window: WINDOW,
+            moving: Vec::new(),
+            disturbed: Vec::new(),
+            window: WINDOW / medium.rate,
             changed: true,
         }
     }
@@ -374,6 +382,7 @@ impl Assembly {
         let changed = renewed || std::mem::take(&mut self.changed);
         if changed {
             self.near.part(&self.stones);
+            self.sort_stones();
         }
         self.load_from_outside();
         self.press_each_other(dt);
@@ -384,11 +393,37 @@ impl Assembly {
         if changed {
             self.bear_as_before();
         }
-        for stone in self.stones.iter_mut().filter(|stone| stone.moves()) {
-            stone.integrate(&self.medium, dt);
+        for &index in &self.moving {
+            self.stones[index].integrate(&self.medium, dt);
         }
         if self.medium.load > 0.0 {
-            self.wake_and_rest();
+            self.wake_and_rest(dt);
+        }
+    }
+
+    /// Tells the stones that move from those that rest and bear one that moves, or the wheel.
+    fn sort_stones(&mut self) {
+        let pairs = self.near.moving().iter().flat_map(|pair| pair.stones);
+        let on_wheel = self.near.on_wheel.iter().map(|pair| pair.stone);
+        let mut touched = vec![false; self.stones.len()];
+        pairs
+            .chain(on_wheel)
+            .for_each(|index| touched[index] = true);
+        self.moving.clear();
+        self.disturbed.clear();
+        for (index, stone) in self
+            .stones
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, stone)| stone.free)
+        {
+            if !stone.resting {
+                self.moving.push(index);
+            } else if touched[index] {
+                self.disturbed.push(index);
+            } else {
+                stone.load = Load::default();
+            }
         }
     }
 
@@ -396,12 +431,13 @@ impl Assembly {
     fn load_from_outside(&mut self) {
         let [along, up] = self.medium.gravity;
         let gravity = Vector3::new(along, up, 0.0);
-        for stone in self.stones.iter_mut().filter(|stone| stone.free) {
-            stone.load = Load::default();
-            if !stone.resting {
-                stone.load = stone.outside;
-                stone.load.force += gravity * stone.mass;
-            }
+        for &index in &self.moving {
+            let stone = &mut self.stones[index];
+            stone.load = stone.outside;
+            stone.load.force += gravity * stone.mass;
+        }
+        for &index in &self.disturbed {
+            self.stones[index].load = Load::default();
         }
     }
 
@@ -412,29 +448,28 @@ impl Assembly {
         }
     }
 
-    fn wake_and_rest(&mut self) {
-        self.window -= 1;
-        let ends = self.window == 0;
-        if ends {
-            self.window = WINDOW;
-        }
-        for stone in self.stones.iter_mut().filter(|stone| stone.free) {
-            if stone.resting {
-                stone.change = stone.load - stone.borne;
-                if stone
-                    .change
-                    .exceeds(DISTURBED * self.medium.load, stone.outer_radius)
-                {
-                    stone.wake();
-                    self.changed = true;
-                }
-            } else if ends {
-                if stone.peak < STILL {
-                    stone.rest();
-                    self.changed = true;
-                }
-                stone.peak = 0.0;
+    fn wake_and_rest(&mut self, dt: f64) {
+        for &index in &self.disturbed {
+            let stone = &mut self.stones[index];
+            stone.change = stone.load - stone.borne;
+            let bearable = DISTURBED * self.medium.load;
+            if stone.change.exceeds(bearable, stone.outer_radius) {
+                stone.wake();
+                self.changed = true;
             }
+        }
+        self.window -= dt;
+        if self.window > 0.0 {
+            return;
+        }
+        self.window = WINDOW / self.medium.rate;
+        for &index in &self.moving {
+            let stone = &mut self.stones[index];
+            if stone.peak < STILL {
+                stone.rest();
+                self.changed = true;
+            }
+            stone.peak = 0.0;
         }
     }
 

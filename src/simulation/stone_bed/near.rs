@@ -135,6 +135,11 @@ impl Near {
     }
 
     /// Pairs of stones of which one moves.
+    pub fn moving(&self) -> &[OnStone] {
+        &self.on_stones[..self.moving]
+    }
+
+    /// The same, to slip.
     pub fn moving_mut(&mut self) -> &mut [OnStone] {
         &mut self.on_stones[..self.moving]
     }

@@ -10,7 +10,8 @@
 use super::assembly::{Assembly, Medium, WheelLoads};
 use super::contact_law::ContactLaw;
 use super::surface::{Floor, Surface};
-use super::{BedRecipe, GRAVITY, Laying, SECTION};
+use super::{BedRecipe, Laying, SECTION};
+use crate::quantity::GRAVITY;
 use crate::terrain::stones::{PlacedStone, StoneShape, random_rotation};
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
@@ -153,7 +154,7 @@ impl Pouring {
         let medium = Medium {
             skin: FALLING_SKIN,
             load: RESTING_LOAD,
-            ..recipe.medium([0.0, -GRAVITY])
+            ..recipe.medium([0.0, -GRAVITY], FALLING_LOAD)
         };
         let mut assembly = Assembly::new(medium, surfaces);
         for stone in &self.fixed {
@@ -332,6 +333,7 @@ impl Scratch<'_> {
         let medium = Medium {
             law,
             drag,
+            rate: Assembly::rate(&self.recipe.stones, &law, FALLING_LOAD),
             ..*self.assembly.medium()
         };
         self.assembly.set_medium(medium);
@@ -339,8 +341,7 @@ impl Scratch<'_> {
 
     /// Steps the stones for `seconds`.
     fn run(&mut self, seconds: f64) {
-        let law = self.assembly.medium().law;
-        let rate = Assembly::rate(&self.recipe.stones, &law, FALLING_LOAD);
+        let rate = self.assembly.medium().rate;
         for _ in 0..libm::ceil(seconds * rate) as usize {
             self.assembly
                 .step(1.0 / rate, None, &mut WheelLoads::default());
