@@ -1,37 +1,30 @@
 //! Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
-//! rig would.
+//! rig does.
 //!
 //! ```text
 //! scenario ──▶ terrain + wheel ──▶ simulation ──▶ sensors ──▶ trace ──▶ dataset
 //!                   ▲                  ▲                         │
 //!                (soil equations, forward)                       ├──▶ features ──▶ recognition ──▶ class
-//!                                                                 └──▶ gap ◀── measured traces
+//!                                                                ├──▶ identification ──▶ terrain parameters
+//!                                                                └──▶ gap ◀── measured traces
+//!                                                                      │
+//!                            effects + parameters ──▶ diagnosis ◀──────┘
 //! ```
 //!
-//! A tour, in the order in which the modules build on each other. What things are:
-//! [`quantity`] holds the few typed numbers, [`document`] the texts that describe experiments and
-//! campaigns and the faults in them, [`whole_file`] the only way to write a file, [`wheel`] the wheel, [`soil`] the equations of wheel and soil
-//! with the project's symbol table, [`terrain`] the ground along the track, [`vibration`] the
-//! kinematics of a rigid wheel that rolls over it. What happens: [`simulation`] moves the wheel,
-//! state by state. What is measured: [`trace`] holds channels and truth, [`sensors`] turn states
-//! into channels, [`dataset`] keeps runs in files, simulated or imported from a rig. What is
-//! inferred, on measured runs as on simulated ones: [`features`] of a window's vibration,
-//! [`recognition`] of how the wheel met the ground, [`identification`] of the terrain's parameters
-//! from loads, slip and sinkage, [`gap`] of where measured and simulated runs differ. What is
-//! asked: [`effects`] are named departures from the ideal, [`scenario`] is one experiment as a file,
-//! [`diagnosis`] repeats measured conditions with parameters and effects otherwise than the scenario
-//! has them and tells which of them, or what unknown, explains what was measured, [`learning`] makes
-//! data sets of runs for those who train on them, [`study`] runs many scenarios into one table with a
-//! score of the classes recognised and of the limits that the paper sets to vibration, [`challenge`]
-//! puts the diagnosis to blind trials and scores its answers, [`report`] draws what came of it and
-//! makes pages of it.
+//! The sections below follow the pipeline; the modules at the bottom of this page stand in the same order, and each
+//! uses only those before it. The [`guide`] explains the program and its files.
 //!
-//! The whole experiment, with nothing in it that reads a file or a clock:
+//! # 1. Simulate
+//!
+//! A [`Scenario`](scenario::Scenario) is one experiment as a file. From it come the [`terrain`] along the track, the
+//! [`wheel`], and the rig that carries and drives it; [`simulation`] integrates the motion, state by state, with the
+//! equations of [`soil`] on sand. The kinematics of a rigid wheel are in [`vibration`]. [`quantity`] holds the typed
+//! numbers. A stream of random numbers belongs to seed, run and stage, so that results do not depend on threads.
 //!
 //! ```
 //! use lugwheel::quantity::Seed;
-//! use lugwheel::sensors::{Observed, SensorChain};
 //! use lugwheel::scenario::Scenario;
+//! use lugwheel::sensors::{Observed, SensorChain};
 //! use lugwheel::simulation::Simulation;
 //! use lugwheel::terrain::Terrain;
 //!
@@ -50,6 +43,125 @@
 //! assert!(channels.iter().any(|channel| channel.name == "acceleration_y"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # 2. Measure
+//!
+//! [`sensors`] convert states to sampled channels; a [`Trace`](trace::Trace) holds the channels and the ground truth
+//! of one run; [`dataset`] reads and writes runs as HDF5 and imports a rig's CSV files. One motion can be measured by
+//! many sets of sensors.
+//!
+//! ```
+//! # use lugwheel::{quantity::Seed, scenario::Scenario};
+//! # use std::ops::ControlFlow;
+//! # let text = std::fs::read_to_string("scenarios/quick.toml")?;
+//! let scenario = Scenario::from_toml(&text, "quick.toml")?.with("duration=0.2")?;
+//! let recording = scenario.record(Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
+//! let mut sensors = scenario.sensors.clone();
+//! let ideal = recording.measure(&sensors)?;
+//! sensors.force_torque.drawbar_pull.gain = 1.05;
+//! let biased = recording.measure(&sensors)?;
+//! let pull = |trace: &lugwheel::trace::Trace| trace.channel("drawbar_pull").unwrap().samples[300];
+//! assert!((pull(&biased) / pull(&ideal) - 1.05).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # 3. Recognise and identify
+//!
+//! [`features`] are the paper's four vibration features of a window, [`recognition`] the class of wheel-terrain
+//! interaction (WTIC), [`identification`] the terrain parameters that explain loads, slip and sinkage. All three
+//! accept measured and simulated traces.
+//!
+//! ```
+//! # use lugwheel::{quantity::Seed, scenario::Scenario};
+//! # use std::ops::ControlFlow;
+//! use lugwheel::features::{Settings, reference::Reference};
+//! use lugwheel::recognition::{Method, Recognizer};
+//! # let text = std::fs::read_to_string("scenarios/quick.toml")?;
+//! # let scenario = Scenario::from_toml(&text, "quick.toml")?.with("duration=1.0")?;
+//! let trace = scenario.run(Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
+//! let mut recognizer = Recognizer::new(Settings::default(), Reference::computed(), &[Method::Improved])?;
+//! for window in recognizer.recognize(&trace)? {
+//!     println!("{window:?}");
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # 4. Compare a rig with its simulation
+//!
+//! [`effects`] are named departures from the ideal rig, each with a magnitude. [`gap`] compares the statistics of
+//! measured and simulated runs; [`diagnosis`] attributes their difference to parameters, to an effect or to none of the
+//! known ones. [`challenge`] measures its performance on blind cases.
+//!
+//! ```
+//! use lugwheel::effects::{Application, catalogue};
+//! assert!(catalogue().any(|effect| effect.name == "rail_friction"));
+//! let friction: Application = "rail_friction=2".parse()?;
+//! # let text = std::fs::read_to_string("scenarios/quick.toml")?;
+//! # let scenario = lugwheel::scenario::Scenario::from_toml(&text, "quick.toml")?;
+//! let worn_rig = scenario.with_effect(&friction)?;
+//! assert_eq!(worn_rig.effects, [friction]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # 5. Many runs
+//!
+//! [`study`] runs sweeps and Monte Carlo designs, on one machine or a cluster, and scores recognition, limits,
+//! identification and diagnosis; [`learning`] makes data sets with splits without leakage; [`report`] draws figures and
+//! pages. [`document`] parses the files that describe experiments and reports faults by line; [`whole_file`] writes
+//! every file completely or not at all.
+//!
+//! # Extending
+//!
+//! | to add | edit |
+//! |---|---|
+//! | a terrain | a variant of [`TerrainSpec`](terrain::TerrainSpec), and its contact forces in `src/simulation/ground_force.rs` |
+//! | a soil law | a file in `src/soil`, used by the columns (`src/simulation/soil_track`) and the quadrature (`src/soil/wheel_load`) |
+//! | a sensor stage | a file in `src/sensors`, neutral by default, and a line of [`SensorChain`](sensors::SensorChain) |
+//! | an effect | one entry in a file of `src/effects`: a law that edits a parameter whose ideal value is neutral |
+//! | a recognition method | a file in `src/recognition` and a variant of [`Method`](recognition::Method) |
+//! | a rig | a variant of [`Rig`](simulation::rig::Rig) |
+//! | a statistic of the comparison | a variant of [`Statistic`](gap::Statistic) and a file in `src/gap/statistics` |
+//! | a parameter of the recalibration | one entry in `src/diagnosis/parameter.rs` |
+//! | a distribution of a study | a variant of `Distribution` in `src/study/sweep/distribution.rs` |
+//! | a table of a study | an implementation of `Table` in `src/study/table.rs` |
+//!
+//! # Glossary
+//!
+//! | term | meaning |
+//! |---|---|
+//! | ALCT, SLCT, LEIS, UWTIC | all lugs contact the terrain; some lugs contact; lugs enter soil; unknown class |
+//! | arm | a variant of a scenario: parameters moved, effects included |
+//! | axle load, `W` | vertical force on the wheel \[N\] |
+//! | campaign | the runs that one rig measured, with their conditions |
+//! | case | a measured condition as the simulator repeats it |
+//! | cell | one statistic of one channel |
+//! | closed form | equations (62)-(66): loads of a smooth cylinder with triangular stresses |
+//! | condition | commanded slip, speed and load of a run |
+//! | drawbar pull, `F_DP` | horizontal force that the wheel exerts on the rig \[N\] |
+//! | effect | a named departure from the ideal rig, with a magnitude |
+//! | feature, `κ` | one of the paper's four numbers of a window: frequency, amplitudes, mean value, mean square |
+//! | lug | a grouser: a plate across the rim |
+//! | lug pass | the time between two lugs at the same place |
+//! | motion | the simulated states of a run, before any sensor |
+//! | order | frequency over the wheel's rate of rotation |
+//! | physics rate | steps of the simulation per second \[Hz\] |
+//! | quadrature | integration of the stresses over rim, lug edges and lug faces |
+//! | reference | the features' values on flat hard ground, by which they are normalised |
+//! | run | one record: a trace with its attributes |
+//! | seat | the channel on which an effect acts |
+//! | shear deformation modulus, `K` | displacement at which shear stress reaches 63 % of its limit \[m\] |
+//! | sinkage, `z` | depth of the rim below the undisturbed surface \[m\] |
+//! | sinkage exponent, `n = n_0 + n_1 s` | exponent of pressure over sinkage, and its growth with slip |
+//! | slip ratio, `s` | `1 - v/(r ω)` driving, `r ω/v - 1` braking, with the rim's radius |
+//! | slip-sinkage | sinkage that grows with slip |
+//! | stream | the random numbers of one stage of one run |
+//! | study | a set of runs by a design, with a score |
+//! | truth | what the simulator knows of a run and no sensor measures |
+//! | window | the part of a record from which one set of features is computed |
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 
 // What things are.
 pub mod quantity;
@@ -96,3 +208,6 @@ pub mod study;
 pub mod challenge;
 
 pub mod report;
+
+// The user's guide.
+pub mod guide;

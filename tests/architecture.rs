@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 23] = [
     "quantity",
     "document",
     "wheel",
@@ -27,6 +27,7 @@ const ORDER: [&str; 22] = [
     "study",
     "challenge",
     "report",
+    "guide",
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -191,7 +191,7 @@ fn torque_of_the_drive_motor_equals_the_torque_of_the_ground_at_steady_state() {
     }
 }
 
-/// Sign of pull and torque when driving, braking and reversing; the README's table.
+/// Sign of pull and torque when driving, braking and reversing; the guide's table.
 #[test]
 fn pull_and_torque_have_the_signs_of_the_table() {
     let signs = |speed: f64, slip: f64| {
