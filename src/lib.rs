@@ -2,13 +2,13 @@
 //! rig does.
 //!
 //! ```text
-//! scenario ──▶ terrain + wheel ──▶ simulation ──▶ sensors ──▶ trace ──▶ dataset
-//!                   ▲                  ▲                         │
-//!                (soil equations, forward)                       ├──▶ features ──▶ recognition ──▶ class
-//!                                                                ├──▶ identification ──▶ terrain parameters
-//!                                                                └──▶ gap ◀── measured traces
-//!                                                                      │
-//!                            effects + parameters ──▶ diagnosis ◀──────┘
+//! scenario ─▶ terrain, wheel ─▶ simulation ─▶ sensors ─▶ trace ─▶ dataset
+//!                   ▲               ▲                      │
+//!                   └── soil ───────┘                      ├─▶ features ─▶ recognition
+//!                                                          ├─▶ identification
+//!                                                          └─▶ gap ◀─ measured traces
+//!                                                               │
+//!                          effects, parameters ─▶ diagnosis ◀───┘
 //! ```
 //!
 //! The sections below follow the pipeline; the modules at the bottom of this page stand in the same order, and each
