@@ -11,25 +11,36 @@
 //! | many runs | [`studies`], on a [`cluster`], as [`data_sets`] |
 //! | what is not modelled | [`limits`] |
 
-#[doc = include_str!("guide/blind_trials.md")]
-pub mod blind_trials {}
-#[doc = include_str!("guide/cluster.md")]
-pub mod cluster {}
-#[doc = include_str!("guide/data_sets.md")]
-pub mod data_sets {}
-#[doc = include_str!("guide/diagnosis.md")]
-pub mod diagnosis {}
-#[doc = include_str!("guide/effects.md")]
-pub mod effects {}
-#[doc = include_str!("guide/identification.md")]
-pub mod identification {}
-#[doc = include_str!("guide/limits.md")]
-pub mod limits {}
-#[doc = include_str!("guide/measured_data.md")]
-pub mod measured_data {}
-#[doc = include_str!("guide/recognition.md")]
-pub mod recognition {}
-#[doc = include_str!("guide/scenarios.md")]
-pub mod scenarios {}
-#[doc = include_str!("guide/studies.md")]
-pub mod studies {}
+/// A page. Of two definitions of a link the first counts: here those of rustdoc, on other readers those at the page's end.
+macro_rules! page {
+    ($name:ident, $file:literal) => {
+        #[doc = concat!(
+                    "[blind_trials]: crate::guide::blind_trials\n",
+                    "[cluster]: crate::guide::cluster\n",
+                    "[data_sets]: crate::guide::data_sets\n",
+                    "[diagnosis]: crate::guide::diagnosis\n",
+                    "[effects]: crate::guide::effects\n",
+                    "[identification]: crate::guide::identification\n",
+                    "[limits]: crate::guide::limits\n",
+                    "[measured_data]: crate::guide::measured_data\n",
+                    "[recognition]: crate::guide::recognition\n",
+                    "[scenarios]: crate::guide::scenarios\n",
+                    "[studies]: crate::guide::studies\n",
+                    "\n",
+                    include_str!($file)
+                )]
+        pub mod $name {}
+    };
+}
+
+page!(blind_trials, "guide/blind_trials.md");
+page!(cluster, "guide/cluster.md");
+page!(data_sets, "guide/data_sets.md");
+page!(diagnosis, "guide/diagnosis.md");
+page!(effects, "guide/effects.md");
+page!(identification, "guide/identification.md");
+page!(limits, "guide/limits.md");
+page!(measured_data, "guide/measured_data.md");
+page!(recognition, "guide/recognition.md");
+page!(scenarios, "guide/scenarios.md");
+page!(studies, "guide/studies.md");
