@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Most stones under a wheel bear the same load for many steps. A stone that has not moved faster than [`STILL`] for [`WINDOW`] steps
-//! at the lowest rate rests: it stands still, and what it and other resting stones do to each other is not computed, until the load of its moving
-//! neighbours and of the wheel on it has changed by [`DISTURBED`] of the wheel's load. The contacts would have given by some tenths of a
-//! micrometre.
+//! at the lowest rate rests: it stands still, and what it and other resting stones do to each other is not computed, until the load of
+//! its moving neighbours and of the wheel on it has changed by [`DISTURBED`] of the wheel's load. The contacts would have given by some
+//! tenths of a micrometre.
 //!
 //! Across the track the assembly repeats itself: it is a strip of a bed without sides. The wheel is as wide as all of them.
 
@@ -122,8 +122,8 @@ pub struct Assembly {
     next_id: u64,
     /// Places of the stones that move.
     moving: Vec<usize>,
-    /// Places of the resting stones that others may move.
-    disturbed: Vec<usize>,
+    /// Places of the resting stones that bear one that moves, or the wheel.
+    bearing: Vec<usize>,
     /// Time [s] left of this window.
     window: f64,
     /// Whether others move or rest than at the last step.
@@ -292,7 +292,7 @@ impl Assembly {
             near: Near::within(medium.skin),
             next_id: 0,
             moving: Vec::new(),
-            disturbed: Vec::new(),
+            bearing: Vec::new(),
             window: WINDOW / medium.rate,
             changed: true,
         }
@@ -382,7 +382,7 @@ impl Assembly {
         let changed = renewed || std::mem::take(&mut self.changed);
         if changed {
             self.near.part(&self.stones);
-            self.sort_stones();
+            self.list_stones();
         }
         self.load_from_outside();
         self.press_each_other(dt);
@@ -401,8 +401,8 @@ impl Assembly {
         }
     }
 
-    /// Tells the stones that move from those that rest and bear one that moves, or the wheel.
-    fn sort_stones(&mut self) {
+    /// Lists the stones that move, and the resting ones that bear one that moves, or the wheel.
+    fn list_stones(&mut self) {
         let pairs = self.near.moving().iter().flat_map(|pair| pair.stones);
         let on_wheel = self.near.on_wheel.iter().map(|pair| pair.stone);
         let mut touched = vec![false; self.stones.len()];
@@ -410,17 +410,12 @@ impl Assembly {
             .chain(on_wheel)
             .for_each(|index| touched[index] = true);
         self.moving.clear();
-        self.disturbed.clear();
-        for (index, stone) in self
-            .stones
-            .iter_mut()
-            .enumerate()
-            .filter(|(_, stone)| stone.free)
-        {
-            if !stone.resting {
+        self.bearing.clear();
+        for (index, stone) in self.stones.iter_mut().enumerate() {
+            if stone.moves() {
                 self.moving.push(index);
-            } else if touched[index] {
-                self.disturbed.push(index);
+            } else if stone.resting && touched[index] {
+                self.bearing.push(index);
             } else {
                 stone.load = Load::default();
             }
@@ -436,7 +431,7 @@ impl Assembly {
             stone.load = stone.outside;
             stone.load.force += gravity * stone.mass;
         }
-        for &index in &self.disturbed {
+        for &index in &self.bearing {
             self.stones[index].load = Load::default();
         }
     }
@@ -449,7 +444,7 @@ impl Assembly {
     }
 
     fn wake_and_rest(&mut self, dt: f64) {
-        for &index in &self.disturbed {
+        for &index in &self.bearing {
             let stone = &mut self.stones[index];
             stone.change = stone.load - stone.borne;
             let bearable = DISTURBED * self.medium.load;

@@ -139,7 +139,7 @@ impl Near {
         &self.on_stones[..self.moving]
     }
 
-    /// The same, to slip.
+    /// The same, whose slips may change.
     pub fn moving_mut(&mut self) -> &mut [OnStone] {
         &mut self.on_stones[..self.moving]
     }
