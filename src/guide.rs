@@ -13,7 +13,7 @@
 
 /// A page. Of two definitions of a link the first counts: here those of rustdoc, on other readers those at the page's end.
 macro_rules! page {
-    ($name:ident, $file:literal) => {
+    ($name:ident) => {
         #[doc = concat!(
                     "[blind_trials]: crate::guide::blind_trials\n",
                     "[cluster]: crate::guide::cluster\n",
@@ -27,20 +27,20 @@ macro_rules! page {
                     "[scenarios]: crate::guide::scenarios\n",
                     "[studies]: crate::guide::studies\n",
                     "\n",
-                    include_str!($file)
+                    include_str!(concat!("guide/", stringify!($name), ".md"))
                 )]
         pub mod $name {}
     };
 }
 
-page!(blind_trials, "guide/blind_trials.md");
-page!(cluster, "guide/cluster.md");
-page!(data_sets, "guide/data_sets.md");
-page!(diagnosis, "guide/diagnosis.md");
-page!(effects, "guide/effects.md");
-page!(identification, "guide/identification.md");
-page!(limits, "guide/limits.md");
-page!(measured_data, "guide/measured_data.md");
-page!(recognition, "guide/recognition.md");
-page!(scenarios, "guide/scenarios.md");
-page!(studies, "guide/studies.md");
+page!(blind_trials);
+page!(cluster);
+page!(data_sets);
+page!(diagnosis);
+page!(effects);
+page!(identification);
+page!(limits);
+page!(measured_data);
+page!(recognition);
+page!(scenarios);
+page!(studies);

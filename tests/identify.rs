@@ -322,8 +322,8 @@ fn runs_of_several_files_are_fitted_together_and_named_with_their_file() {
 #[test]
 fn the_commands_of_the_guide_work() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let readme = std::fs::read_to_string(root.join("src/guide/identification.md")).unwrap();
-    let after = readme.split("<!-- identify -->\n```sh\n").nth(1).unwrap();
+    let page = std::fs::read_to_string(root.join("src/guide/identification.md")).unwrap();
+    let after = page.split("<!-- identify -->\n```sh\n").nth(1).unwrap();
     let commands = after.split("```").next().unwrap();
     let folder = tempfile::tempdir().unwrap();
     for command in commands.lines() {

@@ -248,8 +248,8 @@ fn every_zero_offset_of_the_carnegie_mellon_sensor_is_found() {
 
 #[test]
 fn the_campaign_in_the_guide_is_one() {
-    let readme = fs::read_to_string(at("../src/guide/measured_data.md")).unwrap();
-    let after = readme.split("<!-- campaign -->\n```toml\n").nth(1).unwrap();
+    let page = fs::read_to_string(at("../src/guide/measured_data.md")).unwrap();
+    let after = page.split("<!-- campaign -->\n```toml\n").nth(1).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("campaign.toml", after.split("```").next().unwrap());
