@@ -14,21 +14,19 @@
 /// A page. Of two definitions of a link the first counts: here those of rustdoc, on other readers those at the page's end.
 macro_rules! page {
     ($name:ident) => {
-        #[doc = concat!(
-                    "[blind_trials]: crate::guide::blind_trials\n",
-                    "[cluster]: crate::guide::cluster\n",
-                    "[data_sets]: crate::guide::data_sets\n",
-                    "[diagnosis]: crate::guide::diagnosis\n",
-                    "[effects]: crate::guide::effects\n",
-                    "[identification]: crate::guide::identification\n",
-                    "[limits]: crate::guide::limits\n",
-                    "[measured_data]: crate::guide::measured_data\n",
-                    "[recognition]: crate::guide::recognition\n",
-                    "[scenarios]: crate::guide::scenarios\n",
-                    "[studies]: crate::guide::studies\n",
-                    "\n",
-                    include_str!(concat!("guide/", stringify!($name), ".md"))
-                )]
+        #[doc = "[blind_trials]: crate::guide::blind_trials"]
+        #[doc = "[cluster]: crate::guide::cluster"]
+        #[doc = "[data_sets]: crate::guide::data_sets"]
+        #[doc = "[diagnosis]: crate::guide::diagnosis"]
+        #[doc = "[effects]: crate::guide::effects"]
+        #[doc = "[identification]: crate::guide::identification"]
+        #[doc = "[limits]: crate::guide::limits"]
+        #[doc = "[measured_data]: crate::guide::measured_data"]
+        #[doc = "[recognition]: crate::guide::recognition"]
+        #[doc = "[scenarios]: crate::guide::scenarios"]
+        #[doc = "[studies]: crate::guide::studies"]
+        #[doc = ""]
+        #[doc = include_str!(concat!("guide/", stringify!($name), ".md"))]
         pub mod $name {}
     };
 }
