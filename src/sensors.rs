@@ -157,7 +157,7 @@ impl Sensors {
     }
 
     /// The figures of every analogue channel.
-    fn transducers(&self) -> [Transducer; ANALOGUE.len()] {
+    pub fn transducers(&self) -> [Transducer; ANALOGUE.len()] {
         let loads = &self.force_torque;
         [
             self.accelerometer.acceleration_y,

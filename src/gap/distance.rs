@@ -287,10 +287,12 @@ pub struct Closed {
 
 /// Resamples behind an interval.
 const RESAMPLES: usize = 2000;
+/// Share of resamples [-] that may have nothing to close.
+const NOTHING_OPEN: f64 = 0.025;
 
 /// The share of the gap closed, with a bootstrap interval that draws clusters of condition and day
-/// with all three scores together. None without runs, or where recalibration leaves nothing above
-/// the floor to close.
+/// with all three scores together. None without runs, or where what recalibration leaves is not above
+/// the floor in 97.5 % of the resamples: then there is no gap to close, and no share of it.
 pub fn closed(runs: &[Scores], seed: Seed) -> Option<Closed> {
     let mut clusters = BTreeMap::<(&Condition, &str), [f64; 2]>::new();
     for run in runs {
@@ -309,19 +311,17 @@ pub fn closed(runs: &[Scores], seed: Seed) -> Option<Closed> {
             share(draws.fold([0.0, 0.0], add))
         })
         .collect();
+    if resampled.len() as f64 <= (1.0 - NOTHING_OPEN) * RESAMPLES as f64 {
+        return None;
+    }
     resampled.sort_by(f64::total_cmp);
     let quantile = |part: f64| {
         let place = (part * resampled.len() as f64) as usize;
         resampled[place.min(resampled.len() - 1)]
     };
-    let ci95 = if resampled.is_empty() {
-        [value; 2]
-    } else {
-        [quantile(0.025), quantile(0.975)]
-    };
     Some(Closed {
         value,
-        ci95,
+        ci95: [quantile(0.025), quantile(0.975)],
         clusters: clusters.len(),
     })
 }

@@ -43,6 +43,13 @@ impl Readings {
         self.cells.is_empty()
     }
 
+    /// Copies readings of some cells from others.
+    pub(super) fn copy(&mut self, others: &Self, which: impl Fn(&Cell) -> bool) {
+        let copied = others.iter().filter(|(cell, _)| which(cell));
+        self.cells
+            .extend(copied.map(|(cell, reading)| (cell.clone(), reading)));
+    }
+
     /// Notes a level or a number; what is not finite leaves its cell empty.
     pub(super) fn note(&mut self, channel: &Arc<str>, statistic: Statistic, value: f64) {
         self.note_of_size(channel, statistic, value, 1.0);

@@ -28,6 +28,7 @@ mod signal;
 mod spectra;
 mod vibration;
 
+use super::cell::Domain;
 use super::readings::Readings;
 use crate::features::Settings;
 use crate::features::reference::Reference;
@@ -58,16 +59,41 @@ impl Statistician {
 
     /// All that can be read from a run. A run of means has the load domain only.
     pub fn read(&mut self, trace: &Trace) -> Readings {
+        self.read_changed(trace, &|_| false, &Readings::default())
+    }
+
+    /// [`read`](Self::read) of a trace that other sensors made of one motion, where `base` with these `readings` is that
+    /// of the first sensors: statistics of channels that kept every sample are copied.
+    pub fn read_again(&mut self, trace: &Trace, base: &Trace, readings: &Readings) -> Readings {
+        let is_kept = |name: &str| trace.channel(name) == base.channel(name);
+        // These enter the statistics of every channel.
+        let share = |name: &str| trace.channel(name).is_some() && is_kept(name);
+        if !["wheel_angle", "forward_speed"].into_iter().all(share) {
+            return self.read(trace);
+        }
+        self.read_changed(trace, &is_kept, readings)
+    }
+
+    /// What channels that are not kept enter is computed, all else is copied from `known`.
+    fn read_changed(
+        &mut self,
+        trace: &Trace,
+        is_kept: &dyn Fn(&str) -> bool,
+        known: &Readings,
+    ) -> Readings {
         let mut readings = Readings::default();
         let angle = angle(trace);
         loads::read(trace, angle.as_ref(), &mut readings);
-        let channels = trace.channels.iter().map(|channel| match &angle {
+        let channels = trace.channels.iter().filter(|channel| {
+            !is_kept(&channel.name) || cross::partners(&channel.name).any(|it| !is_kept(it))
+        });
+        let channels = channels.map(|channel| match &angle {
             Some(angle) if channel.name == angle.name => angle,
             _ => channel,
         });
         let signals: Vec<Signal> = channels.filter_map(Signal::of).collect();
         let mut turning = Turning::of(trace, angle);
-        for signal in &signals {
+        for signal in signals.iter().filter(|signal| !is_kept(&signal.name)) {
             moments::read(signal, trace, &mut readings);
             if let Some(turning) = &mut turning {
                 turning.read(signal, &mut readings);
@@ -78,12 +104,20 @@ impl Statistician {
             .map(|signal| self.spectra.of(signal))
             .collect();
         for (signal, spectrum) in signals.iter().zip(&spectra) {
-            if let Some(spectrum) = spectrum {
+            if let (Some(spectrum), false) = (spectrum, is_kept(&signal.name)) {
                 spectrum.read(signal, &mut readings);
             }
         }
         cross::read(&signals, &spectra, &mut self.spectra, &mut readings);
-        vibration::read(&mut self.recognizer, trace, &mut readings);
+        let keeps_windows = vibration::CHANNELS.into_iter().all(is_kept);
+        if !keeps_windows {
+            vibration::read(&mut self.recognizer, trace, &mut readings);
+        }
+        readings.copy(known, |cell| match cell.domain() {
+            Domain::Load => false,
+            Domain::Feature => keeps_windows,
+            _ => cell.channel.split('~').all(is_kept),
+        });
         readings
     }
 }

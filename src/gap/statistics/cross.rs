@@ -25,6 +25,17 @@ const FEWEST_BLOCKS: usize = 3;
 /// Highest frequency [Hz] that counts: above it sensors say more of themselves than of the wheel.
 const HIGHEST: f64 = 200.0;
 
+/// Channels that a channel is paired with.
+pub(super) fn partners(name: &str) -> impl Iterator<Item = &'static str> {
+    PAIRS
+        .into_iter()
+        .filter_map(move |(first, second)| match name {
+            _ if name == first => Some(second),
+            _ if name == second => Some(first),
+            _ => None,
+        })
+}
+
 pub(super) fn read(
     signals: &[Signal],
     spectra: &[Option<Spectrum>],

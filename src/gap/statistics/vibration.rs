@@ -7,6 +7,9 @@ use crate::recognition::confusion::CLASSES;
 use crate::trace::Trace;
 use std::sync::Arc;
 
+/// Channels that windows are cut and judged by, beside those that every statistic depends on.
+pub(super) const CHANNELS: [&str; 4] = ["acceleration_y", "normal_force", "sinkage", "slip_ratio"];
+
 pub(super) fn read(recognizer: &mut Recognizer, trace: &Trace, readings: &mut Readings) {
     // A run without what features need has none.
     let Ok(windows) = recognizer.recognize(trace) else {
