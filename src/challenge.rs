@@ -35,7 +35,7 @@ mod truth;
 
 pub use answer::{Answer, Closed, Compared, Screened, Suspect, Verdict};
 pub use answering::{Answered, Progress, Question, Unanswered, answer};
-pub use folder::{Manifest, Posed, by_method};
+pub use folder::{Manifest, Posed};
 pub use making::{Made, begun, make};
 pub use order::{Family, Order, Selection, Set};
 pub use score::score;

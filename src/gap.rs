@@ -36,12 +36,10 @@ pub use condition::Condition;
 pub(crate) use condition::conditions;
 pub(crate) use curves::class_of;
 pub use distance::{Closed, Scores, Whitening, closed};
-pub(crate) use evidence::moments;
 pub use global::{Global, PERMUTATIONS, Test};
 pub use map::{Colour, Entry, GapMap, LEVEL, Margins, ParameterSpread};
 pub use readings::{Reading, Readings, Run};
 pub use statistics::Statistician;
-pub(crate) use tail::scale as student_scale;
 
 use crate::identification::IdentifyError;
 use crate::quantity::RangeError;

@@ -160,7 +160,7 @@ pub mod windows;
 pub use execution::{Diagnosing, Failure, Options, Outcome, Progress};
 
 use crate::dataset::hdf5::RunFileError;
-use crate::diagnosis::bank::BankError;
+use crate::diagnosis::InvestigationError;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
 use crate::recognition::baseline::BaselineError;
@@ -762,7 +762,7 @@ pub enum StudyError {
     Dataset(#[from] RunFileError),
     /// What is simulated for a diagnosis cannot be kept.
     #[error("the runs cannot be diagnosed: {0}")]
-    Bank(#[from] BankError),
+    Diagnosis(#[from] InvestigationError),
     /// The windows of the runs train no classifier.
     #[error("the baseline of [recognition] cannot be trained on the windows of the runs")]
     Baseline(#[from] BaselineError),

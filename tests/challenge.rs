@@ -4,7 +4,6 @@ use lugwheel::challenge::{
     self, ChallengeError, Family, Manifest, Order, Question, Selection, Set, Truth, Unanswered,
 };
 use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::diagnosis::Ablation;
 use lugwheel::effects::catalogue;
 use lugwheel::quantity::Seed;
 use sha2::{Digest, Sha256};
@@ -104,7 +103,7 @@ fn by_bytes(question: &Question) -> Result<String, Unanswered> {
 }
 
 fn answer_all(folder: &Path) -> challenge::Answered {
-    challenge::answer(folder, None, &by_bytes, &|_| ControlFlow::Continue(())).unwrap()
+    challenge::answer(folder, &by_bytes, &|_| ControlFlow::Continue(())).unwrap()
 }
 
 #[test]
@@ -261,10 +260,7 @@ fn a_diagnosis_answers_the_same_whether_or_not_the_truth_is_there() {
 fn an_altered_truth_is_refused() {
     let folder = trial();
     answer_all(folder.path());
-    assert_eq!(
-        challenge::score(folder.path(), None).unwrap().answered,
-        CASES
-    );
+    assert_eq!(challenge::score(folder.path()).unwrap().answered, CASES);
     let file = truth_file(folder.path(), "case_0001");
     let text = fs::read_to_string(&file).unwrap();
     for (from, to) in [
@@ -272,12 +268,12 @@ fn an_altered_truth_is_refused() {
         ("\"salt\": \"", "\"salt\": \"0"),
     ] {
         fs::write(&file, text.replace(from, to)).unwrap();
-        let error = challenge::score(folder.path(), None).unwrap_err();
+        let error = challenge::score(folder.path()).unwrap_err();
         assert!(matches!(error, ChallengeError::TruthAltered(ref case) if case == "case_0001"));
     }
     // Nor is that of another case.
     fs::copy(truth_file(folder.path(), "case_0002"), &file).unwrap();
-    assert!(challenge::score(folder.path(), None).is_err());
+    assert!(challenge::score(folder.path()).is_err());
 }
 
 #[test]
@@ -289,7 +285,7 @@ fn a_case_asked_without_other_effects_than_its_truth_leaves_out_is_not_scored() 
     asked.unwrap().without.clear();
     let text = serde_json::to_string(&manifest).unwrap();
     fs::write(folder.path().join("campaigns/manifest.json"), text).unwrap();
-    let error = challenge::score(folder.path(), None).unwrap_err();
+    let error = challenge::score(folder.path()).unwrap_err();
     assert!(
         matches!(error, ChallengeError::QuestionAltered(_)),
         "{error}"
@@ -305,9 +301,9 @@ fn an_altered_campaign_is_neither_diagnosed_nor_scored() {
         *bytes.last_mut().unwrap() ^= 1;
         fs::write(&file, bytes).unwrap();
         let go_on = &|_: challenge::Progress| ControlFlow::Continue(());
-        let asked = challenge::answer(folder.path(), None, &by_bytes, go_on).unwrap_err();
+        let asked = challenge::answer(folder.path(), &by_bytes, go_on).unwrap_err();
         assert!(matches!(asked, ChallengeError::CampaignAltered(ref path) if *path == file));
-        let scored = challenge::score(folder.path(), None).unwrap_err();
+        let scored = challenge::score(folder.path()).unwrap_err();
         assert!(matches!(scored, ChallengeError::CampaignAltered(_)));
     }
 }
@@ -325,33 +321,16 @@ fn an_answered_case_is_not_asked_again_and_a_failed_one_is() {
         }
     };
     let go_on = &|_: challenge::Progress| ControlFlow::Continue(());
-    let first = challenge::answer(folder.path(), None, &once, go_on).unwrap();
+    let first = challenge::answer(folder.path(), &once, go_on).unwrap();
     assert_eq!((first.answered, first.failed.len()), (CASES - 2, 2));
-    let scores = challenge::score(folder.path(), None).unwrap();
+    let scores = challenge::score(folder.path()).unwrap();
     assert_eq!(
         (scores.answered, scores.failed, scores.unanswered),
         (CASES - 2, 2, 0)
     );
     asked.store(0, Ordering::Relaxed);
-    challenge::answer(folder.path(), None, &once, go_on).unwrap();
+    challenge::answer(folder.path(), &once, go_on).unwrap();
     assert_eq!(asked.load(Ordering::Relaxed), 2);
-}
-
-#[test]
-fn answers_without_a_part_of_the_method_stand_apart_from_those_of_the_whole() {
-    let folder = trial();
-    answer_all(folder.path());
-    let forest = Some(Ablation::Forest);
-    let unanswered = |part| match challenge::score(folder.path(), part) {
-        Err(ChallengeError::Unanswered(_)) => CASES,
-        scores => scores.unwrap().unanswered,
-    };
-    assert_eq!((unanswered(None), unanswered(forest)), (0, CASES));
-    let go_on = &|_: challenge::Progress| ControlFlow::Continue(());
-    challenge::answer(folder.path(), forest, &by_bytes, go_on).unwrap();
-    assert_eq!(unanswered(forest), 0);
-    let held_out = Some(Ablation::HeldOut);
-    assert_eq!(unanswered(held_out), CASES);
 }
 
 #[test]
@@ -365,7 +344,7 @@ fn a_stopped_trial_goes_on_with_the_other_cases() {
         0 | 1 => ControlFlow::Continue(()),
         _ => ControlFlow::Break(()),
     };
-    let answer = || challenge::answer(folder.path(), None, &by_bytes, &stop_after_two);
+    let answer = || challenge::answer(folder.path(), &by_bytes, &stop_after_two);
     let stopped = pool.install(answer).unwrap_err();
     assert!(
         matches!(
@@ -378,11 +357,11 @@ fn a_stopped_trial_goes_on_with_the_other_cases() {
         "{stopped}"
     );
     assert_eq!(
-        challenge::score(folder.path(), None).unwrap().unanswered,
+        challenge::score(folder.path()).unwrap().unanswered,
         CASES - 2
     );
     assert_eq!(answer_all(folder.path()).answered, CASES);
-    assert_eq!(challenge::score(folder.path(), None).unwrap().unanswered, 0);
+    assert_eq!(challenge::score(folder.path()).unwrap().unanswered, 0);
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! From a measured campaign to simulated statistics: both sides are read alike, what is simulated is
-//! kept, and what is asked for fits a budget.
+//! kept.
 
 use lugwheel::dataset::csv::Campaign;
 use lugwheel::diagnosis::arm::Arm;
 use lugwheel::diagnosis::bank::{Bank, BankError, Outcome, Progress, Request};
+use lugwheel::diagnosis::candidate::candidates;
 use lugwheel::diagnosis::condition::{Case, CaseError, Cases, Caveat, LONGEST, statistician};
-use lugwheel::diagnosis::plan::{DEPTHS, Plan};
-use lugwheel::effects::Stage;
+use lugwheel::diagnosis::rigs::{Origin, Population, RigError, RigSet, Table};
 use lugwheel::gap::{self, Cell, Comparison, Run, Statistic};
 use lugwheel::quantity::Seed;
 use lugwheel::scenario::Scenario;
@@ -641,75 +641,111 @@ fn where_most_runs_contradict_their_slips_the_rig_is_at_fault_and_the_slips_told
 }
 
 #[test]
-fn a_plan_asks_for_what_can_be_on_this_ground_and_can_be_seen_in_these_channels() {
-    let plan = |name: &str, without: &[&str]| {
+fn effects_are_tried_that_can_be_on_this_ground_and_show_in_these_channels() {
+    let tried = |name: &str, without: &[&str]| -> Vec<String> {
         let case = one_case(&scenario(name), rig_run(2000, 2000.0));
         let without: Vec<String> = without.iter().map(|name| (*name).to_owned()).collect();
-        Plan::at(DEPTHS[1], &[case], &without)
+        let candidates = candidates(&[case]).into_iter();
+        let tried = candidates.filter(|it| it.is_none_of(&without));
+        tried.map(|it| it.name()).collect()
     };
-    let has = |plan: &Plan, name: &str| plan.signatures.iter().any(|it| it.effect.name == name);
-    let sand = plan("single_wheel_st", &[]);
+    let has = |tried: &[String], name: &str| tried.iter().any(|it| it == name);
+    let sand = tried("single_wheel_st", &[]);
     assert!(has(&sand, "slip_sinkage") && has(&sand, "wheel_eccentricity"));
     assert!(!has(&sand, "dust_cover"));
-    let seats: Vec<&str> = sand.signatures.iter().map(|it| it.seat.channel).collect();
-    assert!(seats.contains(&"drawbar_pull") && !seats.contains(&"driving_torque"));
-    assert!(has(&plan("single_wheel_ht", &[]), "dust_cover"));
-    let left_out = plan(
+    assert!(has(&sand, "gain_error.drawbar_pull") && !has(&sand, "gain_error.driving_torque"));
+    assert!(has(&tried("single_wheel_ht", &[]), "dust_cover"));
+    let fewer = tried(
         "single_wheel_st",
         &["slip_sinkage", "gain_error.drawbar_pull"],
     );
-    assert_eq!(sand.signatures.len(), left_out.signatures.len() + 2);
-    assert!(
-        sand.slopes
-            .iter()
-            .all(|slope| slope.offsets[1] == slope.parameter.sd)
-    );
+    assert_eq!(sand.len(), fewer.len() + 2);
 }
 
-#[test]
-fn a_budget_buys_the_deepest_plan_that_fits_and_says_when_it_buys_none() {
-    let case = one_case(&scenario("single_wheel_st"), rig_run(20_000, 2000.0));
-    let cases = [case];
-    let costs = DEPTHS.map(|depth| Plan::at(depth, &cases, &[]).cost(&cases).driven);
-    assert!(costs.is_sorted() && costs[6] > 5.0 * costs[1]);
-    let plan = Plan::within(costs[4], &cases, &[]).unwrap();
-    assert_eq!(plan.depth, DEPTHS[4]);
-    let plan = Plan::within(0.99 * costs[4], &cases, &[]).unwrap();
-    assert_eq!(plan.depth, DEPTHS[3]);
-    let error = Plan::within(0.5 * costs[0], &cases, &[]).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("s of driving are too few: the least is"),
-        "{error}"
-    );
-}
-
-#[test]
-fn what_is_left_to_do_is_the_plan_first_and_nothing_in_the_end() {
-    let case = one_case(&short(), rig_run(2000, 2000.0));
-    let mut plan = Plan::at(DEPTHS[0], std::slice::from_ref(&case), &[]);
-    plan.signatures
-        .retain(|it| it.effect.stage == Stage::Sensors);
-    plan.slopes.truncate(1);
-    let requests = plan.requests();
-    let folder = tempfile::tempdir().unwrap();
-    let cases = [case];
-    let bank = bank(folder.path(), cases.to_vec());
-    let before = bank.left(&requests).unwrap();
-    assert_eq!(before, plan.cost(&cases));
-    // Three replicates and two ends of a slope; sensors share the first replicate.
-    assert_eq!(before.motions, 5);
-    let (answers, motions) = ask(&bank, &requests);
-    assert_eq!(motions, 5);
-    assert!(answers.iter().all(Result::is_ok));
-    assert_eq!(bank.left(&requests).unwrap().driven, 0.0);
-    let missing = Request {
-        case: 1,
-        ..request("", 0)
+/// Rigs of a second on flat hard ground with a few effects, in a folder.
+fn rig_set(folder: &Path) -> RigSet {
+    let hard = scenario("single_wheel_ref").with_all(&["physics_rate=8000"]);
+    let case = one_case(&hard.unwrap(), rig_run(2000, 2000.0));
+    let mut tried = candidates(std::slice::from_ref(&case));
+    tried.retain(|it| ["gain_error", "short_lug"].contains(&it.effect.name));
+    let origin = Origin {
+        folder,
+        version: "test 1",
+        seed: SEED,
     };
-    let error = bank
-        .readings(&[missing], &|_| ControlFlow::Continue(()))
-        .unwrap_err();
-    assert_eq!(error.to_string(), "there is no case 1: the bank has 1");
+    let trace = case
+        .scenario
+        .run(SEED, 0, &mut |_| ControlFlow::Continue(()));
+    let nominal = case.read_simulated(
+        &mut statistician().unwrap(),
+        &trace.unwrap().as_kept(),
+        &mut SEED.rng("test", 0),
+    );
+    let population = Population {
+        columns: Population::columns(&[nominal]),
+        cases: vec![case],
+        candidates: tried,
+        parameters: Vec::new(),
+    };
+    RigSet::open(population, origin).unwrap()
+}
+
+fn drawn(set: &RigSet, count: usize) -> Table {
+    set.draw(count, &|_| ControlFlow::Continue(())).unwrap()
+}
+
+#[test]
+fn rigs_are_the_same_however_often_they_are_stopped_torn_or_altered() {
+    let (folder, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let set = rig_set(folder.path());
+    let whole = drawn(&set, 6);
+    // What a statistic is not is not equal to itself.
+    let text = |table: &Table| format!("{table:?}");
+    assert_eq!(text(&drawn(&set, 6)), text(&whole));
+    let file = files(folder.path()).swap_remove(2);
+    let mut bytes = fs::read(&file).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    fs::write(&file, bytes).unwrap();
+    assert_eq!(text(&drawn(&rig_set(folder.path()), 6)), text(&whole));
+    let set = rig_set(other.path());
+    let stopped = set.draw(6, &|now| match now.done {
+        2.. => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    });
+    assert!(matches!(stopped, Err(RigError::Stopped { total: 6, .. })));
+    assert_eq!(text(&drawn(&set, 6)), text(&whole));
+}
+
+#[test]
+fn a_gain_moves_the_statistics_of_its_channel_by_as_much_and_no_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = rig_set(folder.path());
+    let table = drawn(&set, 10);
+    let gain = set
+        .population
+        .candidates
+        .iter()
+        .position(|it| it.effect.name == "gain_error");
+    let mut compared = 0;
+    for row in table.rows.iter().filter(|row| !row.randomised) {
+        let [part] = row.effects[..] else { continue };
+        let mut rows = table.rows.iter();
+        let plain = rows.find(|it| it.rig == row.rig && it.effects.is_empty());
+        let (Some(plain), true) = (plain, Some(part.candidate) == gain) else {
+            continue;
+        };
+        let gain = 1.0 + set.population.candidates[part.candidate].magnitude(part.size);
+        for (place, column) in table.columns.iter().enumerate() {
+            let [with, without] = [row, plain].map(|row| f64::from(row.values[place]));
+            match column.cell.to_string().as_str() {
+                "drawbar_pull/load/mean" => {
+                    compared += 1;
+                    assert!((with / without - gain).abs() < 0.01, "{with} {without}");
+                }
+                name if !name.contains("drawbar_pull") => assert_eq!(with, without, "{name}"),
+                _ => {}
+            }
+        }
+    }
+    assert!(compared > 10);
 }

@@ -3,13 +3,12 @@
 use crate::chromium::{look, sheets};
 use lugwheel::diagnosis::arm::Arm;
 use lugwheel::diagnosis::condition::{Case, Cases, LONGEST};
-use lugwheel::diagnosis::cost::Cost;
+use lugwheel::diagnosis::inference::{BaseRates, SelfTest};
 use lugwheel::diagnosis::parameter::{Offsets, Parameter};
-use lugwheel::diagnosis::plan::DEPTHS;
 use lugwheel::diagnosis::{
-    Alarm, Answer, ArmTraces, Arms, BUDGET, Calibration, Compared, ComparedCondition, Diagnosis,
-    EndResults, Gaps, InUnits, Located, MeanError, NextRun, Recalibrated, Screened, Settings,
-    Shrinkage, SimulatedAgain, Step, Suspect, Suspicion, Verdict,
+    Answer, ArmTraces, BUDGET, Compared, ComparedCondition, Diagnosis, EndResults, Gaps, InUnits,
+    Located, MeanError, NextRun, Recalibrated, Screened, Settings, Step, Suspect, Variants,
+    Verdict,
 };
 use lugwheel::effects::Application;
 use lugwheel::gap::stages::{Stage, StageShare, Stages};
@@ -164,7 +163,6 @@ fn verdict(cases: &[Case]) -> Verdict {
         ("none", 0.001),
         ("parameter", 0.03),
         ("unknown", 0.012),
-        ("undecided", 0.05),
         ("slip_sinkage", 0.81),
         ("lug_action", 0.06),
         ("slip_sinkage+wheel_eccentricity", 0.03),
@@ -185,7 +183,8 @@ fn verdict(cases: &[Case]) -> Verdict {
         verdict: Answer::Effect,
         named: vec![vec!["slip_sinkage".to_owned(), "lug_action".to_owned()]],
         probabilities: probabilities.into(),
-        explanations: Vec::new(),
+        set: vec!["slip_sinkage".to_owned()],
+        mechanism: None,
         effects: vec![
             Suspect {
                 equivalent_to: vec!["lug_action".to_owned()],
@@ -201,37 +200,17 @@ fn verdict(cases: &[Case]) -> Verdict {
         ],
         parameters: recalibration.clone(),
         recalibration,
-        alarms: vec![Alarm {
-            parameter: "soil_friction_angle".to_owned(),
-            what: Suspicion::DriftsWithSlip,
-            deviations: 5.1,
-        }],
         located: vec![Located {
             condition: cases[1].condition.clone(),
             cell: Cell::new("sinkage", Statistic::SteadyMean),
             deviations: 12.3,
         }],
-        shrinkage: Some(Shrinkage {
-            effects: vec!["slip_sinkage".to_owned()],
-            as_shipped: 3.1,
-            recalibrated: 2.2,
-            with_effect: 0.9,
-            floor: 0.6,
-            floor_is_measured: true,
-            closed: Some(Closed {
-                value: 0.81,
-                ci95: [0.7, 0.9],
-                clusters: 5,
-            }),
-            placebo: Some(0.2),
-        }),
         next_run: Some(NextRun {
             run: "with a smooth wheel (slip 0.1)".to_owned(),
             between: ["slip_sinkage".to_owned(), "lug_action".to_owned()],
-            cosine: [0.97, -0.21],
-            deviations: [1.1, 9.4],
+            separation: [0.11, 0.94],
         }),
-        reasons: vec!["refit and forest disagree on what is likeliest".to_owned()],
+        reasons: vec!["simulated, it closes nothing".to_owned()],
     }
 }
 
@@ -274,23 +253,39 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             1 => vec![("slip_sinkage".to_owned(), 0.97)],
             _ => Vec::new(),
         },
-        alarm: None,
+        unit: "-",
     };
     let cosine = |a: usize, b: usize| match (a.min(b), a.max(b)) {
         (a, b) if a == b => 1.0,
         (0, 1) => 0.97,
         (a, b) => 0.2 * a as f64 - 0.15 * b as f64,
     };
-    let verdict = verdict(cases);
     Diagnosis {
-        gap: verdict.shrinkage.as_ref().map(|it| Gaps {
-            as_shipped: it.as_shipped,
-            recalibrated: it.recalibrated,
-            with_effect: it.with_effect,
-            floor: it.floor,
+        gap: Some(Gaps {
+            as_shipped: 3.1,
+            recalibrated: 2.2,
+            with_effect: 0.9,
+            floor: 0.6,
         }),
-        closed: verdict.shrinkage.as_ref().and_then(|it| it.closed),
-        verdict,
+        closed: Some(Closed {
+            value: 0.81,
+            ci95: [0.7, 0.9],
+            clusters: 5,
+        }),
+        closed_with: vec!["slip_sinkage".to_owned()],
+        verdict: verdict(cases),
+        limits: Default::default(),
+        self_test: SelfTest {
+            rigs: 200,
+            campaigns: 1300,
+            right: 0.81,
+            probability_of_truth: 0.78,
+            falsely_named: 0.02,
+            calibration_error: 0.03,
+            coverage: 0.9,
+            threshold: 0.1,
+            effects: Vec::new(),
+        },
         global: Global {
             energy: test(0.001),
             strongest: test(0.0004),
@@ -302,11 +297,6 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
         isolability: (0..EFFECTS.len())
             .map(|a| (0..EFFECTS.len()).map(|b| cosine(a, b)).collect())
             .collect(),
-        again: vec![SimulatedAgain {
-            arm: "soil_cohesion~0.13 slip_sinkage=0.8".parse().unwrap(),
-            gap: 0.95,
-            as_predicted: true,
-        }],
         in_units: in_units(cases),
         end_results: vec![
             end_results(Step::AsShipped, 4.0),
@@ -324,8 +314,8 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
                 .collect(),
             parameters: vec!["soil_cohesion".to_owned()],
             candidates: EFFECTS.map(str::to_owned).to_vec(),
-            depth: DEPTHS[3],
-            cost: Cost::default(),
+            rigs: 200,
+            driven: 14_000.0,
         },
         caveats: vec!["no simulation makes motor_current".to_owned()],
     }
@@ -359,8 +349,7 @@ fn settings() -> Settings {
         budget: BUDGET,
         without: vec!["slope".to_owned()],
         seed: SEED,
-        calibration: Calibration::default(),
-        ablation: None,
+        rates: BaseRates::default(),
     }
 }
 
@@ -397,8 +386,8 @@ fn the_answer_comes_first_with_probability_magnitude_and_what_it_closes() {
         assert!(page.answer.contains(told), "{told}: {}", page.answer);
     }
     let html = report::page(&page);
-    let [answer, reason] =
-        ["An effect is missing", "refit and forest disagree"].map(|text| html.find(text).unwrap());
+    let [answer, reason] = ["An effect is missing", "simulated, it closes nothing"]
+        .map(|text| html.find(text).unwrap());
     assert!(answer < reason);
 }
 
@@ -456,10 +445,9 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
     }
     for told in [
         "rig.h5, SHA-256 0123",
-        "soil_friction_angle would have to change with slip",
         "slip makes the wheel sink deeper",
         "no simulation makes motor_current",
-        "tell slip_sinkage from lug_action by 9.4",
+        "differ by 0.94 scatters per statistic",
         "150.0, unbounded",
         "error of sinkage",
         "distance of the terrain",
@@ -478,7 +466,6 @@ fn what_is_missing_is_left_out_or_said_and_breaks_nothing() {
     let page = changed(
         |diagnosis| {
             (diagnosis.gap, diagnosis.closed) = (None, None);
-            diagnosis.verdict.shrinkage = None;
             diagnosis.verdict.next_run = None;
             diagnosis.verdict.named.clear();
             diagnosis.verdict.effects.clear();
@@ -486,19 +473,17 @@ fn what_is_missing_is_left_out_or_said_and_breaks_nothing() {
             diagnosis.verdict.parameters.clear();
             diagnosis.verdict.probabilities.clear();
             diagnosis.verdict.located.clear();
-            diagnosis.verdict.alarms.clear();
             diagnosis.map.clear();
             diagnosis.screen.clear();
             diagnosis.isolability.clear();
             diagnosis.in_units.clear();
             diagnosis.end_results.clear();
-            diagnosis.again.clear();
         },
         None,
     );
     let html = report::page(&page);
     for told in [
-        "No effect could be tried",
+        "The variants of the scenario could not be simulated",
         "No effect was tried",
         "No traces are shown",
         "There is nothing that both sides have",
@@ -554,9 +539,8 @@ fn numbers_that_are_none_or_infinite_reach_no_figure() {
             for row in &mut diagnosis.isolability {
                 row[0] = f64::NAN;
             }
-            let shrinkage = diagnosis.verdict.shrinkage.as_mut().unwrap();
-            (shrinkage.as_shipped, shrinkage.with_effect) = (f64::NAN, f64::INFINITY);
-            shrinkage.placebo = Some(f64::NAN);
+            let gap = diagnosis.gap.as_mut().unwrap();
+            (gap.as_shipped, gap.with_effect) = (f64::NAN, f64::INFINITY);
             let suspect = &mut diagnosis.verdict.effects[0];
             (suspect.magnitude, suspect.ci95) = (f64::NAN, [f64::NAN; 2]);
             (suspect.probability, suspect.absorbed) = (f64::NAN, f64::NAN);
@@ -617,12 +601,12 @@ fn arms_are_simulated_on_one_ground_with_the_channels_that_were_measured() {
     let cases = Cases::of(&scenario, std::slice::from_ref(&measured), LONGEST).unwrap();
     let moduli = Parameter::find("soil_moduli").unwrap();
     let softer = Arm::of_offsets(Offsets::default().with(moduli, -1.0));
-    let arms = Arms {
+    let variants = Variants {
         recalibrated: softer,
         with_effect: None,
     };
     let runs = [measured];
-    let traces = ArmTraces::of(&cases.cases[0], &runs, &arms, SEED).unwrap();
+    let traces = ArmTraces::of(&cases.cases[0], &runs, &variants, SEED).unwrap();
     // Run 0 of this seed is what was measured: the arm as shipped gives it back.
     let [shipped, recalibrated] = [traces.as_shipped, traces.recalibrated].map(Option::unwrap);
     let samples = |trace: &Trace, name: &str| trace.channel(name).unwrap().samples.clone();

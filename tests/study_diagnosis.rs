@@ -4,7 +4,9 @@
 use crate::common::results::{contents, done, into, resumed};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::diagnosis::condition::LONGEST;
-use lugwheel::diagnosis::{Calibration, Investigation, Settings};
+use lugwheel::diagnosis::inference::BaseRates;
+use lugwheel::diagnosis::rigs::Origin;
+use lugwheel::diagnosis::{Investigation, Settings};
 use lugwheel::effects::names_but;
 use lugwheel::scenario::Scenario;
 use lugwheel::study::diagnosis::score::{DiagnosisScore, Truth};
@@ -22,8 +24,8 @@ fn left_out() -> Vec<String> {
     names_but(&["gain_error"])
 }
 
-/// Budget [s] that does for the shallowest diagnosis of the short runs.
-const ENOUGH: f64 = 150.0;
+/// Budget [s] that does for the fewest rigs of the short runs.
+const ENOUGH: f64 = 120.0;
 
 fn sand() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/single_wheel_st.toml")
@@ -111,13 +113,16 @@ fn a_campaign_is_answered_as_the_diagnosis_of_its_runs() {
         budget: ENOUGH,
         without: left_out(),
         seed: lugwheel::quantity::Seed(7),
-        calibration: Calibration::default(),
-        ablation: None,
+        rates: BaseRates::default(),
     };
     let bank = WHOLE.out.join("bank");
     let kept = contents(&bank);
-    let with = (bank.as_path(), env!("CARGO_PKG_VERSION"));
-    let investigation = Investigation::new(&measured, &scenario, &settings, with).unwrap();
+    let origin = Origin {
+        folder: &bank,
+        version: env!("CARGO_PKG_VERSION"),
+        seed: settings.seed,
+    };
+    let investigation = Investigation::new(&measured, &scenario, &settings, origin).unwrap();
     let (diagnosis, _) = investigation.run(&|_| ControlFlow::Continue(())).unwrap();
     let finding = WHOLE.score.campaigns[1].finding().unwrap();
     assert_eq!(diagnosis.verdict.verdict, finding.verdict);

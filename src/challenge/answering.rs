@@ -3,7 +3,6 @@
 use super::ChallengeError;
 use super::answer::Answer;
 use super::folder::{self, Campaigns, PROGRAM, Posed};
-use crate::diagnosis::Ablation;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -42,8 +41,7 @@ pub struct Answered {
 }
 
 /// Puts every case in `folder` that has no answer to `diagnose`, which returns the text of a JSON
-/// document as [`Answer`] reads it, without a part of its method where one is named, on the threads
-/// of the pool in which this is called. `progress` hears of every case, first of those answered
+/// document as [`Answer`] reads it, on the threads of the pool in which this is called. `progress` hears of every case, first of those answered
 /// before, and may stop it.
 ///
 /// # Errors
@@ -51,12 +49,11 @@ pub struct Answered {
 /// `OtherAnswers` where the answers there are to other campaigns, `Stopped`.
 pub fn answer(
     folder: &Path,
-    ablation: Option<Ablation>,
     diagnose: &(dyn Fn(&Question) -> Result<String, Unanswered> + Sync),
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Answered, ChallengeError> {
     let campaigns = Campaigns::open(folder)?;
-    let answers = folder::answers(folder, ablation);
+    let answers = folder::answers(folder);
     begin(&answers, &campaigns)?;
     let total = campaigns.manifest.cases.len();
     let cases = campaigns.manifest.cases.iter();

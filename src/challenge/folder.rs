@@ -8,7 +8,6 @@
 
 use super::ChallengeError;
 use super::truth::{Truth, sha256};
-use crate::diagnosis::Ablation;
 use crate::whole_file;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -137,16 +136,8 @@ pub(super) fn truth(folder: &Path) -> PathBuf {
     folder.join("truth")
 }
 
-pub(super) fn answers(folder: &Path, ablation: Option<Ablation>) -> PathBuf {
-    by_method(folder, "answers", ablation)
-}
-
-/// Folder in a trial of what came of the whole method, or of it without a part.
-pub fn by_method(folder: &Path, name: &str, ablation: Option<Ablation>) -> PathBuf {
-    folder.join(match ablation {
-        None => name.to_owned(),
-        Some(part) => format!("{name}_without_{part}"),
-    })
+pub(super) fn answers(folder: &Path) -> PathBuf {
+    folder.join("answers")
 }
 
 /// Whether there is nothing at `path`, or an empty folder.

@@ -35,7 +35,6 @@ use super::answering::{has_failed, known, seconds};
 use super::folder::{self, Campaigns};
 use super::order::{Family, Set};
 use super::truth::{Level, Rig};
-use crate::diagnosis::Ablation;
 use interval::mean;
 use judged::Judged;
 use serde::Serialize;
@@ -172,16 +171,15 @@ pub struct Scores {
     pub effects: Vec<OfEffect>,
 }
 
-/// Opens the truth of the trial in `folder` and counts the answers by the whole method, or by it
-/// without a part.
+/// Opens the truth of the trial in `folder` and counts the answers.
 ///
 /// # Errors
 /// `TruthAltered` where a truth is not the one sealed, `CampaignAltered` where a run file is not the
 /// one published, `QuestionAltered` where another effect was left out than the truth has it, `Unanswered`
 /// where nothing was diagnosed yet, `File` and `Content` where something cannot be read.
-pub fn score(folder: &Path, ablation: Option<Ablation>) -> Result<Scores, ChallengeError> {
+pub fn score(folder: &Path) -> Result<Scores, ChallengeError> {
     let campaigns = Campaigns::open(folder)?;
-    let answers = folder::answers(folder, ablation);
+    let answers = folder::answers(folder);
     let mut judged = Vec::new();
     for posed in &campaigns.manifest.cases {
         campaigns.check(posed)?;

@@ -11,7 +11,6 @@ use asking::Asking;
 use clap::{Args, Subcommand};
 use lugwheel::challenge::score::Scores;
 use lugwheel::challenge::{self, ChallengeError, GROUNDS, Order, Selection};
-use lugwheel::diagnosis::Ablation;
 use lugwheel::quantity::Seed;
 use lugwheel::report::{Entries, matrix_figure, power_figure};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -98,10 +97,6 @@ struct Run {
     /// Folder of simulated statistics [default: DIR/bank]
     #[arg(long, value_name = "DIR")]
     bank: Option<PathBuf>,
-    /// A part of the method to do without, to see what it is worth: recalibration, held-out or
-    /// forest; the answers stand apart from those of the whole
-    #[arg(long, value_name = "PART")]
-    ablate: Option<Ablation>,
 }
 
 /// Open the truth and score the answers
@@ -110,9 +105,6 @@ struct Score {
     /// Folder of the trial
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Score the answers of `challenge run --ablate PART`
-    #[arg(long, value_name = "PART")]
-    ablate: Option<Ablation>,
 }
 
 /// Some cases could not be made or diagnosed.
@@ -197,7 +189,6 @@ impl Run {
                 .clone()
                 .unwrap_or_else(|| self.folder.join("bank")),
             budget: self.budget,
-            ablation: self.ablate,
             cores: (Jobs::ALL.count() / self.jobs).max(1),
         };
         let progress = OnceLock::new();
@@ -213,14 +204,7 @@ impl Run {
             go_on()
         };
         let answered = pool(self.jobs.get())?
-            .install(|| {
-                challenge::answer(
-                    &self.folder,
-                    self.ablate,
-                    &|question| asking.ask(question),
-                    &hear,
-                )
-            })
+            .install(|| challenge::answer(&self.folder, &|question| asking.ask(question), &hear))
             .map_err(interrupted)?;
         drop(progress);
         output.print(&RunSummary {
@@ -234,8 +218,8 @@ impl Run {
 
 impl Score {
     fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let scores = challenge::score(&self.folder, self.ablate)?;
-        let folder = challenge::by_method(&self.folder, "score", self.ablate);
+        let scores = challenge::score(&self.folder)?;
+        let folder = self.folder.join("score");
         claim_scores(&folder)?;
         draw(&scores, &folder)?;
         let json = serde_json::to_string_pretty(&scores)?;

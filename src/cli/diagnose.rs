@@ -13,17 +13,20 @@ use anyhow::Context;
 use clap::Args;
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::diagnosis::arm::Arm;
-use lugwheel::diagnosis::bank::BankError;
 use lugwheel::diagnosis::condition::LONGEST;
+use lugwheel::diagnosis::inference::{BaseRates, FEWEST_RIGS};
+use lugwheel::diagnosis::rigs::Origin;
 use lugwheel::diagnosis::{
-    Ablation, ArmTraces, Arms, BUDGET, Calibration, Diagnosis, Investigation, InvestigationError,
-    Settings, bank,
+    self, ArmTraces, BUDGET, Diagnosis, Hear, Investigation, InvestigationError, Settings, Stage,
+    Variants,
 };
 use lugwheel::gap::GapMap;
 use lugwheel::quantity::Seed;
 use lugwheel::report::{self, ToldDiagnosis};
 use lugwheel::scenario::Scenario;
 use lugwheel::trace::Trace;
+use serde::Serialize;
+use std::fmt;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use summary::{Input, Inputs, Summary};
@@ -31,10 +34,9 @@ use summary::{Input, Inputs, Summary};
 /// Tell where measured runs and a scenario differ, which missing effect causes it, and how far
 /// adding it closes the gap
 ///
-/// Every measured condition is repeated by the simulator as the scenario has it, with its
-/// parameters off, and with each effect of `lugwheel effects` that can be there. What recalibrated
-/// parameters leave is weighed on conditions that the fit has not seen. Answers: none, parameter,
-/// effect, effects, unknown (and where), undecided (and which run would decide).
+/// Random rigs with the measured conditions and channels are simulated: their parameters are off, and effects of `lugwheel
+/// effects` act on them. A model learned from these rigs judges the measured runs, and is tested on rigs that it has not
+/// seen. Answers: none, parameter, effect, effects, unknown (and where), undecided (and which run would decide).
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Diagnose {
@@ -57,22 +59,24 @@ pub struct Diagnose {
     /// Folder of the results
     #[arg(long, value_name = "DIR", default_value = "output/diagnosis")]
     pub(super) out: PathBuf,
-    /// Folder in which simulated statistics are kept for this diagnosis and the next
+    /// Folder in which simulated rigs are kept for this diagnosis and the next
     #[arg(long, value_name = "DIR", default_value = "output/bank")]
     pub(super) bank: PathBuf,
-    /// Driving that may be simulated [s]: more replicates, surer answers
+    /// Driving of random rigs that may be simulated [s]: more rigs, surer answers
     #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, value_parser = super::positive)]
     pub(super) budget: f64,
+    /// Time that the random rigs may take on this machine, for example 10min; sets --budget by an estimate
+    #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "budget")]
+    pub(super) time: Option<f64>,
+    /// Print what the diagnosis would take, and do nothing else
+    #[arg(long)]
+    pub(super) dry_run: bool,
     /// Longest part of a measured run that is compared [s]
     #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, value_parser = super::positive)]
     pub(super) longest: f64,
     /// Seed of the simulations; the same seed gives the same answer
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(super) seed: u64,
-    /// A part of the method to do without, to see what it is worth: recalibration, held-out or
-    /// forest
-    #[arg(long, value_name = "PART", hide_short_help = true)]
-    pub(super) ablate: Option<Ablation>,
     #[command(flatten)]
     pub(super) jobs: Jobs,
 }
@@ -85,8 +89,8 @@ Examples:
 
 The folder holds diagnosis.html (the answer, what it rests on, figures), diagnosis.json (all numbers),
 gap_map.svg, the scenario recalibrated (recalibrated.toml) and, where effects are named, with them
-(with_effect.toml). Simulated statistics are kept in --bank: a stopped diagnosis goes on with the same
-command, and one of other runs at the same conditions takes a minute.";
+(with_effect.toml). Simulated rigs are kept in --bank: a stopped diagnosis goes on with the same command,
+and one of other runs at the same conditions takes seconds.";
 
 /// What a diagnosis writes into its folder.
 pub(super) const RESULTS: [&str; 5] = [
@@ -100,8 +104,54 @@ pub(super) const RESULTS: [&str; 5] = [
 impl Diagnose {
     /// Diagnoses the runs and says what came of it.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
+        if self.dry_run {
+            return output.print(&self.estimate(output)?);
+        }
         self.claim(output)?;
         output.print(&self.investigate(output)?)
+    }
+
+    /// What the diagnosis would take.
+    fn estimate(&self, output: &Output) -> anyhow::Result<EstimateSummary> {
+        let (scenario, measured) = (self.scenario()?, self.read()?);
+        let settings = self.settings(self.budget);
+        let version = env!("CARGO_PKG_VERSION");
+        // Nothing is left behind.
+        let folder = tempfile::tempdir()?;
+        let origin = Origin {
+            folder: folder.path(),
+            ..self.origin(version)
+        };
+        let investigation = Investigation::new(&measured, &scenario, &settings, origin)?;
+        let estimate = self.heard(output, &investigation, |hear| investigation.estimate(hear))?;
+        let cores = self.jobs.count();
+        let rigs = match self.time {
+            Some(time) => {
+                ((time * cores as f64 / estimate.seconds_per_rig) as usize).max(FEWEST_RIGS)
+            }
+            None => estimate.rigs,
+        };
+        Ok(EstimateSummary {
+            rigs,
+            driving_s: rigs as f64 * estimate.driven_per_rig,
+            seconds: rigs as f64 * estimate.seconds_per_rig / cores as f64,
+            cores,
+        })
+    }
+
+    fn scenario(&self) -> anyhow::Result<Scenario> {
+        let scenario = scenario_args::read(&self.scenario)?;
+        Ok(scenario.with_all(&self.set)?)
+    }
+
+    fn settings(&self, budget: f64) -> Settings {
+        Settings {
+            longest: self.longest,
+            budget,
+            without: self.without.clone(),
+            seed: Seed(self.seed),
+            rates: BaseRates::default(),
+        }
     }
 
     /// Claims the folder of results with every file that may be written into it, and that of the bank.
@@ -120,17 +170,12 @@ impl Diagnose {
 
     /// Diagnoses the runs and writes what came of it.
     pub(super) fn investigate(&self, output: &Output) -> anyhow::Result<Summary> {
-        let scenario = scenario_args::read(&self.scenario)?;
-        let scenario = scenario.with_all(&self.set)?;
-        let measured = self.read()?;
-        let settings = Settings {
-            longest: self.longest,
-            budget: self.budget,
-            without: self.without.clone(),
-            seed: Seed(self.seed),
-            calibration: Calibration::default(),
-            ablation: self.ablate,
+        let (scenario, measured) = (self.scenario()?, self.read()?);
+        let budget = match self.time {
+            Some(_) => self.estimate(output)?.driving_s.ceil(),
+            None => self.budget,
         };
+        let settings = self.settings(budget);
         let version = env!("CARGO_PKG_VERSION");
         let inputs = Inputs {
             measured: Input::of(&self.measured)?,
@@ -142,10 +187,11 @@ impl Diagnose {
         };
         output::make_folder(&self.out)?;
         let investigation =
-            Investigation::new(&measured, &scenario, &settings, (&self.bank, version))?;
-        let (diagnosis, arms) = self.diagnose(output, &investigation)?;
+            Investigation::new(&measured, &scenario, &settings, self.origin(version))?;
+        let (diagnosis, variants) = self.diagnose(output, &investigation)?;
         let widest = diagnosis.widest(investigation.cases());
-        let traces = widest.and_then(|case| ArmTraces::of(case, &measured, &arms, settings.seed));
+        let traces =
+            widest.and_then(|case| ArmTraces::of(case, &measured, &variants, settings.seed));
         let page = report::diagnosis_page(&ToldDiagnosis {
             diagnosis: &diagnosis,
             measured: &stem(&self.measured),
@@ -155,7 +201,7 @@ impl Diagnose {
             traces: traces.as_ref(),
             settings: &settings,
             facts: &inputs.facts(),
-            commands: &[self.command()],
+            commands: &[self.command(budget)],
         });
         let summary = Summary {
             inputs,
@@ -170,9 +216,9 @@ impl Diagnose {
         self.write(html, &report::page(&page))?;
         let lugs = investigation.cases()[0].attributes.lug_count;
         let edited = |arm: &Arm| arm.of(&scenario, lugs).ok();
-        self.write_or_remove(recalibrated, edited(&arms.recalibrated))?;
+        self.write_or_remove(recalibrated, edited(&variants.recalibrated))?;
         let is_named = !summary.diagnosis.verdict.named.is_empty();
-        let with_effect = arms.with_effect.as_ref().filter(|_| is_named);
+        let with_effect = variants.with_effect.as_ref().filter(|_| is_named);
         self.write_or_remove(with_effect_toml, with_effect.and_then(edited))?;
         Ok(summary)
     }
@@ -191,14 +237,14 @@ impl Diagnose {
     }
 
     /// The command that makes the same diagnosis again.
-    pub(super) fn command(&self) -> String {
+    pub(super) fn command(&self, budget: f64) -> String {
         let path = |option: &str, path: &Path| format!(" {option} {}", quoted(path));
         let several = |option: &str, values: &[String]| -> String {
             let words = values.iter();
             words.map(|value| path(option, Path::new(value))).collect()
         };
         format!(
-            "lugwheel diagnose{}{}{}{}{}{}{}{} --budget {} --longest {} --seed {}",
+            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --longest {} --seed {}",
             path("--measured", &self.measured),
             path("--scenario", &self.scenario),
             several("--set", &self.set),
@@ -206,9 +252,7 @@ impl Diagnose {
             several("--run", &self.run),
             path("--out", &self.out),
             path("--bank", &self.bank),
-            self.ablate
-                .map_or_else(String::new, |part| format!(" --ablate {part}")),
-            self.budget,
+            budget,
             self.longest,
             self.seed
         )
@@ -221,18 +265,40 @@ impl Diagnose {
         traces.collect()
     }
 
+    fn origin<'a>(&'a self, version: &'a str) -> Origin<'a> {
+        Origin {
+            folder: &self.bank,
+            version,
+            seed: Seed(self.seed),
+        }
+    }
+
     fn diagnose(
         &self,
         output: &Output,
         investigation: &Investigation,
-    ) -> anyhow::Result<(Diagnosis, Arms)> {
-        let progress = Progress::of_runs(output, "simulating", 0);
+    ) -> anyhow::Result<(Diagnosis, Variants)> {
+        self.heard(output, investigation, |hear| investigation.run(hear))
+    }
+
+    /// What comes of an investigation, on the threads asked for, with its progress shown.
+    fn heard<Found: Send>(
+        &self,
+        output: &Output,
+        investigation: &Investigation,
+        work: impl FnOnce(Hear) -> Result<Found, InvestigationError> + Send,
+    ) -> anyhow::Result<Found> {
+        let progress = Progress::of_runs(output, "random rigs", 0);
         // Before the time is spent: another ground or other lugs may be a wrong scenario.
         for caveat in investigation.caveats() {
             progress.warn(caveat);
         }
-        let hear = |now: bank::Progress| {
-            progress.reach(now.motions, now.motions_total);
+        let hear = |now: diagnosis::Progress| {
+            let stage = match now.stage {
+                Stage::Rigs => "random rigs",
+                Stage::Validation => "validation",
+            };
+            progress.reach_next(stage, now.done, now.total);
             match interrupt::is_requested() {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
@@ -241,15 +307,46 @@ impl Diagnose {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.jobs.count())
             .build()?;
-        match pool.install(|| investigation.run(&hear)) {
-            Err(InvestigationError::Bank(stopped @ BankError::Stopped { .. })) => {
-                Err(Interrupted(stopped.to_string()).into())
-            }
-            Err(InvestigationError::Bank(refused @ BankError::File { .. })) => Err(refused.into()),
+        match pool.install(|| work(&hear)) {
+            Err(stopped) if stopped.is_stopped() => Err(Interrupted(stopped.to_string()).into()),
+            Err(refused) if refused.is_refused() => Err(refused.into()),
             other => other.with_context(|| {
                 format!("nothing can be concluded from {}", self.measured.display())
             }),
         }
+    }
+}
+
+/// What a diagnosis would take.
+#[derive(Debug, Serialize)]
+struct EstimateSummary {
+    rigs: usize,
+    driving_s: f64,
+    seconds: f64,
+    cores: usize,
+}
+
+impl fmt::Display for EstimateSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} random rigs, {:.0} s of driving (--budget): about {:.1} min on {} cores where none of them is there yet \
+             (estimate from one simulation of the scenario)",
+            self.rigs,
+            self.driving_s,
+            self.seconds / 60.0,
+            self.cores
+        )
+    }
+}
+
+/// A duration in words [s].
+fn duration(text: &str) -> Result<f64, String> {
+    let known = text.parse::<jiff::SignedDuration>();
+    let known = known.map_err(|_| "give a duration, for example 10min or 1h30min".to_owned())?;
+    match known.is_positive() {
+        true => Ok(known.as_secs_f64()),
+        false => Err("it has to be above 0".to_owned()),
     }
 }
 

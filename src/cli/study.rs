@@ -287,11 +287,11 @@ fn show(progress: &Progress, now: Diagnosing) {
     let Diagnosing {
         campaign,
         campaigns,
-        motions,
-        motions_total,
+        done,
+        total,
     } = now;
     let which = format!("diagnosing {} of {campaigns}", campaign + 1);
-    progress.reach_next(&which, motions, motions_total);
+    progress.reach_next(&which, done, total);
 }
 
 /// The error of a study with campaigns that cannot be diagnosed.

@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::condition::Case;
 use super::end_results::Step;
-use super::investigation::Arms;
+use super::validation::Variants;
 use crate::features::Settings;
 use crate::features::reference::Reference;
 use crate::gap::Condition;
@@ -53,13 +53,13 @@ impl ArmTraces {
     }
 
     /// Simulates every arm of a case once; none where the case has no run among those measured.
-    pub fn of(case: &Case, measured: &[Trace], arms: &Arms, seed: Seed) -> Option<Self> {
+    pub fn of(case: &Case, measured: &[Trace], variants: &Variants, seed: Seed) -> Option<Self> {
         let first = case.runs.iter().find_map(|run| measured.get(*run))?;
         let shipped = Arm::as_shipped();
         let arms = [
             Some(&shipped),
-            Some(&arms.recalibrated),
-            arms.with_effect.as_ref(),
+            Some(&variants.recalibrated),
+            variants.with_effect.as_ref(),
         ];
         let mut traces: Vec<Option<Trace>> = arms
             .par_iter()

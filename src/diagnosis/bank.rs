@@ -13,7 +13,6 @@ mod store;
 
 use super::arm::Arm;
 use super::condition::{Case, statistician};
-use super::cost::Cost;
 use crate::gap::{Run, Statistician};
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
@@ -136,20 +135,6 @@ impl Bank {
     /// The cases.
     pub fn cases(&self) -> &[Case] {
         &self.cases
-    }
-
-    /// What it still costs to answer these requests.
-    ///
-    /// # Errors
-    /// `NoCase`.
-    pub fn left(&self, requests: &[Request]) -> Result<Cost, BankError> {
-        let mut cost = Cost::default();
-        for group in by_motion(self.missing(requests, &|_, _| ())?) {
-            let case = &self.cases[requests[group[0].place].case];
-            let keys: BTreeSet<&Key> = group.iter().map(|task| &task.key).collect();
-            cost += Cost::of(case, 1, keys.len() as u64);
-        }
-        Ok(cost)
     }
 
     /// What came of each request, in their order: [`for_each`](Self::for_each), all kept.
@@ -294,15 +279,6 @@ fn built(arm: &Arm, case: &Case) -> Result<(Scenario, Experiment), Failure> {
 /// Whether a case can have an arm.
 pub(super) fn is_possible(arm: &Arm, case: &Case) -> bool {
     built(arm, case).is_ok()
-}
-
-/// Whether the wheel moves otherwise in an arm, or only what is read of it is other.
-pub(super) fn changes_motion(arm: &Arm, case: &Case) -> bool {
-    let motion_of = |arm: &Arm| {
-        let built = built(arm, case).ok();
-        built.map(|(scenario, experiment)| motion(&scenario, &experiment, 0))
-    };
-    motion_of(arm) != motion_of(&Arm::as_shipped())
 }
 
 fn failed(reason: &dyn std::fmt::Display) -> Failure {

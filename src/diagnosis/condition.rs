@@ -175,18 +175,23 @@ impl Case {
         Run::read(statistician, &trace)
     }
 
-    /// Reads a simulated run of this case, cut to what was measured; means are as uncertain as those,
-    /// by draws of `rng`.
+    /// Reads a simulated run of this case as [`as_measured`](Self::as_measured).
     pub fn read_simulated(
         &self,
         statistician: &mut Statistician,
         simulated: &Trace,
         rng: &mut impl Rng,
     ) -> Run {
+        Run::read(statistician, &self.as_measured(simulated, rng))
+    }
+
+    /// A simulated run of this case, cut to what was measured and with its attributes; means are as uncertain as those,
+    /// by draws of `rng`.
+    pub fn as_measured(&self, simulated: &Trace, rng: &mut impl Rng) -> Trace {
         let mut trace = self.imitate(simulated);
         self.layout.blur(&mut trace, rng);
         trace.attributes = self.attributes.clone();
-        Run::read(statistician, &trace)
+        trace
     }
 
     /// A measured run of this case: its channels and means that are compared, as long as they are.

@@ -4,8 +4,7 @@
 //! simulator is held against the measured runs, condition by condition, fitted to all of them.
 
 use super::arm::Arm;
-use super::condition::Case;
-use super::library::Answers;
+use super::simulated_runs::SimulatedRuns;
 use crate::gap::stages::{self, Stages};
 use crate::gap::{Cell, Kappa, Run, Statistic, class_of};
 use crate::identification::{Setting, SteadyLoad};
@@ -67,15 +66,15 @@ struct Sides<'a> {
 impl EndResults {
     /// Of an arm, whose runs are among the answers.
     pub(super) fn of(
-        (step, arm): (Step, &Arm),
-        cases: &[Case],
+        step: Step,
+        arm: &Arm,
         measured: &[Vec<Run>],
-        answers: &Answers,
+        simulated: &SimulatedRuns,
     ) -> Self {
-        let sides = measured.iter().take(cases.len()).enumerate();
+        let sides = measured.iter().enumerate();
         let sides = sides.map(|(case, measured)| Sides {
             measured: measured.iter().collect(),
-            made: answers.of(arm, case).map(|(_, run)| run).collect(),
+            made: simulated.of(arm, case).collect(),
         });
         let sides: Vec<Sides> = sides.collect();
         Self {

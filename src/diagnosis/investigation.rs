@@ -1,75 +1,63 @@
 //! A whole diagnosis: from measured runs and a scenario to a verdict and what backs it.
 
-use super::ablation::Ablation;
-use super::again::{self, InUnits, SimulatedAgain};
 use super::arm::Arm;
-use super::bank::{Bank, BankError, Progress, Request};
-use super::calibration::Calibration;
+use super::bank::{self, Bank, BankError, Failure, Request};
+use super::candidate::{Candidate, candidates};
 use super::condition::{Case, CaseError, Cases, statistician};
-use super::cost::Cost;
-use super::emulator::Emulator;
 use super::end_results::{EndResults, Step};
-use super::fit::Problem;
-use super::forest::Forest;
-use super::further::further_runs;
-use super::library::{Answers, Beside, Gathered};
-use super::next_run::FurtherRuns;
-use super::observation::Observation;
-use super::parameter::{Offsets, Parameter};
-use super::pins::{self, Ends, Point, ROUNDS, unpinned};
-use super::plan::{Depth, Plan, TooSmall};
-use super::ranking::Ranking;
-use super::responses::{DiagnosisError, Library, Responses};
-use super::screen::{Screened, isolability, screen};
-use super::verdict::{Recalibrated, Verdict};
-use crate::effects::{Application, EffectError, seat_of};
+use super::inference::{BaseRates, FEWEST_RIGS, Fit, Model, SelfTest, TrainingError};
+use super::model_file;
+use super::next_run::{Rival, Search};
+use super::parameter::{Offsets, Parameter, parameters};
+use super::rigs::{self, Column, Origin, Population, RigError, RigSet};
+use super::screen::{Screened, screen};
+use super::simulated_runs::SimulatedRuns;
+use super::validation::{Gaps, InUnits, Validation, Variants, Yardstick, in_units, validate};
+use super::verdict::{Answer, Chosen, Grounds, Located, Recalibrated, Verdict};
+use crate::effects::{EffectError, seat_of};
 use crate::gap::{
     self, Closed, Colour, Comparison, Entry, GapError, Global, Margins, ParameterSpread, Run,
 };
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
 use crate::trace::Trace;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::time::Instant;
 
-/// Simulated driving [s] of a diagnosis unless the caller says otherwise: some twenty minutes of two
-/// cores on sand or hard ground.
-pub const BUDGET: f64 = 20_000.0;
+/// Simulated driving [s] of a diagnosis unless the caller says otherwise: some seven minutes of two cores for a campaign of
+/// seven conditions of 10 s on sand or hard ground.
+pub const BUDGET: f64 = 32_000.0;
 
-/// Replicates of each run that could be made, and streams of what changes in it.
-const FURTHER: Depth = Depth {
-    replicates: 6,
-    streams: 1,
-    levels: 1,
-};
+/// Realisations of the scenario as it is, which all campaigns of a layout share, and of each variant of one.
+const REPLICATES: u64 = 12;
+const REALISATIONS: u64 = 3;
+
+/// Mean time of a motion of a rig, measured by some six sets of sensors, over that of the scenario as it is, measured once:
+/// on hard ground.
+const PER_MOTION: f64 = 1.3;
+
+/// Share of the candidates [-] that may be left out of rigs that have all.
+const FEW: f64 = 0.25;
+
+/// Cells that locate a remainder, and the score [deviations] from which on one is worth a mention.
+const LOCATED: usize = 10;
+const STRONG: f64 = 4.0;
 
 /// How a diagnosis is made.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Longest part [s] of a run that is compared.
     pub longest: f64,
-    /// Simulated driving allowed [s] for the library of responses, and as much again for where fits end.
+    /// Simulated driving allowed [s]: of rigs to learn from.
     pub budget: f64,
     /// Effects that are held to be impossible.
     pub without: Vec<String>,
     /// Where the ground and noise of the simulations begin.
     pub seed: Seed,
-    /// The constants.
-    pub calibration: Calibration,
-    /// A part of the method to do without.
-    pub ablation: Option<Ablation>,
-}
-
-impl Settings {
-    /// The constants, less what is done without.
-    fn constants(&self) -> Calibration {
-        let mut calibration = self.calibration;
-        if let Some(ablation) = self.ablation {
-            ablation.of_calibration(&mut calibration);
-        }
-        calibration
-    }
+    /// How often causes are met.
+    pub rates: BaseRates,
 }
 
 /// Why there is no diagnosis.
@@ -79,14 +67,28 @@ pub enum InvestigationError {
     #[error(transparent)]
     Case(#[from] CaseError),
     /// The budget does not do.
+    #[error(
+        "{budget:.0} s of driving are too few: the least is {least:.0} s for {FEWEST_RIGS} random rigs; allow more, or \
+         compare fewer or shorter runs"
+    )]
+    Budget {
+        /// Driving allowed [s].
+        budget: f64,
+        /// Driving of the fewest rigs [s].
+        least: f64,
+    },
+    /// The scenario cannot be simulated.
+    #[error("the scenario cannot be simulated at the measured conditions: {0}")]
+    Nominal(Failure),
+    /// The rigs could not be simulated.
     #[error(transparent)]
-    Budget(#[from] TooSmall),
+    Rigs(#[from] RigError),
+    /// Nothing can be learned from them.
+    #[error(transparent)]
+    Training(#[from] TrainingError),
     /// The simulations stopped.
     #[error(transparent)]
     Bank(#[from] BankError),
-    /// The numbers tell nothing.
-    #[error(transparent)]
-    Numbers(#[from] DiagnosisError),
     /// The sides cannot be compared.
     #[error("{error}{}", reasons(.failures))]
     Gap {
@@ -103,24 +105,29 @@ pub enum InvestigationError {
     NoEffect(#[from] EffectError),
 }
 
+impl InvestigationError {
+    /// Whether the caller stopped it.
+    pub fn is_stopped(&self) -> bool {
+        matches!(
+            self,
+            Self::Bank(BankError::Stopped { .. }) | Self::Rigs(RigError::Stopped { .. })
+        )
+    }
+
+    /// Whether the file system refused.
+    pub fn is_refused(&self) -> bool {
+        matches!(
+            self,
+            Self::Bank(BankError::File { .. }) | Self::Rigs(RigError::File { .. })
+        )
+    }
+}
+
 fn reasons(failures: &[String]) -> String {
     match failures {
         [] => String::new(),
         failures => format!("; simulations failed: {}", failures.join("; ")),
     }
-}
-
-/// Mean energy scores [spreads of replicates per statistic] on held-out conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Gaps {
-    /// Of the scenario as it came.
-    pub as_shipped: f64,
-    /// With parameters recalibrated.
-    pub recalibrated: f64,
-    /// With the likeliest effect or effects too.
-    pub with_effect: f64,
-    /// What a perfect model reaches.
-    pub floor: f64,
 }
 
 /// What was compared.
@@ -132,10 +139,10 @@ pub struct Compared {
     pub parameters: Vec<String>,
     /// Effects that were tried.
     pub candidates: Vec<String>,
-    /// How much was simulated of each.
-    pub depth: Depth,
-    /// What that takes where nothing is there yet.
-    pub cost: Cost,
+    /// Random rigs that were simulated.
+    pub rigs: usize,
+    /// Driving of them [s].
+    pub driven: f64,
 }
 
 /// One condition of a comparison.
@@ -155,20 +162,24 @@ pub struct Diagnosis {
     /// The answer.
     #[serde(flatten)]
     pub verdict: Verdict,
-    /// How far apart the sides are; none without candidates.
+    /// How far apart the sides are; none where variants could not be simulated.
     pub gap: Option<Gaps>,
     /// Share of the recalibrated gap that the likeliest effect or effects close.
     pub closed: Option<Closed>,
+    /// Effects that the gap was closed with: the likeliest, named or not.
+    pub closed_with: Vec<String>,
     /// Whether the sides differ at all.
     pub global: Global,
     /// Every cell of every condition, against the scenario as it came.
     pub map: Vec<Entry>,
-    /// What the screen says of every effect that was tried.
+    /// What can be seen of every effect that was tried.
     pub screen: Vec<Screened>,
+    /// Magnitude of each effect below which nothing can be said, in its unit; none where nothing can at all.
+    pub limits: BTreeMap<String, Option<f64>>,
     /// Cosines of the projected signatures of those effects, row by row.
     pub isolability: Vec<Vec<f64>>,
-    /// Recalibration and answer, simulated again.
-    pub again: Vec<SimulatedAgain>,
+    /// What may be expected of diagnoses of this layout.
+    pub self_test: SelfTest,
     /// The gap in plain units, fitted to all conditions.
     pub in_units: Vec<InUnits>,
     /// What the gap does to forces, features, class and terrain, step by step.
@@ -195,14 +206,39 @@ impl Diagnosis {
     }
 }
 
-/// Arms that a diagnosis ends with, for who wants to see them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Arms {
-    /// Parameters recalibrated.
-    pub recalibrated: Arm,
-    /// The effect or effects of the answer too; none where it names none.
-    pub with_effect: Option<Arm>,
+/// What a diagnosis takes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Random rigs.
+    pub rigs: usize,
+    /// Driving of one [s].
+    pub driven_per_rig: f64,
+    /// Time of one core that one takes [s], estimated.
+    pub seconds_per_rig: f64,
 }
+
+/// What a diagnosis is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Random rigs are simulated.
+    Rigs,
+    /// The answer is simulated.
+    Validation,
+}
+
+/// How far it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// With what.
+    pub stage: Stage,
+    /// Steps done.
+    pub done: u64,
+    /// Steps in all.
+    pub total: u64,
+}
+
+/// Hears how far simulations are; a `Break` stops them.
+pub type Hear<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// A campaign being diagnosed.
 #[derive(Debug)]
@@ -210,18 +246,18 @@ pub struct Investigation<'a> {
     cases: Vec<Case>,
     measured: Vec<Vec<Run>>,
     caveats: Vec<String>,
-    plan: Plan,
+    parameters: Vec<&'static Parameter>,
+    /// Effects that are tried.
+    candidates: Vec<Candidate>,
+    /// Effects of the rigs.
+    of_rigs: Vec<Candidate>,
+    rigs: usize,
     settings: &'a Settings,
-    folder: &'a Path,
-    version: &'a str,
+    origin: Origin<'a>,
 }
 
-/// Hears how far simulations are; a `Break` stops them.
-pub type Hear<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
-
 impl<'a> Investigation<'a> {
-    /// Of measured runs against a scenario. Simulated statistics are kept in `folder`; those of
-    /// another `version` of the program are not used.
+    /// Of measured runs against a scenario. What is simulated is kept at its origin.
     ///
     /// # Errors
     /// `NoEffect`; `Case` where the runs cannot be repeated; `Budget`.
@@ -229,7 +265,7 @@ impl<'a> Investigation<'a> {
         measured: &[Trace],
         scenario: &Scenario,
         settings: &'a Settings,
-        (folder, version): (&'a Path, &'a str),
+        origin: Origin<'a>,
     ) -> Result<Self, InvestigationError> {
         for name in &settings.without {
             seat_of(name)?;
@@ -242,18 +278,33 @@ impl<'a> Investigation<'a> {
                 .collect()
         };
         let runs: Vec<Vec<Run>> = cases.cases.iter().map(read).collect();
-        let mut plan = Plan::within(settings.budget, &cases.cases, &settings.without)?;
-        if let Some(ablation) = settings.ablation {
-            ablation.of_plan(&mut plan);
+        let all = candidates(&cases.cases);
+        let tried = all.iter().filter(|it| it.is_none_of(&settings.without));
+        let tried: Vec<Candidate> = tried.copied().collect();
+        // Rigs of all effects serve where a few are left out, and then every time.
+        let excluded = all.len() - tried.len();
+        let of_rigs = match excluded as f64 > FEW * all.len() as f64 {
+            true => tried.clone(),
+            false => all,
+        };
+        let driven = driven(&cases.cases, &of_rigs);
+        let rigs = (settings.budget / driven) as usize;
+        if rigs < FEWEST_RIGS {
+            return Err(InvestigationError::Budget {
+                budget: settings.budget,
+                least: FEWEST_RIGS as f64 * driven,
+            });
         }
         Ok(Self {
-            plan,
+            candidates: tried,
+            of_rigs,
+            rigs,
+            parameters: parameters(&cases.cases[0].scenario).collect(),
             caveats: cases.caveats.iter().map(ToString::to_string).collect(),
             cases: cases.cases,
             measured: runs,
             settings,
-            folder,
-            version,
+            origin,
         })
     }
 
@@ -262,468 +313,380 @@ impl<'a> Investigation<'a> {
         &self.cases
     }
 
-    /// What the comparison rests on less than it should, as far as the runs tell it.
+    /// What the comparison rests on less than it should, as far as the runs show it.
     pub fn caveats(&self) -> &[String] {
         &self.caveats
     }
 
-    /// Simulates what is not in the folder yet, and weighs it.
+    /// What a diagnosis takes where nothing of it is in the folder yet, estimated from the scenario as it is on this machine.
     ///
     /// # Errors
-    /// `Bank` where simulations stop or cannot be kept; `Gap` and `Numbers` where the sides have
-    /// nothing in common.
-    pub fn run(&self, hear: Hear) -> Result<(Diagnosis, Arms), InvestigationError> {
-        let bank = self.bank(self.cases.clone())?;
-        let mut answers = Answers::default();
-        ask(&bank, self.plan.requests(), hear, &mut answers)?;
-        let gathered = answers.gather(&self.plan, &self.cases, &self.measured);
-        let comparison = self.comparison(&answers)?;
-        let calibration = &self.settings.constants();
-        let library = &gathered.library;
-        let mut emulator = Emulator::new(library)?;
-        let observation = Observation::new(&emulator, library, &gathered.measured, calibration)?;
-        let forest = Forest::train(
-            problem(&emulator, &observation, calibration),
-            self.settings.seed,
-        );
-        let mut driven = 0.0;
-        for round in 0..ROUNDS {
-            if driven > self.settings.budget {
-                break;
-            }
-            let problem = problem(&emulator, &observation, calibration);
-            let mut ends = unpinned(problem, round);
-            ends.streams = ends.streams.min(self.plan.depth.replicates);
-            driven += self.driving(&ends);
-            emulator.middle.clone_from(&ends.best);
-            let ask = (&bank, hear);
-            let stale = std::mem::take(&mut ends.stale);
-            let pinned = !ends.unpinned.is_empty()
-                && self.pin(&mut emulator, (library, ends), ask, &mut answers)?;
-            if !pinned && stale.is_empty() {
-                break;
-            }
-            self.tell_anew(&mut emulator, (library, stale), ask, &mut answers)?;
-        }
-        let problem = problem(&emulator, &observation, calibration);
-        let ranking = Ranking::new(problem, &forest);
-        let verdict = Verdict::of(problem, &ranking, self.settings.seed);
-        let uncertain = uncertain(library, &verdict.recalibration);
-        let map = comparison.map(&Margins::default(), &uncertain, self.settings.seed);
-        let gap = verdict.shrinkage.as_ref().map(|it| Gaps {
-            as_shipped: it.as_shipped,
-            recalibrated: it.recalibrated,
-            with_effect: it.with_effect,
-            floor: it.floor,
-        });
-        let predicted = gap.map_or([f64::INFINITY; 2], |gap| {
-            [gap.recalibrated, gap.with_effect]
-        });
-        let places = self.places(library);
-        let simulate = |arm: &Arm, predicted: f64, answers: &mut Answers| {
-            ask(&bank, self.all_cases(arm, 0..again::STREAMS), hear, answers)?;
-            Ok::<_, BankError>(again::simulated(
-                problem,
-                answers,
-                (arm, &places),
-                predicted,
-            ))
-        };
-        let recalibrated = offset(offsets(&verdict.recalibration));
-        let healthy = simulate(&recalibrated, predicted[0], &mut answers)?;
-        let verdict = match &healthy {
-            Some(healthy) => verdict.recalibrated(healthy.gap, calibration),
-            None => verdict,
-        };
-        let further = self.further(&verdict, library, hear)?;
-        let verdict = verdict.with_next_run(problem, &further);
-        let with_effect = answered(&verdict);
-        let mended = match &with_effect {
-            Some(arm) => simulate(arm, predicted[1], &mut answers)?,
-            None => None,
-        };
-        let verdict = match (&healthy, &mended) {
-            (Some(healthy), Some(mended)) => {
-                verdict.tried([healthy.gap, mended.gap], calibration.refuted)
-            }
-            _ => verdict,
-        };
-        let again: Vec<SimulatedAgain> = healthy.into_iter().chain(mended).collect();
-        let arms = Arms {
-            recalibrated,
-            with_effect,
-        };
-        let requests = [Some(&arms.recalibrated), arms.with_effect.as_ref()];
-        let diagnosis = Diagnosis {
-            gap,
-            closed: verdict.shrinkage.as_ref().and_then(|it| it.closed),
-            global: map.global,
-            map: map.entries,
-            screen: screen(problem),
-            isolability: isolability(problem),
-            again,
-            in_units: again::in_units(problem, &answers, &gathered.measured, requests, &places),
-            end_results: self.end_results(requests, &answers),
-            compared: self.compared(&gathered),
-            caveats: self.told(&gathered, &answers, &map.caveats),
-            verdict,
-        };
-        Ok((diagnosis, arms))
+    /// `Nominal` where the scenario cannot be simulated; `Bank`.
+    pub fn estimate(&self, hear: Hear) -> Result<Estimate, InvestigationError> {
+        let begun = Instant::now();
+        self.nominal(hear)?;
+        let threads = rayon::current_num_threads().min(self.cases.len());
+        let seconds = begun.elapsed().as_secs_f64() * threads as f64;
+        Ok(Estimate {
+            rigs: self.rigs,
+            driven_per_rig: driven(&self.cases, &self.of_rigs),
+            seconds_per_rig: PER_MOTION * rigs::motions(&self.of_rigs) as f64 * seconds,
+        })
     }
 
-    /// Of the scenario as shipped and of these arms.
-    fn end_results(&self, arms: [Option<&Arm>; 2], answers: &Answers) -> Vec<EndResults> {
+    /// Simulates what is not in the folder yet, learns from it, and judges the measured runs.
+    ///
+    /// # Errors
+    /// `Rigs` and `Bank` where simulations stop or cannot be kept; `Gap` where the sides have nothing in common;
+    /// `Training`.
+    pub fn run(&self, hear: Hear) -> Result<(Diagnosis, Variants), InvestigationError> {
+        let set = self.rig_set(hear)?;
+        let model = self.model(&set, hear)?;
+        let values = set.measured(&self.measured);
+        let judgement = model.judge(&values, &self.settings.rates);
+        let chosen = Chosen::of(&judgement);
+        let healthy = model.fit(&values, &[]);
+        let answered = model.fit(&values, &chosen.effects);
+        let signatures = model.signatures(&answered.parameters);
+        let screen = screen(&self.candidates, &judgement.opinion.evidence, &signatures);
+        let grounds = Grounds {
+            candidates: &self.candidates,
+            screen: &screen,
+            judgement: &judgement,
+            self_test: &model.self_test,
+        };
+        let variants = Variants {
+            recalibrated: Arm::of_offsets(self.offsets(&healthy)),
+            with_effect: self.with_effects(&chosen, &answered),
+        };
+        let yardstick = Yardstick {
+            model: &model,
+            columns: set.columns(),
+        };
+        let simulated = self.simulate(&variants, hear)?;
+        let comparison = self.comparison(&simulated)?;
+        let spread = self.spread(&model, set.columns(), &healthy);
+        let map = comparison.map(&Margins::default(), &spread, self.settings.seed);
+        let validation = validate(
+            yardstick,
+            &self.measured,
+            &simulated,
+            &variants,
+            &self.cases,
+            self.settings.seed,
+        );
+        let verdict = Verdict {
+            parameters: self.recalibrated(&answered),
+            recalibration: self.recalibrated(&healthy),
+            located: self.located(&set, model.residuals(&values, &healthy.parameters)),
+            ..grounds.verdict()
+        };
+        let verdict = confirmed(verdict, validation.as_ref());
+        let search = Search {
+            yardstick,
+            bank: &|cases| self.bank(cases),
+            progress: &|now| hear(validating(now)),
+        };
+        let verdict = self.with_next_run(verdict, &model, &values, &search)?;
+        let limits = screen.iter().map(|it| (it.name.clone(), it.detectable));
+        let cosines = signatures.cosines.row_iter();
+        let diagnosis = Diagnosis {
+            gap: validation.as_ref().map(|it| it.gaps),
+            closed: validation.as_ref().and_then(|it| it.closed),
+            closed_with: validation.map_or_else(Vec::new, |it| it.effects),
+            global: map.global,
+            map: map.entries,
+            limits: limits.collect(),
+            isolability: cosines.map(|row| row.iter().copied().collect()).collect(),
+            self_test: model.self_test.clone(),
+            in_units: in_units(
+                set.columns(),
+                &self.measured,
+                &simulated,
+                &variants,
+                &self.cases,
+            ),
+            end_results: self.end_results(&variants, &simulated),
+            compared: self.compared(&set),
+            caveats: self.all_caveats(&simulated, &map.caveats),
+            screen,
+            verdict,
+        };
+        Ok((diagnosis, variants))
+    }
+
+    fn rig_set(&self, hear: Hear) -> Result<RigSet, InvestigationError> {
+        let nominal = self.nominal(hear)?;
+        let population = Population {
+            cases: self.cases.clone(),
+            candidates: self.of_rigs.clone(),
+            parameters: self.parameters.clone(),
+            columns: Population::columns(&nominal),
+        };
+        Ok(RigSet::open(population, self.origin)?)
+    }
+
+    /// One run of the scenario as it is, in every condition.
+    fn nominal(&self, hear: Hear) -> Result<Vec<Run>, InvestigationError> {
+        let requests = (0..self.cases.len()).map(|case| Request {
+            arm: Arm::as_shipped(),
+            case,
+            stream: 0,
+        });
+        let begun = rigs::Progress {
+            done: 0,
+            total: self.rigs as u64,
+        };
+        let outcomes = self
+            .bank(self.cases.clone())?
+            .readings(&requests.collect::<Vec<_>>(), &|_| {
+                hear(drawing(begun, self.rigs))
+            })?;
+        let runs: Result<Vec<Run>, Failure> = outcomes.into_iter().collect();
+        runs.map_err(InvestigationError::Nominal)
+    }
+
+    /// The model of these rigs, from their folder where it has been learned before.
+    fn model(&self, set: &RigSet, hear: Hear) -> Result<Model, InvestigationError> {
+        let names: Vec<String> = self.candidates.iter().map(Candidate::name).collect();
+        let key = format!("{} {}", set.key(), names.join(","));
+        let path = model_file::path(set.folder(), self.rigs, &key);
+        if let Some(model) = model_file::read(&path, &key) {
+            return Ok(model);
+        }
+        let table = set.draw(self.rigs, &|now| hear(drawing(now, self.rigs)))?;
+        let of_rigs: Vec<String> = self.of_rigs.iter().map(Candidate::name).collect();
+        let kept = names
+            .iter()
+            .filter_map(|name| of_rigs.iter().position(|it| it == name));
+        let table = table.restricted(&kept.collect::<Vec<_>>());
+        let model = Model::train(&table, &self.candidates, self.settings.seed)?;
+        model_file::write(&path, &key, &model).map_err(|source| RigError::File {
+            path: set.folder().to_owned(),
+            source,
+        })?;
+        Ok(model)
+    }
+
+    fn bank(&self, cases: Vec<Case>) -> Result<Bank, BankError> {
+        let Origin {
+            folder,
+            version,
+            seed,
+        } = self.origin;
+        Bank::open(folder, cases, seed, version)
+    }
+
+    fn offsets(&self, fit: &Fit) -> Offsets {
+        let pairs = self.parameters.iter().zip(&fit.parameters);
+        pairs.fold(Offsets::default(), |offsets, (parameter, by)| {
+            offsets.with(parameter, by * parameter.sd)
+        })
+    }
+
+    fn with_effects(&self, chosen: &Chosen, fit: &Fit) -> Option<Arm> {
+        let effects = chosen.effects.iter();
+        let effects = effects.map(|(effect, size)| self.candidates[*effect].application(*size));
+        let effects = effects.collect::<Result<Vec<_>, _>>().ok()?;
+        let arm = Arm::of_offsets(self.offsets(fit));
+        (!effects.is_empty()).then(|| effects.into_iter().fold(arm, Arm::with_effect))
+    }
+
+    fn simulate(&self, variants: &Variants, hear: Hear) -> Result<SimulatedRuns, BankError> {
+        let bank = self.bank(self.cases.clone())?;
+        let progress = |now: bank::Progress| hear(validating(now));
+        let mut simulated = SimulatedRuns::default();
+        simulated.simulate(&bank, &[&Arm::as_shipped()], REPLICATES, &progress)?;
+        let others = [Some(&variants.recalibrated), variants.with_effect.as_ref()];
+        let others: Vec<&Arm> = others.into_iter().flatten().collect();
+        simulated.simulate(&bank, &others, REALISATIONS, &progress)?;
+        Ok(simulated)
+    }
+
+    fn comparison(&self, simulated: &SimulatedRuns) -> Result<Comparison, InvestigationError> {
         let shipped = Arm::as_shipped();
-        let [recalibrated, with_effect] = arms;
+        let cases = 0..self.cases.len();
+        let made: Vec<Run> = cases
+            .flat_map(|case| simulated.of(&shipped, case).cloned())
+            .collect();
+        let measured: Vec<Run> = self.measured.iter().flatten().cloned().collect();
+        Comparison::new(&measured, &made).map_err(|error| InvestigationError::Gap {
+            error,
+            failures: simulated.failures().collect(),
+        })
+    }
+
+    /// Standard deviations of cells, in their units, by what recalibration leaves open of the parameters.
+    fn spread(&self, model: &Model, columns: &[Column], fit: &Fit) -> ParameterSpread {
+        let mut spread = ParameterSpread::new();
+        for (column, deviation) in model.parameter_spread(fit) {
+            let Column {
+                condition, cell, ..
+            } = &columns[column];
+            let own = spread.entry(self.cases[*condition].condition.clone());
+            own.or_default().insert(cell.clone(), deviation);
+        }
+        spread
+    }
+
+    fn recalibrated(&self, fit: &Fit) -> Vec<Recalibrated> {
+        let parameters = self.parameters.iter().enumerate();
+        let recalibrated = parameters.map(|(place, parameter)| Recalibrated {
+            name: parameter.name.to_owned(),
+            offset: fit.parameters[place],
+            deviation: libm::sqrt(fit.covariance[(place, place)]),
+        });
+        recalibrated.collect()
+    }
+
+    /// The strongest of what parameters leave.
+    fn located(&self, set: &RigSet, residuals: Vec<(usize, f64)>) -> Vec<Located> {
+        let strong = residuals.into_iter().filter(|(_, z)| z.abs() > STRONG);
+        let located = strong.map(|(column, deviations)| {
+            let Column {
+                condition, cell, ..
+            } = &set.columns()[column];
+            Located {
+                condition: self.cases[*condition].condition.clone(),
+                cell: cell.clone(),
+                deviations,
+            }
+        });
+        let mut located: Vec<Located> = located.collect();
+        located.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+        located.truncate(LOCATED);
+        located
+    }
+
+    fn with_next_run(
+        &self,
+        verdict: Verdict,
+        model: &Model,
+        values: &[f32],
+        search: &Search,
+    ) -> Result<Verdict, BankError> {
+        let Some(pair) = verdict.open_between() else {
+            return Ok(verdict);
+        };
+        let judgement = model.judge(values, &self.settings.rates);
+        let rival = |name: &str| {
+            let effect = self.candidates.iter().position(|it| it.name() == name)?;
+            let chosen = Chosen {
+                effects: vec![(effect, judgement.opinion.evidence.sizes[effect].middle)],
+            };
+            let arm = self.with_effects(&chosen, &model.fit(values, &chosen.effects))?;
+            let name = name.to_owned();
+            Some(Rival { name, arm })
+        };
+        let [Some(first), Some(second)] = pair.map(|suspect| rival(&suspect.name)) else {
+            return Ok(verdict);
+        };
+        let next_run = search.between([&first, &second], &self.cases)?;
+        Ok(Verdict {
+            next_run,
+            ..verdict
+        })
+    }
+
+    /// Of the scenario as it is and of the variants.
+    fn end_results(&self, variants: &Variants, simulated: &SimulatedRuns) -> Vec<EndResults> {
+        let shipped = Arm::as_shipped();
         let steps = [
             (Step::AsShipped, Some(&shipped)),
-            (Step::Recalibrated, recalibrated),
-            (Step::WithEffect, with_effect),
+            (Step::Recalibrated, Some(&variants.recalibrated)),
+            (Step::WithEffect, variants.with_effect.as_ref()),
         ];
         let steps = steps.into_iter().filter_map(|(step, arm)| {
-            let step = (step, arm?);
-            Some(EndResults::of(step, &self.cases, &self.measured, answers))
+            let arm = arm?;
+            Some(EndResults::of(step, arm, &self.measured, simulated))
         });
         steps.collect()
     }
 
-    /// Length [s] of what these ends ask to be driven, in the bank or not: a campaign has one answer.
-    fn driving(&self, ends: &Ends) -> f64 {
-        let cases = self.cases.iter().map(|case| case.scenario.driven());
-        let runs = ends.unpinned.len() as f64 * ends.streams as f64;
-        runs * cases.sum::<f64>()
-    }
-
-    /// Simulates these points and pins the emulator to those that could be; whether there are any.
-    fn pin(
-        &self,
-        emulator: &mut Emulator,
-        (library, ends): (&Library, Ends),
-        (bank, hear): (&Bank, Hear),
-        answers: &mut Answers,
-    ) -> Result<bool, InvestigationError> {
-        let places = self.places(library);
-        let streams = 0..ends.streams;
-        let arms = ends
-            .unpinned
-            .into_iter()
-            .filter_map(|point| Some((arm_at(emulator, &point)?, point)));
-        let arms: Vec<(Arm, Point)> = arms.collect();
-        // All at once: those that differ in their sensors share a motion.
-        let requests = arms
-            .iter()
-            .flat_map(|(arm, _)| self.all_cases(arm, streams.clone()));
-        ask(bank, requests.collect(), hear, answers)?;
-        let mut pinned = false;
-        for (arm, point) in arms {
-            let conditions = library.conditions.iter().zip(&places);
-            let runs: Vec<Vec<Beside>> = conditions
-                .map(|(responses, case)| {
-                    let runs = answers.beside(&arm, *case, &responses.cells);
-                    runs.into_values().collect()
-                })
-                .collect();
-            if runs.iter().all(|streams| !streams.is_empty()) {
-                emulator.pin(point, &runs);
-                pinned = true;
-            }
-        }
-        Ok(pinned)
-    }
-
-    /// Takes the changes of these effects of the sensors anew, each where parameters are these.
-    fn tell_anew(
-        &self,
-        emulator: &mut Emulator,
-        (library, stale): (&Library, Vec<(usize, Vec<f64>)>),
-        (bank, hear): (&Bank, Hear),
-        answers: &mut Answers,
-    ) -> Result<(), InvestigationError> {
-        let streams = pins::STREAMS.min(self.plan.depth.replicates);
-        let anew = stale
-            .iter()
-            .map(|(effect, offsets)| (*effect, Anew::of(emulator, *effect, offsets)));
-        let anew: Vec<(usize, Option<Anew>)> = anew.collect();
-        // All at once: those at the same parameters share a motion.
-        let possible = anew.iter().filter_map(|(_, anew)| anew.as_ref());
-        let arms = possible.flat_map(Anew::arms);
-        let requests = arms.flat_map(|arm| self.all_cases(arm, 0..streams));
-        ask(bank, requests.collect(), hear, answers)?;
-        let places = self.places(library);
-        for (effect, anew) in anew {
-            let levels = anew.map(|anew| anew.levels(answers, library, &places));
-            emulator.tell_anew(effect, &levels.unwrap_or_default());
-        }
-        Ok(())
-    }
-
-    fn bank(&self, cases: Vec<Case>) -> Result<Bank, BankError> {
-        Bank::open(self.folder, cases, self.settings.seed, self.version)
-    }
-
-    fn comparison(&self, answers: &Answers) -> Result<Comparison, InvestigationError> {
-        let shipped = Arm::as_shipped();
-        let cases = 0..self.cases.len();
-        let simulated: Vec<Run> = cases
-            .flat_map(|case| answers.of(&shipped, case).map(|(_, run)| run.clone()))
-            .collect();
-        let measured: Vec<Run> = self.measured.iter().flatten().cloned().collect();
-        Comparison::new(&measured, &simulated).map_err(|error| InvestigationError::Gap {
-            error,
-            failures: answers.failures().collect(),
-        })
-    }
-
-    /// Runs that would tell the two likeliest effects apart, simulated with both and with every
-    /// parameter.
-    fn further(
-        &self,
-        verdict: &Verdict,
-        library: &Library,
-        hear: Hear,
-    ) -> Result<FurtherRuns, InvestigationError> {
-        let Some(pair) = verdict.open_between() else {
-            return Ok(FurtherRuns::default());
+    fn compared(&self, set: &RigSet) -> Compared {
+        let cells = |condition: usize| {
+            let own = set.columns().iter().filter(|it| it.condition == condition);
+            let mut runs = self.measured[condition].iter();
+            let first = runs.next();
+            let both = own
+                .filter(|column| first.is_some_and(|run| run.readings.get(&column.cell).is_some()));
+            both.count()
         };
-        let mut on_ground = self.cases.iter().filter(|case| !case.is_lifted());
-        let runs = further_runs(on_ground.next().unwrap_or(&self.cases[0]));
-        let cases: Vec<Case> = runs.iter().map(|run| run.case.clone()).collect();
-        let mut plan = self.plan.clone();
-        plan.depth = FURTHER;
-        plan.cases = cases.len();
-        for signature in &mut plan.signatures {
-            if pair.iter().all(|suspect| suspect.name != signature.name()) {
-                signature.magnitudes.clear();
-                signature.arms.clear();
-            }
-        }
-        let bank = self.bank(cases.clone())?;
-        let mut answers = Answers::default();
-        ask(&bank, plan.requests(), hear, &mut answers)?;
-        // Both sides are replicates: nothing was measured there yet.
-        let shipped = Arm::as_shipped();
-        let replicates: Vec<Vec<Run>> = (0..cases.len())
-            .map(|case| {
-                answers
-                    .of(&shipped, case)
-                    .map(|(_, run)| run.clone())
-                    .collect()
-            })
-            .collect();
-        let gathered = answers.gather(&plan, &cases, &replicates);
-        let mut further = gathered.library;
-        further.candidates.clone_from(&library.candidates);
-        let told: Vec<String> = further
-            .conditions
-            .iter()
-            .map(|it| it.condition.to_string())
-            .collect();
-        let name = |condition: &String| {
-            let run = runs
-                .iter()
-                .find(|run| run.case.condition.as_str() == condition)?;
-            Some(format!("{} ({condition})", run.name))
-        };
-        let names = told.iter().filter_map(name).collect();
-        Ok(FurtherRuns::new(names, &further)?)
-    }
-
-    /// An arm in all cases, with these streams.
-    fn all_cases(&self, arm: &Arm, streams: impl Iterator<Item = u64> + Clone) -> Vec<Request> {
-        let cases = 0..self.cases.len();
-        let request = |case| {
-            let arm = arm.clone();
-            streams.clone().map(move |stream| Request {
-                arm: arm.clone(),
-                case,
-                stream,
-            })
-        };
-        cases.flat_map(request).collect()
-    }
-
-    /// The case of each condition of the library.
-    fn places(&self, library: &Library) -> Vec<usize> {
-        let conditions = library.conditions.iter();
-        let place = |responses: &super::Responses| {
-            let mut cases = self.cases.iter();
-            cases.position(|case| case.condition == responses.condition)
-        };
-        conditions.filter_map(place).collect()
-    }
-
-    fn compared(&self, gathered: &Gathered) -> Compared {
-        let library = &gathered.library;
-        let conditions = library.conditions.iter().zip(&gathered.measured);
+        let conditions = self.cases.iter().enumerate();
         Compared {
             conditions: conditions
-                .map(|(responses, measured)| ComparedCondition {
-                    condition: responses.condition.to_string(),
-                    runs: measured.runs.len(),
-                    cells: responses.cells.len(),
+                .map(|(place, case)| ComparedCondition {
+                    condition: case.condition.to_string(),
+                    runs: self.measured[place].len(),
+                    cells: cells(place),
                 })
                 .collect(),
-            parameters: library.parameters.clone(),
-            candidates: library
-                .candidates
+            parameters: self
+                .parameters
                 .iter()
-                .map(|it| it.name.clone())
+                .map(|it| it.name.to_owned())
                 .collect(),
-            depth: self.plan.depth,
-            cost: self.plan.cost(&self.cases),
+            candidates: self.candidates.iter().map(Candidate::name).collect(),
+            rigs: self.rigs,
+            driven: self.rigs as f64 * driven(&self.cases, &self.of_rigs),
         }
     }
 
-    fn told(&self, gathered: &Gathered, answers: &Answers, of_map: &[gap::Caveat]) -> Vec<String> {
-        let without_cells = gathered
-            .without_cells
-            .iter()
-            .map(|condition| format!("{condition}: no statistic that both sides have"));
-        let failures = answers.failures().map(|it| format!("not simulated: {it}"));
+    fn all_caveats(&self, simulated: &SimulatedRuns, of_map: &[gap::Caveat]) -> Vec<String> {
+        let failures = simulated
+            .failures()
+            .map(|it| format!("not simulated: {it}"));
         let of_map = of_map.iter().map(ToString::to_string);
-        let caveats = self.caveats.iter().cloned();
-        let mut told: Vec<String> = Vec::new();
-        for caveat in caveats.chain(of_map).chain(without_cells).chain(failures) {
-            if !told.contains(&caveat) {
-                told.push(caveat);
+        let mut all: Vec<String> = Vec::new();
+        for caveat in self.caveats.iter().cloned().chain(of_map).chain(failures) {
+            if !all.contains(&caveat) {
+                all.push(caveat);
             }
         }
-        told
+        all
     }
 }
 
-/// An effect of the sensors at its magnitudes, and the same without it.
-struct Anew {
-    alone: Arm,
-    levels: Vec<(f64, Arm)>,
+/// Driving [s] of one rig.
+fn driven(cases: &[Case], of_rigs: &[Candidate]) -> f64 {
+    let once: f64 = cases.iter().map(|case| case.scenario.driven()).sum();
+    rigs::motions(of_rigs) as f64 * once
 }
 
-impl Anew {
-    /// None where the parameters cannot be these.
-    fn of(emulator: &Emulator, effect: usize, offsets: &[f64]) -> Option<Self> {
-        let at = |effects: Vec<(usize, f64)>| {
-            let offsets = offsets.to_vec();
-            arm_at(emulator, &Point { offsets, effects })
-        };
-        let levels = emulator.candidates[effect].levels().into_iter();
-        let levels = levels.filter_map(|strength| Some((strength, at(vec![(effect, strength)])?)));
-        Some(Self {
-            alone: at(Vec::new())?,
-            levels: levels.collect(),
-        })
-    }
-
-    fn arms(&self) -> impl Iterator<Item = &Arm> {
-        let levels = self.levels.iter().map(|(_, arm)| arm);
-        levels.chain([&self.alone])
-    }
-
-    /// By strength and condition, a pair of runs a stream; strengths that all conditions have.
-    fn levels(
-        &self,
-        answers: &Answers,
-        library: &Library,
-        places: &[usize],
-    ) -> Vec<(f64, Vec<Vec<Beside>>)> {
-        let beside = |arm: &Arm, (responses, case): (&super::Responses, &usize)| {
-            let with = answers.beside(arm, *case, &responses.cells);
-            let mut without = answers.beside(&self.alone, *case, &responses.cells);
-            let pairs = with.into_iter().filter_map(|(stream, run)| {
-                let without = without.remove(&stream)?.with;
-                Some(Beside { without, ..run })
-            });
-            Some(pairs.collect::<Vec<_>>()).filter(|pairs| !pairs.is_empty())
-        };
-        let levels = self.levels.iter().filter_map(|(strength, arm)| {
-            let conditions = library.conditions.iter().zip(places);
-            let runs = conditions.map(|condition| beside(arm, condition));
-            Some((*strength, runs.collect::<Option<Vec<_>>>()?))
-        });
-        levels.collect()
+fn drawing(now: rigs::Progress, rigs: usize) -> Progress {
+    Progress {
+        stage: Stage::Rigs,
+        done: now.done,
+        total: rigs as u64,
     }
 }
 
-/// The arm at a point; none where a magnitude is beyond its range.
-fn arm_at(emulator: &Emulator, point: &Point) -> Option<Arm> {
-    let named = emulator.parameters.iter().zip(&point.offsets);
-    let arm = offset(named.map(|(name, offset)| (name.as_str(), *offset)));
-    point
-        .effects
-        .iter()
-        .try_fold(arm, |arm, (effect, strength)| {
-            let candidate = &emulator.candidates[*effect];
-            let effect = Application::new(&candidate.name, candidate.magnitude(*strength)).ok()?;
-            Some(arm.with_effect(effect))
-        })
+fn validating(now: bank::Progress) -> Progress {
+    Progress {
+        stage: Stage::Validation,
+        done: now.motions,
+        total: now.motions_total,
+    }
 }
 
-/// Standard deviations of the cells, in their units, by what recalibration leaves open of the parameters, taken
-/// for independent.
-fn uncertain(library: &Library, parameters: &[Recalibrated]) -> ParameterSpread {
-    let of_cell = |responses: &Responses, cell: usize| {
-        let moved = responses.parameters.iter().zip(parameters);
-        let parts = moved.map(|(moved, parameter)| {
-            let slopes = moved.slope.iter().map(|row| row[cell]);
-            let slope = slopes.sum::<f64>() / moved.slope.len().max(1) as f64;
-            slope * parameter.deviation
-        });
-        libm::sqrt(parts.map(|part| part * part).sum())
+/// An effect that closes nothing is not named.
+fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
+    let Some(validation) = validation else {
+        return verdict;
     };
-    let of_condition = |responses: &Responses| {
-        let cells = responses.cells.iter().enumerate();
-        let cells = cells.map(|(place, cell)| (cell.clone(), of_cell(responses, place)));
-        (responses.condition.clone(), cells.collect())
-    };
-    library.conditions.iter().map(of_condition).collect()
-}
-
-/// The arm of the effects that an answer names; none where it names none.
-fn answered(verdict: &Verdict) -> Option<Arm> {
-    let named = verdict.named.iter().filter_map(|set| {
-        let name = set.first()?;
-        verdict.effects.iter().find(|suspect| suspect.name == *name)
-    });
-    let effects =
-        named.filter_map(|suspect| Application::new(&suspect.name, suspect.magnitude).ok());
-    let effects: Vec<Application> = effects.collect();
-    let recalibrated = offset(offsets(&verdict.parameters));
-    let arm = effects
-        .iter()
-        .fold(recalibrated, |arm, effect| arm.with_effect(*effect));
-    (!effects.is_empty()).then_some(arm)
-}
-
-fn offsets(parameters: &[Recalibrated]) -> impl Iterator<Item = (&str, f64)> {
-    parameters.iter().map(|it| (it.name.as_str(), it.offset))
-}
-
-/// The arm of parameters off by so many prior standard deviations.
-fn offset<'n>(parameters: impl Iterator<Item = (&'n str, f64)>) -> Arm {
-    let known = parameters.filter_map(|(name, offset)| Some((Parameter::find(name)?, offset)));
-    Arm::of_offsets(known.fold(Offsets::default(), |all, (parameter, offset)| {
-        all.with(parameter, offset * parameter.sd)
-    }))
-}
-
-fn problem<'a>(
-    emulator: &'a Emulator,
-    observation: &'a Observation,
-    calibration: &'a Calibration,
-) -> Problem<'a> {
-    Problem {
-        emulator,
-        observation,
-        calibration,
+    let Gaps {
+        recalibrated,
+        with_effect,
+        ..
+    } = validation.gaps;
+    if verdict.named.is_empty() || with_effect < recalibrated {
+        return verdict;
     }
-}
-
-fn ask(
-    bank: &Bank,
-    requests: Vec<Request>,
-    hear: Hear,
-    answers: &mut Answers,
-) -> Result<(), BankError> {
-    let outcomes = bank.readings(&requests, hear)?;
-    answers.add(&requests, outcomes);
-    Ok(())
+    verdict.reasons.push(format!(
+        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: it closes nothing and is not named",
+        validation.effects.join(" and ")
+    ));
+    verdict.named.clear();
+    verdict.verdict = Answer::Undecided;
+    verdict
 }

@@ -6,7 +6,6 @@
 
 use crate::effects::Source;
 use crate::scenario::Scenario;
-use crate::sensors::Sensors;
 use crate::simulation::rig::Rig;
 use crate::soil::Soil;
 use crate::terrain::{HardContact, Joints, Roughness, Stones, TerrainSpec};
@@ -43,7 +42,7 @@ pub struct Parameter {
     places: fn(&mut Scenario) -> Vec<&mut f64>,
 }
 
-/// Every parameter, ground first, then rig and sensors.
+/// Every parameter, ground first, then rig. Noise beyond the sensors' own is an effect.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "soil_moduli",
@@ -215,15 +214,6 @@ pub const PARAMETERS: &[Parameter] = &[
             Rig::SingleWheel(_) => Vec::new(),
         },
     },
-    Parameter {
-        name: "sensor_noise",
-        title: "noise density of all analogue channels together",
-        unit: "unit/√Hz",
-        coordinate: Coordinate::Logarithm,
-        sd: 0.5,
-        source: Source::Guess("data sheets state it typically, cables add to it"),
-        places: |scenario| noise_densities(&mut scenario.sensors),
-    },
 ];
 
 fn each<T>(things: Vec<&mut T>, numbers: fn(&mut T) -> Vec<&mut f64>) -> Vec<&mut f64> {
@@ -308,22 +298,6 @@ fn stones(terrain: &mut TerrainSpec) -> Vec<&mut Stones> {
 
 fn meets_stone(terrain: &mut TerrainSpec) -> bool {
     !contacts(terrain).is_empty() || !stones(terrain).is_empty()
-}
-
-fn noise_densities(sensors: &mut Sensors) -> Vec<&mut f64> {
-    let Sensors {
-        accelerometer,
-        force_torque,
-        encoder,
-        ..
-    } = sensors;
-    vec![
-        &mut accelerometer.acceleration_y.noise_density,
-        &mut force_torque.normal_force.noise_density,
-        &mut force_torque.drawbar_pull.noise_density,
-        &mut force_torque.driving_torque.noise_density,
-        &mut encoder.forward_speed.noise_density,
-    ]
 }
 
 impl Parameter {
@@ -455,13 +429,6 @@ mod tests {
         ];
         assert_eq!(names("single_wheel_ref"), flat);
         assert!(names("rover_ht").contains(&"joint_step"));
-    }
-
-    #[test]
-    fn ideal_sensors_have_no_noise_to_scale_and_noisy_ones_have() {
-        let mut noisy = scenario("single_wheel_ht");
-        noisy.sensors = Sensors::realistic();
-        assert!(parameters(&noisy).any(|p| p.name == "sensor_noise"));
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel, Stroke};
 use super::page::four_digits;
-use crate::diagnosis::Shrinkage;
+use crate::diagnosis::Gaps;
+use crate::gap::Closed;
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1100.0;
@@ -29,26 +30,31 @@ struct Step {
     is_total: bool,
 }
 
-/// Energy scores on held-out conditions as a waterfall: what recalibration takes from the gap as
-/// shipped, what the effect takes (whisker: 95 % interval; dashed line: what the best wrong effect
-/// would take), what is left unknown, and the floor that a perfect model reaches. A step that widens
-/// the gap goes up and is vermilion. `added` names the effect. One SVG 1100 px wide.
-pub fn gap_waterfall(shrinkage: &Shrinkage, added: &str) -> String {
-    let steps = steps(shrinkage, added);
-    let title = "How far the gap closes, on conditions held out of the fit";
+/// Energy scores as a waterfall: what recalibration takes from the gap as shipped, what the effect takes (whisker: 95 %
+/// interval), what is left unknown, and the floor that a perfect model reaches. A step that widens the gap goes up and is
+/// vermilion. `added` names the effect. One SVG 1100 px wide.
+pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String {
+    let steps = steps(gaps, added);
+    let title = "How far the gap closes";
     let mut canvas = Canvas::new([WIDTH, PANEL.bottom() + 76.0], title);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
-    let told = told(shrinkage);
-    canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, &told);
+    let whisker = interval(gaps, closed);
+    let note = match whisker.is_empty() {
+        true => "Floor: what a perfect model scores.",
+        false => {
+            "Floor: what a perfect model scores. Whisker: 95 % interval of what the effect closes."
+        }
+    };
+    canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, note);
     let ends: Vec<f64> = steps.iter().flat_map(|step| [step.from, step.to]).collect();
-    let ends: Vec<f64> = ends.into_iter().chain(interval(shrinkage)).collect();
+    let ends: Vec<f64> = ends.into_iter().chain(whisker.iter().copied()).collect();
     let [low, high] = bounds(&ends).unwrap_or([0.0, 1.0]);
     let panel = Panel {
         area: PANEL,
         x: Axis::exact([0.0, steps.len() as f64], [PANEL.left, PANEL.right()]),
         y: Axis::roomy([low.min(0.0), high.max(0.0)], [PANEL.bottom(), PANEL.top]),
     };
-    let header = "Energy score [spreads of replicates per statistic]";
+    let header = "Energy score [scatters per statistic]";
     panel.draw_category_frame(&mut canvas, header);
     for (place, step) in steps.iter().enumerate() {
         draw_step(&mut canvas, &panel, place as f64, step);
@@ -61,18 +67,17 @@ pub fn gap_waterfall(shrinkage: &Shrinkage, added: &str) -> String {
         let link = across.map(|x| panel.at([x, pair[1].from]));
         canvas.polyline(&link, Stroke::solid(MUTED, 1.0));
     }
-    draw_closed(&mut canvas, &panel, shrinkage);
+    draw_whisker(&mut canvas, &panel, &whisker);
     canvas.finish()
 }
 
-fn steps(shrinkage: &Shrinkage, added: &str) -> Vec<Step> {
-    let Shrinkage {
+fn steps(gaps: &Gaps, added: &str) -> Vec<Step> {
+    let Gaps {
         as_shipped,
         recalibrated,
         with_effect,
         floor,
-        ..
-    } = *shrinkage;
+    } = *gaps;
     let fall = |name: String, from: f64, to: f64, fill| Step {
         name,
         from,
@@ -148,15 +153,12 @@ fn draw_step(canvas: &mut Canvas, panel: &Panel, place: f64, step: &Step) {
 }
 
 /// Scores between which the gap with the effect lies.
-fn interval(shrinkage: &Shrinkage) -> Vec<f64> {
-    let Shrinkage {
-        recalibrated,
-        floor,
-        closed,
-        ..
-    } = shrinkage;
-    let told = closed.filter(|closed| closed.clusters > 1);
-    let ends = told.map(|closed| closed.ci95.map(|share| score(*recalibrated, *floor, share)));
+fn interval(gaps: &Gaps, closed: Option<Closed>) -> Vec<f64> {
+    let known = closed.filter(|closed| closed.clusters > 1);
+    let ends = known.map(|closed| {
+        let ends = closed.ci95;
+        ends.map(|share| score(gaps.recalibrated, gaps.floor, share))
+    });
     ends.into_iter().flatten().collect()
 }
 
@@ -165,38 +167,16 @@ fn score(recalibrated: f64, floor: f64, share: f64) -> f64 {
     recalibrated - share * (recalibrated - floor)
 }
 
-fn draw_closed(canvas: &mut Canvas, panel: &Panel, shrinkage: &Shrinkage) {
+fn draw_whisker(canvas: &mut Canvas, panel: &Panel, ends: &[f64]) {
     let x = panel.x.pixel(EFFECT + 0.5 + BESIDE);
     let stroke = Stroke::solid(INK, 1.8);
-    if let [low, high] = interval(shrinkage)[..] {
+    if let [low, high] = *ends {
         let ends = [low, high].map(|score| [x, panel.y.pixel(score)]);
         canvas.polyline(&ends, stroke);
         for [x, y] in ends {
             canvas.polyline(&[[x - 7.0, y], [x + 7.0, y]], stroke);
         }
     }
-    if let Some(placebo) = shrinkage.placebo {
-        let score = score(shrinkage.recalibrated, shrinkage.floor, placebo);
-        let across = [-0.5, 0.5].map(|half| panel.at([EFFECT + 0.5 + half, score]));
-        canvas.clip(&panel.area);
-        canvas.polyline(&across, Stroke::dashed(PALETTE[3], 2.0));
-        canvas.unclip();
-    }
-}
-
-fn told(shrinkage: &Shrinkage) -> String {
-    let floor = match shrinkage.floor_is_measured {
-        true => "Floor: half the distance of measured repeats.",
-        false => "Floor: of simulated replicates, for want of measured repeats.",
-    };
-    let placebo = shrinkage
-        .placebo
-        .map_or("", |_| " Dashed: what the best wrong effect would close.");
-    let whisker = match interval(shrinkage).is_empty() {
-        true => "",
-        false => " Whisker: 95 % interval of what the effect closes.",
-    };
-    format!("{floor}{whisker}{placebo}")
 }
 
 fn signed(value: f64) -> String {
@@ -210,28 +190,25 @@ fn signed(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gap::Closed;
 
-    fn shrinkage() -> Shrinkage {
-        Shrinkage {
-            effects: vec!["slip_sinkage".to_owned()],
-            as_shipped: 4.0,
-            recalibrated: 2.0,
-            with_effect: 0.8,
-            floor: 0.5,
-            floor_is_measured: true,
-            closed: Some(Closed {
-                value: 0.8,
-                ci95: [0.6, 0.9],
-                clusters: 6,
-            }),
-            placebo: Some(0.1),
-        }
+    const GAPS: Gaps = Gaps {
+        as_shipped: 4.0,
+        recalibrated: 2.0,
+        with_effect: 0.8,
+        floor: 0.5,
+    };
+
+    fn closed(clusters: usize) -> Option<Closed> {
+        Some(Closed {
+            value: 0.8,
+            ci95: [0.6, 0.9],
+            clusters,
+        })
     }
 
     #[test]
     fn the_steps_lead_from_the_gap_as_shipped_to_the_floor_without_a_jump() {
-        let steps = steps(&shrinkage(), "slip_sinkage");
+        let steps = steps(&GAPS, "slip_sinkage");
         let falls: f64 = steps[1..4].iter().map(|step| step.to - step.from).sum();
         assert!((steps[0].to + falls - steps[4].to).abs() < 1e-12);
         assert!(
@@ -243,47 +220,41 @@ mod tests {
 
     #[test]
     fn a_step_that_widens_the_gap_is_vermilion() {
-        let worse = Shrinkage {
+        let worse = Gaps {
             with_effect: 2.5,
-            ..shrinkage()
+            ..GAPS
         };
         assert_eq!(steps(&worse, "")[2].fill, PALETTE[1]);
-        assert_eq!(steps(&shrinkage(), "")[2].fill, PALETTE[2]);
+        assert_eq!(steps(&GAPS, "")[2].fill, PALETTE[2]);
     }
 
     #[test]
     fn the_whisker_is_that_of_the_share_closed() {
         // 60 and 90 % of the way from 2.0 to 0.5.
-        let [low, high] = interval(&shrinkage())[..] else {
+        let [low, high] = interval(&GAPS, closed(6))[..] else {
             panic!("no interval")
         };
         assert!((low - 1.1).abs() < 1e-12 && (high - 0.65).abs() < 1e-12);
-        let alone = Shrinkage {
-            closed: Some(Closed {
-                value: 0.8,
-                ci95: [0.8; 2],
-                clusters: 1,
-            }),
-            ..shrinkage()
-        };
-        assert!(interval(&alone).is_empty(), "one cluster has no interval");
+        assert!(
+            interval(&GAPS, closed(1)).is_empty(),
+            "one cluster has no interval"
+        );
     }
 
     #[test]
     fn scores_that_are_no_numbers_leave_their_bars_out() {
-        let broken = Shrinkage {
+        let broken = Gaps {
             as_shipped: f64::INFINITY,
             recalibrated: f64::NAN,
-            placebo: Some(f64::NEG_INFINITY),
-            ..shrinkage()
+            ..GAPS
         };
-        let svg = gap_waterfall(&broken, "<effect>");
+        let svg = gap_waterfall(&broken, closed(6), "<effect>");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         assert!(
             !svg.contains("&lt;effect&gt;"),
             "from where it falls is not known"
         );
-        let whole = gap_waterfall(&shrinkage(), "<effect>");
+        let whole = gap_waterfall(&GAPS, closed(6), "<effect>");
         assert!(whole.contains("&lt;effect&gt;"), "{whole}");
     }
 }

@@ -62,10 +62,10 @@ pub struct Diagnosing {
     pub campaign: usize,
     /// Campaigns.
     pub campaigns: usize,
-    /// Motions simulated of those that the campaign asks for next.
-    pub motions: u64,
-    /// Motions to be simulated; it asks several times.
-    pub motions_total: u64,
+    /// Steps done of its present stage.
+    pub done: u64,
+    /// Steps of that stage.
+    pub total: u64,
 }
 
 /// What an execution left in its folder.
@@ -118,7 +118,7 @@ impl Study {
     ///
     /// # Errors
     /// `NotEmpty` where the folder holds something and `resume` is not set; `OtherStudy` where that
-    /// is not this study; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Bank`
+    /// is not this study; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Diagnosis`
     /// where the file system refuses, `Range` for a share that is none, `Threads` where threads cannot
     /// be had, `Baseline` where the windows train no classifier.
     pub fn execute(
@@ -189,7 +189,7 @@ impl Study {
     ///
     /// # Errors
     /// `Incomplete` where shards are missing or damaged; `OtherStudy` where the folder holds
-    /// something else; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Bank`
+    /// something else; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Diagnosis`
     /// where the file system refuses, `Threads` where threads cannot be had, `Baseline` where the
     /// windows train no classifier.
     pub fn collect(

@@ -1,8 +1,7 @@
 //! A case put to `diagnose`.
 
 use crate::cli::interrupt;
-use lugwheel::challenge::{Question, Unanswered, by_method};
-use lugwheel::diagnosis::Ablation;
+use lugwheel::challenge::{Question, Unanswered};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -16,8 +15,6 @@ pub struct Asking<'a> {
     pub bank: PathBuf,
     /// Driving that a diagnosis may simulate [s]; its own default where not given.
     pub budget: Option<f64>,
-    /// A part of the method to do without.
-    pub ablation: Option<Ablation>,
     /// Cores for each.
     pub cores: usize,
 }
@@ -48,7 +45,7 @@ impl Asking<'_> {
     }
 
     fn command(&self, program: &Path, question: &Question) -> Command {
-        let diagnoses = by_method(self.folder, "diagnoses", self.ablation);
+        let diagnoses = self.folder.join("diagnoses");
         let mut command = Command::new(program);
         command
             .args(["diagnose", "--json", "--quiet", "--force", "--measured"])
@@ -65,9 +62,6 @@ impl Asking<'_> {
         }
         if let Some(budget) = self.budget {
             command.args(["--budget", &budget.to_string()]);
-        }
-        if let Some(part) = self.ablation {
-            command.args(["--ablate", &part.to_string()]);
         }
         command
     }

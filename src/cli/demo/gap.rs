@@ -45,7 +45,7 @@ const TRIED: [&str; 6] = [
 ];
 
 /// Driving that may be simulated [s].
-const BUDGET: f64 = 600.0;
+const BUDGET: f64 = 1200.0;
 
 /// The rig's runs as a study in the folder of the demo.
 pub fn rig(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
@@ -68,9 +68,10 @@ pub fn diagnosis(rig: &SmallStudy, folder: &Path, (seed, jobs): (u64, Jobs)) -> 
         out: folder.join("diagnosis"),
         bank: folder.join("bank"),
         budget: BUDGET,
+        time: None,
+        dry_run: false,
         longest: LONGEST,
         seed,
-        ablate: None,
         jobs,
     }
 }
@@ -102,9 +103,9 @@ pub fn section(summary: &Summary) -> Section {
             probability_bars(&verdict.probabilities),
             "What may explain the difference, with probabilities.",
         ));
-    match &verdict.shrinkage {
-        Some(shrinkage) => section.figure(Figure::new(
-            gap_waterfall(shrinkage, "the effect"),
+    match &summary.diagnosis.gap {
+        Some(gaps) => section.figure(Figure::new(
+            gap_waterfall(gaps, summary.diagnosis.closed, "the effect"),
             "The gap between rig and simulation, and how far each step closes it.",
         )),
         None => section,

@@ -316,7 +316,7 @@ fn provenance(told: &Told) -> page::Provenance {
             .chain(files)
             .chain(recognize)
             .chain(studies)
-            .chain([diagnosis.command()])
+            .chain([diagnosis.command(diagnosis.budget)])
             .collect(),
         ..page::Provenance::default()
     }

@@ -1,7 +1,7 @@
 //! What a diagnosis came to, as text and for machines.
 
 use anyhow::Context;
-use lugwheel::diagnosis::{Answer, Diagnosis, Step, Suspect};
+use lugwheel::diagnosis::{Answer, Diagnosis, Mechanism, Step, Suspect};
 use lugwheel::gap::Colour;
 use lugwheel::gap::stages::VibrationStages;
 use lugwheel::trace::behind_number;
@@ -115,6 +115,23 @@ impl fmt::Display for Summary {
         for reason in &verdict.reasons {
             writeln!(f, "  {reason}")?;
         }
+        if let Some(mechanism) = &verdict.mechanism
+            && verdict.named.is_empty()
+        {
+            let Mechanism { of, probability } = mechanism;
+            writeln!(
+                f,
+                "  the cause acts on {of} (probability {:.0} %)",
+                100.0 * probability
+            )?;
+        }
+        if verdict.set.len() > 1 {
+            writeln!(
+                f,
+                "  one of these nine times of ten: {}",
+                verdict.set.join(", ")
+            )?;
+        }
         writeln!(f, "\nprobabilities:")?;
         for (name, probability) in self.likeliest() {
             writeln!(f, "  {:>5.1} %  {name}", 100.0 * probability)?;
@@ -126,11 +143,14 @@ impl fmt::Display for Summary {
         for suspect in listed.take(LISTED) {
             writeln!(f, "  {}", told(suspect))?;
         }
+        let added = match self.diagnosis.closed_with.is_empty() {
+            true => "no effect".to_owned(),
+            false => self.diagnosis.closed_with.join(" and "),
+        };
         if let Some(gap) = gap {
             writeln!(
                 f,
-                "\ngap on held-out conditions (spreads of replicates per statistic): as shipped {:.2}, \
-                 recalibrated {:.2}, with the likeliest effect {:.2}, floor {:.2}",
+                "\ngap (scatters per statistic): as shipped {:.2}, recalibrated {:.2}, with {added} {:.2}, floor {:.2}",
                 gap.as_shipped, gap.recalibrated, gap.with_effect, gap.floor
             )?;
         }
@@ -145,12 +165,9 @@ impl fmt::Display for Summary {
         if let Some(next) = &verdict.next_run {
             writeln!(
                 f,
-                "next run: {}, which would tell {} from {} by {:.1} deviations instead of {:.1}",
-                next.run, next.between[0], next.between[1], next.deviations[1], next.deviations[0]
+                "next run: {}, where {} and {} differ by {:.2} scatters per statistic (here {:.2})",
+                next.run, next.between[0], next.between[1], next.separation[1], next.separation[0]
             )?;
-        }
-        for alarm in &verdict.alarms {
-            writeln!(f, "alarm: {alarm}")?;
         }
         writeln!(
             f,
@@ -176,11 +193,23 @@ impl fmt::Display for Summary {
         }
         writeln!(
             f,
-            "\ncompared: {} conditions, {} effects, {} parameters; {}",
+            "\ncompared: {} conditions, {} effects, {} parameters; learned from {} random rigs, {:.0} s of driving",
             compared.conditions.len(),
             compared.candidates.len(),
             compared.parameters.len(),
-            compared.cost
+            compared.rigs,
+            compared.driven
+        )?;
+        let test = &self.diagnosis.self_test;
+        writeln!(
+            f,
+            "self-test on {} campaigns of them: {:.0} % right, probability of the true cause {:.2}, an effect falsely \
+             named in {:.1} %, calibration error {:.2}",
+            test.campaigns,
+            100.0 * test.right,
+            test.probability_of_truth,
+            100.0 * test.falsely_named,
+            test.calibration_error
         )?;
         for caveat in caveats {
             writeln!(f, "  {caveat}")?;

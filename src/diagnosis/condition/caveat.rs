@@ -1,6 +1,5 @@
 //! What a comparison rests on less than it should.
 
-use super::super::parameter::parameters;
 use super::Case;
 use super::record::{Record, names};
 use crate::gap::Condition;
@@ -153,7 +152,8 @@ pub(super) fn differences(scenario: &Scenario, records: &[Record]) -> Vec<Caveat
 /// What no rig's records are like, where there are records.
 pub(super) fn unlike_a_rig(scenario: &Scenario, cases: &[Case]) -> Vec<Caveat> {
     let set_down = scenario.lead_in == 0.0;
-    let noiseless = parameters(scenario).all(|parameter| parameter.name != "sensor_noise");
+    let mut transducers = scenario.sensors.transducers().into_iter();
+    let noiseless = transducers.all(|transducer| transducer.noise_density == 0.0);
     let known = [(set_down, Caveat::SetDown), (noiseless, Caveat::Noiseless)];
     let mut cases = cases.iter();
     let has_series = cases.any(|case| !case.layout.series.is_empty());

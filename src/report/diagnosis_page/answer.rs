@@ -152,9 +152,9 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
         (
             "compared".to_owned(),
             format!(
-                "{runs} measured runs in {count} conditions with {} simulated replicates each; effects tried: {}, \
+                "{runs} measured runs in {count} conditions, judged by {} random rigs; effects tried: {}, \
                  parameters that may move: {}",
-                compared.depth.replicates,
+                compared.rigs,
                 compared.candidates.len(),
                 compared.parameters.len()
             ),
@@ -176,12 +176,6 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             .iter()
             .map(|it| told("less sure because", it)),
     );
-    facts.extend(verdict.alarms.iter().map(|alarm| {
-        told(
-            "alarm",
-            &format!("{alarm}: it may stand for something that is missing"),
-        )
-    }));
     facts.extend(caveats.iter().map(|it| told("keep in mind", it)));
     Section::new("What does the answer rest on?").facts(facts)
 }
@@ -192,14 +186,11 @@ pub fn next_run(diagnosis: &Diagnosis) -> Section {
     let section = Section::new("What to measure next?");
     if let Some(next) = &verdict.next_run {
         let [first, second] = &next.between;
-        let [without, with] = next.deviations.map(|it| format!("{it:.1}"));
-        let [cosine_without, cosine_with] =
-            next.cosine.map(|it| format!("{it:.2}").replace('-', "−"));
+        let [without, with] = next.separation.map(|it| format!("{it:.2}"));
         return section.answer(format!("A run {}.", next.run)).prose(format!(
-            "It would tell {first} from {second} by {with} standard deviations; the runs at hand tell them \
-             apart by {without}. The cosine of what the two show falls from {cosine_without} to {cosine_with}. \
-             Of the runs that differ from a measured one in one thing (direction, load, speed, slip, lugs) \
-             this one tells most."
+            "There {first} and {second}, at the magnitudes that explain these runs, differ by {with} scatters per \
+             statistic; in the best of the runs at hand they differ by {without}. Of the runs that differ from a \
+             measured one in one thing (direction, load, speed, slip, lugs) this one separates them best."
         ));
     }
     let words = match verdict.verdict {

@@ -13,13 +13,11 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
             Cell::Count(condition.cells as u64),
         ]
     });
-    let depth = compared.depth;
     Section::new("What was compared?")
         .prose(format!(
-            "Simulated: {} replicates of every condition as shipped; every parameter a standard deviation up \
-             and down, and every effect at {} magnitude(s), with {} stream(s) of ground and noise each. With \
-             nothing kept from before that takes {}.",
-            depth.replicates, depth.levels, depth.streams, compared.cost
+            "Learned from: {} random rigs of this layout, {:.0} s of driving; their parameters and effects differ as \
+             those of real rigs may.",
+            compared.rigs, compared.driven
         ))
         .table(Table {
             caption: "Conditions".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::ToldDiagnosis;
 use super::words;
-use crate::diagnosis::{Diagnosis, Screened, Suspect};
+use crate::diagnosis::{ALIKE, Diagnosis, Screened, Suspect};
 use crate::effects::Bound;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{isolability_map, probability_bars};
@@ -117,7 +117,7 @@ pub fn isolability(told: &ToldDiagnosis) -> Option<Section> {
             .collect()
     };
     let cosines: Vec<Vec<f64>> = shown.iter().map(row).collect();
-    let alike = told.settings.calibration.equivalent;
+    let alike = ALIKE;
     let section = Section::new("Which effects can these runs tell apart?")
         .answer(answer(screen, names.len()))
         .figure(Figure::new(
@@ -163,33 +163,17 @@ fn sets(screen: &[Screened]) -> Table {
 
 fn all(screen: &[Screened]) -> Table {
     let rows = screen.iter().map(|screened| {
-        let (stem, on) = screened
-            .name
-            .split_once('.')
-            .unwrap_or((&screened.name, ""));
-        let seat = words::effect(stem).and_then(|effect| {
-            let channel = (!on.is_empty()).then_some(on);
-            effect.seat(channel).ok()
-        });
-        let unit = seat.map_or("", |seat| words::unit(seat.unit));
         vec![
             Cell::Code(screened.name.clone()),
             Cell::Number(screened.score),
             limit(screened.detectable),
-            Cell::text(unit),
+            Cell::text(words::unit(screened.unit)),
             percent(screened.absorbed),
-            Cell::text(
-                screened
-                    .alarm
-                    .as_ref()
-                    .map_or(String::new(), ToString::to_string),
-            ),
         ]
     });
     Table {
-        caption: "All effects tried: the χ² that each alone would explain, from which magnitude on it shows, \
-                  and the strongest alarm by which its typical magnitude would betray itself to a mere \
-                  recalibration"
+        caption: "All effects tried: the χ² that each alone explains beyond parameters, and from which magnitude on it \
+                  shows"
             .to_owned(),
         columns: vec![
             Column::new("effect", ""),
@@ -197,7 +181,6 @@ fn all(screen: &[Screened]) -> Table {
             Column::new("detection limit", ""),
             Column::new("unit", ""),
             Column::new("absorbed by parameters", "%"),
-            Column::new("alarm", ""),
         ],
         rows: rows.collect(),
     }

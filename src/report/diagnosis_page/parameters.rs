@@ -12,7 +12,7 @@ const NORMAL_95: f64 = 1.959964;
 /// Share [-] by which values that are one parameter's may differ and still be one.
 const SAME: f64 = 1.0e-9;
 
-/// Values in the scenario and recalibrated, and alarms.
+/// Values in the scenario and recalibrated.
 pub fn section(told: &ToldDiagnosis) -> Section {
     let verdict = &told.diagnosis.verdict;
     let section = Section::new("What did recalibration move?");
@@ -23,7 +23,7 @@ pub fn section(told: &ToldDiagnosis) -> Section {
         let parameter = Parameter::find(&alone.name)?;
         Some(row(told.scenario, parameter, alone, verdict))
     });
-    let section = section
+    section
         .answer(answer(verdict))
         .prose(
             "Each parameter is known beforehand with a standard deviation; the offset counts in it. A parameter \
@@ -44,8 +44,7 @@ pub fn section(told: &ToldDiagnosis) -> Section {
                 Column::new("under the likeliest explanation", ""),
             ],
             rows: rows.collect(),
-        });
-    section.prose(alarms(verdict))
+        })
 }
 
 fn answer(verdict: &Verdict) -> String {
@@ -131,19 +130,6 @@ fn moved(parameter: &Parameter, values: &[f64], told: &Recalibrated) -> Cell {
     };
     let [told, low, high] = [value, low, high].map(four_digits);
     Cell::Written(format!("{sign}{told} [{low}, {high}]"), value)
-}
-
-fn alarms(verdict: &Verdict) -> String {
-    if verdict.alarms.is_empty() {
-        return "No alarm: no parameter is at the end of what is known of it, and none would have to change \
-                with slip, load or speed."
-            .to_owned();
-    }
-    let told: Vec<String> = verdict.alarms.iter().map(ToString::to_string).collect();
-    format!(
-        "Alarms, each a sign that something else is missing: {}.",
-        told.join("; ")
-    )
 }
 
 #[cfg(test)]

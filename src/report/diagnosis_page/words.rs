@@ -1,12 +1,7 @@
 //! Names of a diagnosis as a reader says them.
 
-use crate::diagnosis::arm::Arm;
 use crate::effects::{self, Effect};
 use crate::gap::{Cell, Statistic};
-use crate::report::page::four_digits;
-
-/// Distance of a parameter [prior standard deviations] below which it has not moved.
-const MOVED: f64 = 0.005;
 
 /// A share as per cent, without pretending to know the last of them.
 pub fn percent(share: f64) -> String {
@@ -16,24 +11,6 @@ pub fn percent(share: f64) -> String {
         share if share < 1.0 && share > 0.999 => "more than 99.9 %".to_owned(),
         share if (0.0995..0.95).contains(&share) => format!("{:.0} %", 100.0 * share),
         share => format!("{:.1} %", 100.0 * share).replace('-', "−"),
-    }
-}
-
-/// What was simulated: parameters that moved, in prior standard deviations, and effects.
-pub fn arm(arm: &Arm) -> String {
-    let moved = arm.offsets().deviations();
-    let moved = moved.filter(|(_, by)| by.abs() >= MOVED);
-    let moved = moved.map(|(name, by)| format!("{name} {by:+.2} sd").replace('-', "−"));
-    let effects = arm.effects().iter().map(|effect| {
-        let told = format!("{} = {}", effect.name(), four_digits(effect.magnitude()));
-        format!("{told} {}", unit(effect.seat().unit))
-            .trim_end()
-            .to_owned()
-    });
-    let words: Vec<String> = moved.chain(effects).collect();
-    match words.is_empty() {
-        true => "the scenario as shipped".to_owned(),
-        false => words.join(", "),
     }
 }
 
@@ -141,18 +118,6 @@ mod tests {
         ];
         assert_eq!(told, expected);
         assert_eq!(percent(f64::NAN), "–");
-    }
-
-    #[test]
-    fn of_what_was_simulated_only_what_moved_is_told() {
-        let told = |text: &str| arm(&text.parse::<Arm>().unwrap());
-        // An arm has parameters in their coordinates: degrees of a friction angle known to two.
-        let recalibrated = "soil_friction_angle~-2.469 soil_moduli~1.1e-10";
-        assert_eq!(told(recalibrated), "soil_friction_angle −1.23 sd");
-        let effect = "soil_moduli~0.35 slip_sinkage=0.4057442";
-        assert_eq!(told(effect), "soil_moduli +0.50 sd, slip_sinkage = 0.4057");
-        assert_eq!(told("slope=2"), "slope = 2.000 °");
-        assert_eq!(told("soil_moduli~1e-9"), "the scenario as shipped");
     }
 
     #[test]

@@ -4,9 +4,10 @@ use super::Plan;
 use super::campaign;
 use super::score::{CampaignScore, DiagnosisScore, Finding, Told};
 use super::truth;
-use crate::diagnosis::bank::{self, BankError};
 use crate::diagnosis::condition::LONGEST;
-use crate::diagnosis::{Calibration, Investigation, InvestigationError, Settings};
+use crate::diagnosis::inference::BaseRates;
+use crate::diagnosis::rigs::Origin;
+use crate::diagnosis::{self, Investigation, InvestigationError, Settings};
 use crate::study::execution::said;
 use crate::study::folder::Folder;
 use crate::study::group::{self, Group};
@@ -30,7 +31,7 @@ impl Study {
     /// threads of the pool that this is called in. No shard is missing.
     ///
     /// # Errors
-    /// `StoppedDiagnosing`; `Dataset` where the runs of a shard cannot be read; `File` and `Bank`
+    /// `StoppedDiagnosing`; `Dataset` where the runs of a shard cannot be read; `File` and `Diagnosis`
     /// where the file system refuses. A campaign that cannot be diagnosed is none: its reason is told.
     pub(in crate::study) fn diagnose(
         &self,
@@ -132,21 +133,24 @@ impl Asking<'_> {
             budget: self.plan.budget,
             without: self.plan.without.clone(),
             seed: self.study.seed,
-            calibration: Calibration::default(),
-            ablation: None,
+            rates: BaseRates::default(),
         };
         let bank = self.folder.path_of(BANK);
-        let version = env!("CARGO_PKG_VERSION");
+        let origin = Origin {
+            folder: &bank,
+            version: env!("CARGO_PKG_VERSION"),
+            seed: settings.seed,
+        };
         let against = self.plan.against(&group.scenario);
-        let investigation = Investigation::new(&measured, against, &settings, (&bank, version))?;
+        let investigation = Investigation::new(&measured, against, &settings, origin)?;
         // Its statistics are taken.
         drop(measured);
-        let hear = |now: bank::Progress| {
+        let hear = |now: diagnosis::Progress| {
             (self.hear)(Diagnosing {
                 campaign: number,
                 campaigns: self.campaigns,
-                motions: now.motions,
-                motions_total: now.motions_total,
+                done: now.done,
+                total: now.total,
             })
         };
         let (diagnosis, _) = investigation.run(&hear)?;
@@ -157,15 +161,15 @@ impl Asking<'_> {
 /// Why a campaign has no answer.
 enum Halt {
     Stopped,
-    Refused(BankError),
+    Refused(InvestigationError),
     Failed(String),
 }
 
 impl From<InvestigationError> for Halt {
     fn from(error: InvestigationError) -> Self {
         match error {
-            InvestigationError::Bank(BankError::Stopped { .. }) => Self::Stopped,
-            InvestigationError::Bank(refused @ BankError::File { .. }) => Self::Refused(refused),
+            stopped if stopped.is_stopped() => Self::Stopped,
+            refused if refused.is_refused() => Self::Refused(refused),
             other => Self::Failed(other.to_string()),
         }
     }

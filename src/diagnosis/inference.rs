@@ -1,0 +1,301 @@
+//! What rigs of a layout teach: from the statistics of a campaign to probabilities of causes.
+//!
+//! ```text
+//! rigs ─▶ scale ─▶ emulator ─▶ evidence ─┐
+//!              └─▶ trees ────▶ votes ────┴─▶ pool ─▶ probabilities
+//! ```
+//!
+//! Two estimates of different kinds are pooled: the likelihood of each cause under the [`emulator`], and the votes of
+//! [`trees`]. The weights of the [`pool`], of the test for causes that are none of the candidates, and of the test for two
+//! effects are [logistic] regressions on rigs that had no part in either estimate: for the evidence of each fold of rigs an
+//! emulator is trained on the other folds, and the votes are those of trees that did not see the rig. The same rigs measure what may be expected of this layout, the [self-test](SelfTest).
+
+mod emulator;
+mod evidence;
+mod logistic;
+mod pool;
+mod scale;
+mod self_test;
+mod trees;
+
+pub use evidence::{Evidence, Fit, Pair, Signatures, Size};
+pub use pool::{BaseRates, Judgement};
+pub use self_test::{EffectPower, SelfTest};
+
+use super::candidate::Candidate;
+use super::rigs::{Column, Row, Table};
+use crate::gap::Readings;
+use crate::quantity::Seed;
+use emulator::{Emulator, Labels, Training};
+use evidence::Curves;
+use nalgebra::DMatrix;
+use pool::{Calibrating, Opinion, Pool};
+use rayon::prelude::*;
+use scale::Scale;
+use serde::{Deserialize, Serialize};
+use trees::{Sample, Trees};
+
+/// Folds of rigs.
+const FOLDS: u64 = 8;
+
+/// A trained model of a layout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Model {
+    scale: Scale,
+    /// Condition of each used statistic.
+    conditions: Vec<usize>,
+    emulator: Emulator,
+    trees: Trees,
+    pool: Pool,
+    /// What may be expected of it.
+    pub self_test: SelfTest,
+}
+
+/// Rigs from which nothing can be learned.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrainingError {
+    /// There are too few.
+    #[error("{rigs} rigs are too few to learn from: allow at least {least}")]
+    TooFew {
+        /// Rigs.
+        rigs: usize,
+        /// The least that serve.
+        least: usize,
+    },
+    /// Their statistics have no variance.
+    #[error("the statistics of these rigs do not vary, so that nothing can be learned from them")]
+    Degenerate,
+}
+
+/// Rigs below which nothing is learned.
+pub const FEWEST_RIGS: usize = 40;
+
+impl Model {
+    /// Learns from the rigs of a table with these candidates.
+    ///
+    /// # Errors
+    /// `TooFew`; `Degenerate`.
+    pub fn train(
+        table: &Table,
+        candidates: &[Candidate],
+        seed: Seed,
+    ) -> Result<Self, TrainingError> {
+        let rigs = count_rigs(table.rows.iter().map(|row| row.rig));
+        if rigs < FEWEST_RIGS {
+            return Err(TrainingError::TooFew {
+                rigs,
+                least: FEWEST_RIGS,
+            });
+        }
+        let effects = candidates.len();
+        let growths: Vec<f64> = candidates.iter().map(Candidate::growth).collect();
+        let names: Vec<String> = candidates.iter().map(Candidate::name).collect();
+        let scale = Scale::of(table);
+        let standardised = scale.rows(table);
+        let conditions = scale
+            .used
+            .iter()
+            .map(|place| table.columns[*place].condition);
+        let conditions: Vec<usize> = conditions.collect();
+        let world = World {
+            rows: &table.rows,
+            standardised: &standardised,
+            conditions: &conditions,
+            growths: &growths,
+        };
+        let emulator = world.emulator(|_| true).ok_or(TrainingError::Degenerate)?;
+        let folds = (0..FOLDS).into_par_iter().map(|fold| world.held_out(fold));
+        let folds: Option<Vec<Vec<HeldOut>>> = folds.collect();
+        let (trees, votes) = world.trees(seed);
+        let mut held_out: Vec<HeldOut> = folds.ok_or(TrainingError::Degenerate)?.concat();
+        held_out.sort_by_key(|it| it.row);
+        let calibrating = held_out.into_iter().map(|it| Calibrating {
+            opinion: Opinion {
+                evidence: it.evidence,
+                votes: votes[it.row].clone(),
+                scores: emulator.len(),
+            },
+            row: &table.rows[it.row],
+        });
+        let calibrating: Vec<Calibrating> = calibrating.collect();
+        let pool = Pool::fit(&calibrating, effects);
+        let self_test = SelfTest::of(&calibrating, &pool, rigs, &names);
+        Ok(Self {
+            scale,
+            conditions,
+            emulator,
+            trees,
+            pool: pool.with_threshold(self_test.threshold),
+            self_test,
+        })
+    }
+
+    /// What a campaign with these statistics comes to.
+    pub fn judge(&self, values: &[f32], rates: &BaseRates) -> Judgement {
+        let row = self.scale.row(values);
+        let opinion = Opinion {
+            evidence: self.curves().evidence(&self.emulator.scores(&row)),
+            votes: self.trees.votes(&row),
+            scores: self.emulator.len(),
+        };
+        self.pool.judge(opinion, rates)
+    }
+
+    /// Parameters where these effects are there with these sizes.
+    pub fn fit(&self, values: &[f32], effects: &[(usize, f64)]) -> Fit {
+        let row = self.scale.row(values);
+        self.curves().fit(&self.emulator.scores(&row), effects)
+    }
+
+    /// What effects show near these parameters.
+    pub fn signatures(&self, parameters: &[f64]) -> Signatures {
+        Signatures::of(&self.curves(), parameters)
+    }
+
+    fn curves(&self) -> Curves<'_> {
+        Curves::of(&self.emulator)
+    }
+
+    /// Statistics of a condition in units of their scatter about the emulator, in the order of the used columns; one that
+    /// was not taken is at the median.
+    pub fn standardised(
+        &self,
+        columns: &[Column],
+        condition: usize,
+        readings: &Readings,
+    ) -> Vec<f64> {
+        let (_, deviations) = self.emulator.statistics(&self.nominal());
+        let used = self.scale.used.iter().enumerate();
+        let own = used.filter(|(place, _)| self.conditions[*place] == condition);
+        let rows = own.map(|(place, column)| {
+            let reading = readings.get(&columns[*column].cell);
+            let value = reading.map_or(f64::NAN, |reading| reading.value);
+            self.scale.value(place, value) / deviations[place]
+        });
+        rows.collect()
+    }
+
+    fn nominal(&self) -> Vec<f64> {
+        vec![0.0; self.emulator.parameters()]
+    }
+
+    /// What parameters leave of a campaign without effects: used columns with their departures [scatters].
+    pub fn residuals(&self, values: &[f32], parameters: &[f64]) -> Vec<(usize, f64)> {
+        let row = self.scale.row(values);
+        let (predicted, deviations) = self.emulator.statistics(parameters);
+        let used = self.scale.used.iter().enumerate();
+        let residual = |place: usize| (row[place] - predicted[place]) / deviations[place];
+        used.map(|(place, column)| (*column, residual(place)))
+            .collect()
+    }
+
+    /// Standard deviations that uncertain parameters give the used columns, in their units.
+    pub fn parameter_spread(&self, fit: &Fit) -> Vec<(usize, f64)> {
+        let slopes = self.emulator.statistic_slopes(&fit.parameters);
+        let used = self.scale.used.iter().enumerate();
+        let spread = |place: usize| {
+            let slope = slopes.column(place);
+            let variance = slope.dot(&(&fit.covariance * slope));
+            self.scale.in_unit(place, libm::sqrt(variance.max(0.0)))
+        };
+        used.map(|(place, column)| (*column, spread(place)))
+            .collect()
+    }
+}
+
+fn count_rigs(rigs: impl Iterator<Item = u64>) -> usize {
+    let mut rigs: Vec<u64> = rigs.collect();
+    rigs.sort_unstable();
+    rigs.dedup();
+    rigs.len()
+}
+
+/// Evidence of a row that had no part in the emulator.
+#[derive(Clone)]
+struct HeldOut {
+    row: usize,
+    evidence: Evidence,
+}
+
+/// What is learned from.
+struct World<'a> {
+    rows: &'a [Row],
+    standardised: &'a DMatrix<f64>,
+    conditions: &'a [usize],
+    /// `R` of each candidate.
+    growths: &'a [f64],
+}
+
+impl World<'_> {
+    /// The emulator of some rigs.
+    fn emulator(&self, is_used: impl Fn(u64) -> bool) -> Option<Emulator> {
+        let rows = 0..self.rows.len();
+        let used: Vec<usize> = rows.filter(|row| is_used(self.rows[*row].rig)).collect();
+        let rows = used.iter().map(|row| &self.rows[*row]);
+        Emulator::train(&Training {
+            standardised: self.standardised.select_rows(&used),
+            labels: rows.clone().map(Labels::from).collect(),
+            conditions: self.conditions,
+            growths: self.growths,
+            rigs: rows.map(|row| row.rig).collect(),
+        })
+    }
+
+    /// Evidence of the rows of a fold, by an emulator of all others.
+    fn held_out(&self, fold: u64) -> Option<Vec<HeldOut>> {
+        let emulator = self.emulator(|rig| rig % FOLDS != fold)?;
+        let curves = Curves::of(&emulator);
+        let rows = 0..self.rows.len();
+        let own = rows.filter(|row| self.rows[*row].rig % FOLDS == fold);
+        let held_out = own.map(|row| {
+            let values: Vec<f64> = self.standardised.row(row).iter().copied().collect();
+            let evidence = curves.evidence(&emulator.scores(&values));
+            HeldOut { row, evidence }
+        });
+        Some(held_out.collect())
+    }
+
+    /// Trees on rows with one effect or none, and their votes on all rows.
+    fn trees(&self, seed: Seed) -> (Trees, Vec<Vec<f64>>) {
+        let rows = 0..self.rows.len();
+        let (single, paired): (Vec<usize>, Vec<usize>) =
+            rows.partition(|row| self.rows[*row].effects.len() < 2);
+        let class = |row: &usize| match self.rows[*row].effects.first() {
+            Some(part) => part.candidate + 1,
+            None => 0,
+        };
+        let classes: Vec<usize> = single.iter().map(class).collect();
+        let mut counts = vec![0.0; self.growths.len() + 1];
+        classes.iter().for_each(|class| counts[*class] += 1.0);
+        let mut weights: Vec<f64> = counts
+            .iter()
+            .map(|count| 1.0 / f64::max(*count, 1.0))
+            .collect();
+        // As many campaigns without effects as with six kinds of them.
+        weights[0] *= 6.0;
+        let rigs: Vec<u64> = single.iter().map(|row| self.rows[*row].rig).collect();
+        let columns = (0..self.standardised.ncols()).map(|column| {
+            let values = single
+                .iter()
+                .map(|row| self.standardised[(*row, column)] as f32);
+            values.collect()
+        });
+        let sample = Sample {
+            columns: columns.collect(),
+            classes,
+            weights,
+            rigs: &rigs,
+        };
+        let (trees, unseen) = Trees::grow(&sample, seed);
+        let mut votes = vec![Vec::new(); self.rows.len()];
+        for (row, unseen) in single.into_iter().zip(unseen) {
+            votes[row] = unseen;
+        }
+        // Pairs had no part in the trees.
+        for row in paired {
+            let values: Vec<f64> = self.standardised.row(row).iter().copied().collect();
+            votes[row] = trees.votes(&values);
+        }
+        (trees, votes)
+    }
+}

@@ -1,0 +1,53 @@
+//! A trained model on disk, beside the rigs that it was learned from.
+//!
+//! ```text
+//! lugwheel model 1 <sha256 of the key of rigs and candidates> <sha256 of what follows>
+//! <the model, as postcard writes it>
+//! ```
+//!
+//! A file that is torn, altered, or of other rigs does not open, and the model is learned again.
+
+use super::inference::Model;
+use crate::whole_file;
+use sha2::{Digest, Sha256};
+use std::io;
+use std::path::{Path, PathBuf};
+
+const HEADING: &str = "lugwheel model 1";
+
+/// Where the model of so many rigs and of this key is.
+pub fn path(folder: &Path, rigs: usize, key: &str) -> PathBuf {
+    folder.join(format!("model_{rigs}_{}.bin", &hash(key.as_bytes())[..8]))
+}
+
+/// The model in a file; none where it is not there and whole.
+pub fn read(path: &Path, key: &str) -> Option<Model> {
+    let bytes = std::fs::read(path).ok()?;
+    let end = bytes.iter().position(|byte| *byte == b'\n')?;
+    let (first, body) = (&bytes[..end], &bytes[end + 1..]);
+    if first != heading(key, body).as_bytes() {
+        return None;
+    }
+    postcard::from_bytes(body).ok()
+}
+
+/// Writes a model.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write(path: &Path, key: &str, model: &Model) -> io::Result<()> {
+    let body = postcard::to_stdvec(model).map_err(io::Error::other)?;
+    let mut bytes = heading(key, &body).into_bytes();
+    bytes.push(b'\n');
+    bytes.extend(body);
+    whole_file::write_unsynced(path, &bytes)
+}
+
+fn heading(key: &str, body: &[u8]) -> String {
+    format!("{HEADING} {} {}", hash(key.as_bytes()), hash(body))
+}
+
+fn hash(bytes: &[u8]) -> String {
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
