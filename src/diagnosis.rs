@@ -22,6 +22,7 @@ mod arm_traces;
 pub mod bank;
 pub mod candidate;
 pub mod condition;
+mod discrepancy;
 mod end_results;
 mod further;
 pub mod inference;

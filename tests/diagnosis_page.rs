@@ -350,6 +350,7 @@ fn settings() -> Settings {
         without: vec!["slope".to_owned()],
         seed: SEED,
         rates: BaseRates::default(),
+        discrepancy: 0.0,
     }
 }
 

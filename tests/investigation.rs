@@ -71,6 +71,7 @@ fn settings(tried: &[&str]) -> Settings {
         without: names_but(tried),
         seed: Seed(5),
         rates: BaseRates::default(),
+        discrepancy: 0.0,
     }
 }
 

@@ -114,6 +114,7 @@ fn a_campaign_is_answered_as_the_diagnosis_of_its_runs() {
         without: left_out(),
         seed: lugwheel::quantity::Seed(7),
         rates: BaseRates::default(),
+        discrepancy: 0.0,
     };
     let bank = WHOLE.out.join("bank");
     let kept = contents(&bank);

@@ -71,6 +71,10 @@ pub struct Diagnose {
     /// Print what the diagnosis would take, and do nothing else
     #[arg(long)]
     pub(super) dry_run: bool,
+    /// How far any rig differs from any simulator, in margins of equivalence (5 % of a mean, 1 dB); 0 where the runs are
+    /// simulated
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    pub(super) discrepancy: f64,
     /// Longest part of a measured run that is compared [s]
     #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, value_parser = super::positive)]
     pub(super) longest: f64,
@@ -151,6 +155,7 @@ impl Diagnose {
             without: self.without.clone(),
             seed: Seed(self.seed),
             rates: BaseRates::default(),
+            discrepancy: self.discrepancy,
         }
     }
 
@@ -244,7 +249,7 @@ impl Diagnose {
             words.map(|value| path(option, Path::new(value))).collect()
         };
         format!(
-            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --longest {} --seed {}",
+            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --discrepancy {} --longest {} --seed {}",
             path("--measured", &self.measured),
             path("--scenario", &self.scenario),
             several("--set", &self.set),
@@ -253,6 +258,7 @@ impl Diagnose {
             path("--out", &self.out),
             path("--bank", &self.bank),
             budget,
+            self.discrepancy,
             self.longest,
             self.seed
         )
@@ -347,6 +353,15 @@ fn duration(text: &str) -> Result<f64, String> {
     match known.is_positive() {
         true => Ok(known.as_secs_f64()),
         false => Err("it has to be above 0".to_owned()),
+    }
+}
+
+/// A factor that is not negative.
+fn factor(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "give a number".to_owned())?;
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err("it has to be 0 or above".to_owned()),
     }
 }
 

@@ -5,9 +5,9 @@
 //!              └─▶ trees ────▶ votes ────┴─▶ pool ─▶ probabilities
 //! ```
 //!
-//! Two estimates of different kinds are pooled: the likelihood of each cause under the [`emulator`], and the votes of
-//! [`trees`]. The weights of the [`pool`], of the test for causes that are none of the candidates, and of the test for two
-//! effects are [logistic] regressions on rigs that had no part in either estimate: for the evidence of each fold of rigs an
+//! Two estimates of different kinds are pooled: the likelihood of each cause under the `emulator`, and the votes of
+//! `trees`. The weights of the `pool`, of the test for causes that are none of the candidates, and of the test for two
+//! effects are logistic regressions on rigs that had no part in either estimate: for the evidence of each fold of rigs an
 //! emulator is trained on the other folds, and the votes are those of trees that did not see the rig. The same rigs measure what may be expected of this layout, the [self-test](SelfTest).
 
 mod emulator;

@@ -4,6 +4,7 @@ use super::arm::Arm;
 use super::bank::{self, Bank, BankError, Failure, Request};
 use super::candidate::{Candidate, candidates};
 use super::condition::{Case, CaseError, Cases, statistician};
+use super::discrepancy;
 use super::end_results::{EndResults, Step};
 use super::inference::{BaseRates, FEWEST_RIGS, Fit, Model, SelfTest, TrainingError};
 use super::model_file;
@@ -58,6 +59,8 @@ pub struct Settings {
     pub seed: Seed,
     /// How often causes are met.
     pub rates: BaseRates,
+    /// Discrepancy between any rig and any simulator, in margins of equivalence [-].
+    pub discrepancy: f64,
 }
 
 /// Why there is no diagnosis.
@@ -449,7 +452,8 @@ impl<'a> Investigation<'a> {
     /// The model of these rigs, from their folder where it has been learned before.
     fn model(&self, set: &RigSet, hear: Hear) -> Result<Model, InvestigationError> {
         let names: Vec<String> = self.candidates.iter().map(Candidate::name).collect();
-        let key = format!("{} {}", set.key(), names.join(","));
+        let discrepancy = self.settings.discrepancy;
+        let key = format!("{} {discrepancy} {}", set.key(), names.join(","));
         let path = model_file::path(set.folder(), self.rigs, &key);
         if let Some(model) = model_file::read(&path, &key) {
             return Ok(model);
@@ -459,7 +463,8 @@ impl<'a> Investigation<'a> {
         let kept = names
             .iter()
             .filter_map(|name| of_rigs.iter().position(|it| it == name));
-        let table = table.restricted(&kept.collect::<Vec<_>>());
+        let mut table = table.restricted(&kept.collect::<Vec<_>>());
+        discrepancy::add(&mut table, discrepancy, self.settings.seed);
         let model = Model::train(&table, &self.candidates, self.settings.seed)?;
         model_file::write(&path, &key, &model).map_err(|source| RigError::File {
             path: set.folder().to_owned(),

@@ -1,8 +1,8 @@
 //! Random rigs of one layout, simulated once and kept.
 //!
 //! A layout is a scenario in the conditions of a campaign, with the channels and rates that were measured. Its
-//! rigs differ from the scenario as real ones may: [`design`] draws their parameters and effects, [`drawing`] simulates
-//! each motion once and measures it with as many sets of sensors as there are rows, [`store`] keeps the statistics. What a
+//! rigs differ from the scenario as real ones may: `design` draws their parameters and effects, `drawing` simulates
+//! each motion once and measures it with as many sets of sensors as there are rows, `store` keeps the statistics. What a
 //! diagnosis learns, and what it is tested on, are these rows. Nothing in them depends on the measured values: a second
 //! campaign of the same layout finds its rigs in the folder.
 

@@ -46,6 +46,18 @@ impl Default for Margins {
     }
 }
 
+impl Margins {
+    /// That of a cell whose values are of this size, in its unit.
+    pub fn of(&self, cell: &Cell, size: f64) -> f64 {
+        match cell.statistic.measure() {
+            Measure::Own => self.relative * size,
+            Measure::Level | Measure::Share => self.level,
+            // Two windows that answer the same are equal; no share between is that near.
+            Measure::Odds | Measure::Number => self.number,
+        }
+    }
+}
+
 /// Standard deviations of cells, in their units, that uncertain parameters add to the replicates'
 /// own; what is not there has none.
 pub type ParameterSpread = BTreeMap<Condition, BTreeMap<Cell, f64>>;
@@ -158,12 +170,7 @@ fn entry(
     let tail = evidence.tail(cell);
     let (value, error, freedom) = (difference.value(), difference.error, difference.freedom);
     let z = value / error;
-    let margin = match cell.statistic.measure() {
-        Measure::Own => margins.relative * table.sizes[place],
-        Measure::Level | Measure::Share => margins.level,
-        // Two windows that answer the same are equal; no share between is that near.
-        Measure::Odds | Measure::Number => margins.number,
-    };
+    let margin = margins.of(cell, table.sizes[place]);
     let within = tail.beyond((margin - value.abs()) / error, freedom) < LEVEL;
     Entry {
         channel: cell.channel.to_string(),

@@ -6,6 +6,7 @@ mod compared;
 mod differences;
 mod effects;
 mod end_results;
+mod figures;
 mod parameters;
 mod shrinkage;
 mod units;
@@ -49,7 +50,7 @@ impl ToldDiagnosis<'_> {
     }
 }
 
-/// The page of a diagnosis, in this order: the answer with its probability and what it rests on, how
+/// The page of a diagnosis, in this order: the answer with its probability, in figures, and what it rests on, how
 /// far the gap closes, where the sides differ, which effects may explain it, what recalibration
 /// moved, measured and simulated runs before and after, what the gap does to end results, the gap in plain units, which effects these
 /// runs can tell apart, what to measure next, what was compared. It holds nothing that depends on a
@@ -57,6 +58,7 @@ impl ToldDiagnosis<'_> {
 pub fn diagnosis_page(told: &ToldDiagnosis) -> Page {
     let ToldDiagnosis { diagnosis, .. } = *told;
     let sections = [
+        Some(figures::section(diagnosis)),
         Some(answer::rests_on(diagnosis)),
         Some(shrinkage::section(diagnosis)),
         Some(differences::section(told)),
@@ -138,6 +140,10 @@ fn provenance(told: &ToldDiagnosis) -> Provenance {
             format!("{} s", settings.longest),
         ),
         ("driving allowed", format!("{} s", settings.budget)),
+        (
+            "discrepancy assumed",
+            format!("{} margins of equivalence", settings.discrepancy),
+        ),
         ("effects held to be impossible", without),
     ];
     let own = own.map(|(name, value)| (name.to_owned(), value));

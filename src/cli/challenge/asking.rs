@@ -56,7 +56,9 @@ impl Asking<'_> {
             .arg(diagnoses.join(question.case))
             .arg("--bank")
             .arg(&self.bank)
-            .args(["--jobs", &self.cores.to_string()]);
+            .args(["--jobs", &self.cores.to_string()])
+            // The campaigns are simulated.
+            .args(["--discrepancy", "0"]);
         for effect in question.without {
             command.args(["--without", effect]);
         }

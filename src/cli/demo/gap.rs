@@ -70,6 +70,8 @@ pub fn diagnosis(rig: &SmallStudy, folder: &Path, (seed, jobs): (u64, Jobs)) -> 
         budget: BUDGET,
         time: None,
         dry_run: false,
+        // Its runs are simulated.
+        discrepancy: 0.0,
         longest: LONGEST,
         seed,
         jobs,

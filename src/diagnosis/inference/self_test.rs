@@ -1,7 +1,7 @@
 //! What may be expected of a layout, from rigs that had no part in what judges them.
 
 use super::pool::{BaseRates, Calibrating, Judgement, Pool, Weights};
-use crate::diagnosis::rigs::Part;
+use crate::diagnosis::rigs::{Part, Row};
 use serde::{Deserialize, Serialize};
 
 /// Share of true causes that conformal sets are to hold.
@@ -39,7 +39,7 @@ pub struct SelfTest {
     pub falsely_named: f64,
     /// Mean difference between stated probability and observed frequency of the likeliest cause.
     pub calibration_error: f64,
-    /// Share of conformal sets that hold the true cause.
+    /// Share of conformal sets that hold the true cause, with thresholds from other rigs.
     pub coverage: f64,
     /// Probability from which on a cause is in the set.
     pub threshold: f64,
@@ -49,6 +49,7 @@ pub struct SelfTest {
 
 /// One campaign as judged.
 struct Judged {
+    rig: u64,
     weight: f64,
     truth: f64,
     likeliest: f64,
@@ -67,7 +68,7 @@ impl SelfTest {
             .iter()
             .map(|rig| {
                 let judgement = pool.judge(rig.opinion.clone(), &rates);
-                let judged = judged(&judgement, &rig.row.effects, weights.of_kind(rig.row));
+                let judged = judged(&judgement, rig.row, weights.of_kind(rig.row));
                 if let [part] = rig.row.effects[..] {
                     powers[part.candidate].add(part, judged.is_right);
                 }
@@ -78,7 +79,6 @@ impl SelfTest {
         let mean = |of: &dyn Fn(&Judged) -> f64| {
             judged.iter().map(|it| it.weight * of(it)).sum::<f64>() / total
         };
-        let threshold = quantile(&judged, total);
         let share = |is: bool| if is { 1.0 } else { 0.0 };
         Self {
             rigs: count,
@@ -87,8 +87,8 @@ impl SelfTest {
             probability_of_truth: mean(&|it| it.truth),
             falsely_named: mean(&|it| share(it.is_false)),
             calibration_error: calibration_error(&judged, total),
-            coverage: mean(&|it| share(it.truth >= threshold)),
-            threshold,
+            coverage: coverage(&judged),
+            threshold: quantile(judged.iter().collect()),
             effects: names
                 .iter()
                 .zip(&powers)
@@ -98,7 +98,8 @@ impl SelfTest {
     }
 }
 
-fn judged(judgement: &Judgement, truth: &[Part], weight: f64) -> Judged {
+fn judged(judgement: &Judgement, row: &Row, weight: f64) -> Judged {
+    let truth = &row.effects[..];
     let nothing = judgement.none + judgement.parameter;
     let is_pair = |effects: [usize; 2]| {
         let mut parts = truth.iter();
@@ -121,6 +122,7 @@ fn judged(judgement: &Judgement, truth: &[Part], weight: f64) -> Judged {
     let is_there = |effect: usize| truth.iter().any(|part| part.candidate == effect);
     let mut effects = 0..judgement.effects.len();
     Judged {
+        rig: row.rig,
         weight,
         truth: of_truth,
         likeliest,
@@ -130,17 +132,30 @@ fn judged(judgement: &Judgement, truth: &[Part], weight: f64) -> Judged {
 }
 
 /// Weighted quantile of the truth's probability that leaves the coverage above it.
-fn quantile(judged: &[Judged], total: f64) -> f64 {
-    let mut order: Vec<&Judged> = judged.iter().collect();
-    order.sort_by(|a, b| a.truth.total_cmp(&b.truth));
+fn quantile(mut judged: Vec<&Judged>) -> f64 {
+    let total: f64 = judged.iter().map(|it| it.weight).sum();
+    judged.sort_by(|a, b| a.truth.total_cmp(&b.truth));
     let mut below = 0.0;
-    for it in order {
+    for it in judged {
         below += it.weight;
         if below > (1.0 - COVERAGE) * total {
             return it.truth;
         }
     }
     0.0
+}
+
+/// Weighted share of truths in sets whose threshold comes from the other half of the rigs.
+fn coverage(judged: &[Judged]) -> f64 {
+    let covered = [0, 1].map(|half| {
+        let (own, others): (Vec<&Judged>, Vec<&Judged>) =
+            judged.iter().partition(|it| it.rig % 2 == half);
+        let threshold = quantile(others);
+        let covered = own.into_iter().filter(|it| it.truth >= threshold);
+        covered.map(|it| it.weight).sum::<f64>()
+    });
+    let total: f64 = judged.iter().map(|it| it.weight).sum();
+    covered.iter().sum::<f64>() / total
 }
 
 fn calibration_error(judged: &[Judged], total: f64) -> f64 {

@@ -134,6 +134,8 @@ impl Asking<'_> {
             without: self.plan.without.clone(),
             seed: self.study.seed,
             rates: BaseRates::default(),
+            // The runs are simulated.
+            discrepancy: 0.0,
         };
         let bank = self.folder.path_of(BANK);
         let origin = Origin {
