@@ -12,8 +12,9 @@ use std::fmt;
 /// Part [-] by which radius or width of another wheel differs.
 const OTHER_WHEEL: f64 = 0.02;
 
-/// Clearance [m] by which two heights over rough ground are the same.
-const SAME_CLEARANCE: f64 = 0.002;
+/// Clearance [m] by which two heights are the same: rough ground and worn lugs make as much, and a wheel in the air turns
+/// alike at both. A campaign with them has the layout, and the random rigs, of one without.
+const SAME_CLEARANCE: f64 = 0.005;
 
 /// Which slips hold where channels contradict those told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
