@@ -37,6 +37,8 @@ use trees::{Sample, Trees};
 
 /// Folds of rigs.
 const FOLDS: u64 = 8;
+/// Share of intervals of sizes that are to hold the true one.
+const INTERVALS: f64 = 0.95;
 
 /// A trained model of a layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +49,8 @@ pub struct Model {
     emulator: Emulator,
     trees: Trees,
     pool: Pool,
+    /// How many times wider intervals of sizes are than those of the emulator.
+    widening: f64,
     /// What may be expected of it.
     pub self_test: SelfTest,
 }
@@ -124,6 +128,7 @@ impl Model {
             scale,
             conditions,
             emulator,
+            widening: widening(&calibrating),
             trees,
             pool: pool.with_threshold(self_test.threshold),
             self_test,
@@ -134,7 +139,10 @@ impl Model {
     pub fn judge(&self, values: &[f32], rates: &BaseRates) -> Judgement {
         let row = self.scale.row(values);
         let opinion = Opinion {
-            evidence: self.curves().evidence(&self.emulator.scores(&row)),
+            evidence: self
+                .curves()
+                .evidence(&self.emulator.scores(&row))
+                .widened(self.widening),
             votes: self.trees.votes(&row),
             scores: self.emulator.len(),
         };
@@ -201,6 +209,19 @@ impl Model {
         used.map(|(place, column)| (*column, spread(place)))
             .collect()
     }
+}
+
+/// Factor with which intervals of sizes hold the true one in 95 % of the rigs in which the effect has the most evidence: the
+/// emulator's own intervals know nothing of its error and of effects that follow another law.
+fn widening(rigs: &[Calibrating]) -> f64 {
+    let distances = rigs.iter().filter_map(|rig| match rig.row.effects[..] {
+        [part] => rig.opinion.evidence.distance(part),
+        _ => None,
+    });
+    let mut distances: Vec<f64> = distances.collect();
+    distances.sort_by(f64::total_cmp);
+    let place = (INTERVALS * distances.len() as f64) as usize;
+    distances.get(place).map_or(1.0, |factor| factor.max(1.0))
 }
 
 fn count_rigs(rigs: impl Iterator<Item = u64>) -> usize {

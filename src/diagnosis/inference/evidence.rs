@@ -12,11 +12,14 @@
 //! over both sizes.
 
 use super::emulator::{CURVE, Emulator};
+use crate::diagnosis::rigs::Part;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 
 /// Sizes of the quadrature.
 const GRID: usize = 33;
 const GRID_ENDS: [f64; 2] = [-0.1, 1.1];
+/// Least half width of an interval: what the grid resolves.
+const NARROWEST: f64 = 0.01;
 /// Linearisations.
 const ROUNDS: usize = 3;
 /// Estimates of parameters stay within so many prior standard deviations.
@@ -36,6 +39,24 @@ pub struct Size {
     pub middle: f64,
     /// Central 95 %.
     pub interval: [f64; 2],
+}
+
+impl Size {
+    /// With an interval so many times as wide, within the sizes that are tried.
+    fn widened(self, factor: f64) -> Self {
+        let [least, most] = GRID_ENDS;
+        let end = |end: f64| (self.middle + factor * (end - self.middle)).clamp(least, most);
+        Self {
+            middle: self.middle,
+            interval: self.interval.map(end),
+        }
+    }
+
+    /// Distance of a size from the median in half widths of the interval.
+    fn distance(&self, size: f64) -> f64 {
+        let half = 0.5 * (self.interval[1] - self.interval[0]);
+        (size - self.middle).abs() / half.max(NARROWEST)
+    }
 }
 
 /// Two effects together.
@@ -64,6 +85,22 @@ pub struct Evidence {
     pub sizes: Vec<Size>,
     /// The best pairs, best first.
     pub pairs: Vec<Pair>,
+}
+
+impl Evidence {
+    /// With intervals of sizes so many times as wide.
+    pub fn widened(mut self, factor: f64) -> Self {
+        self.sizes = self.sizes.iter().map(|size| size.widened(factor)).collect();
+        self
+    }
+
+    /// Distance of an effect's true size from its estimate, in half widths of the interval; none where another effect has
+    /// more evidence.
+    pub fn distance(&self, part: Part) -> Option<f64> {
+        let own = self.effects[part.candidate];
+        let is_best = self.effects.iter().all(|other| *other <= own);
+        is_best.then(|| self.sizes[part.candidate].distance(part.size))
+    }
 }
 
 /// A fit of parameters and given effects.
@@ -458,5 +495,24 @@ impl Signatures {
             by_size,
             cosines: curves.cosines(parameters, TYPICAL),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_widened_interval_has_its_median_and_stays_within_the_sizes() {
+        let size = Size {
+            middle: 0.5,
+            interval: [0.4, 0.7],
+        };
+        let widened = size.widened(2.0);
+        assert_eq!(widened.middle, 0.5);
+        assert!((widened.interval[0] - 0.3).abs() < 1e-12);
+        assert!((widened.interval[1] - 0.9).abs() < 1e-12);
+        assert_eq!(size.widened(100.0).interval, GRID_ENDS);
+        assert!((size.distance(0.8) - 2.0).abs() < 1e-12);
     }
 }
