@@ -33,6 +33,7 @@ mod next_run;
 pub mod parameter;
 pub mod rigs;
 mod screen;
+mod sealed;
 mod simulated_runs;
 mod validation;
 mod verdict;

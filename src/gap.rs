@@ -35,7 +35,7 @@ pub use comparison::{Caveat, Comparison, FEWEST_REPLICATES, Table};
 pub use condition::Condition;
 pub(crate) use condition::conditions;
 pub(crate) use curves::class_of;
-pub use distance::{Closed, Scores, Whitening, closed};
+pub use distance::{Closed, Scores, Whitening, closed, energy_score, least_energy_score};
 pub use global::{Global, PERMUTATIONS, Test};
 pub use map::{Colour, Entry, GapMap, LEVEL, Margins, ParameterSpread};
 pub use readings::{Reading, Readings, Run};

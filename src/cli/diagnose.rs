@@ -109,15 +109,20 @@ impl Diagnose {
     /// Diagnoses the runs and says what came of it.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         if self.dry_run {
-            return output.print(&self.estimate(output)?);
+            let estimate = self.estimate(output, &self.scenario()?, &self.read()?)?;
+            return output.print(&estimate);
         }
         self.claim(output)?;
         output.print(&self.investigate(output)?)
     }
 
     /// What the diagnosis would take.
-    fn estimate(&self, output: &Output) -> anyhow::Result<EstimateSummary> {
-        let (scenario, measured) = (self.scenario()?, self.read()?);
+    fn estimate(
+        &self,
+        output: &Output,
+        scenario: &Scenario,
+        measured: &[Trace],
+    ) -> anyhow::Result<EstimateSummary> {
         let settings = self.settings(self.budget);
         let version = env!("CARGO_PKG_VERSION");
         // Nothing is left behind.
@@ -126,7 +131,7 @@ impl Diagnose {
             folder: folder.path(),
             ..self.origin(version)
         };
-        let investigation = Investigation::new(&measured, &scenario, &settings, origin)?;
+        let investigation = Investigation::new(measured, scenario, &settings, origin)?;
         let estimate = self.heard(output, &investigation, |hear| investigation.estimate(hear))?;
         let cores = self.jobs.count();
         let rigs = match self.time {
@@ -177,7 +182,10 @@ impl Diagnose {
     pub(super) fn investigate(&self, output: &Output) -> anyhow::Result<Summary> {
         let (scenario, measured) = (self.scenario()?, self.read()?);
         let budget = match self.time {
-            Some(_) => self.estimate(output)?.driving_s.ceil(),
+            Some(_) => {
+                let estimate = self.estimate(output, &scenario, &measured)?;
+                estimate.driving_s.ceil()
+            }
             None => self.budget,
         };
         let settings = self.settings(budget);

@@ -172,7 +172,7 @@ impl Model {
         condition: usize,
         readings: &Readings,
     ) -> Vec<f64> {
-        let (_, deviations) = self.emulator.statistics(&self.nominal());
+        let deviations = self.emulator.deviations();
         let used = self.scale.used.iter().enumerate();
         let own = used.filter(|(place, _)| self.conditions[*place] == condition);
         let rows = own.map(|(place, column)| {
@@ -183,14 +183,11 @@ impl Model {
         rows.collect()
     }
 
-    fn nominal(&self) -> Vec<f64> {
-        vec![0.0; self.emulator.parameters()]
-    }
-
     /// What parameters leave of a campaign without effects: used columns with their departures [scatters].
     pub fn residuals(&self, values: &[f32], parameters: &[f64]) -> Vec<(usize, f64)> {
         let row = self.scale.row(values);
-        let (predicted, deviations) = self.emulator.statistics(parameters);
+        let predicted = self.emulator.statistics(parameters);
+        let deviations = self.emulator.deviations();
         let used = self.scale.used.iter().enumerate();
         let residual = |place: usize| (row[place] - predicted[place]) / deviations[place];
         used.map(|(place, column)| (*column, residual(place)))

@@ -6,7 +6,7 @@ use super::candidate::{Candidate, candidates};
 use super::condition::{Case, CaseError, Cases, statistician};
 use super::discrepancy;
 use super::end_results::{EndResults, Step};
-use super::inference::{BaseRates, FEWEST_RIGS, Fit, Model, SelfTest, TrainingError};
+use super::inference::{BaseRates, FEWEST_RIGS, Fit, Judgement, Model, SelfTest, TrainingError};
 use super::model_file;
 use super::next_run::{Rival, Search};
 use super::parameter::{Offsets, Parameter, parameters};
@@ -349,7 +349,8 @@ impl<'a> Investigation<'a> {
         let judgement = model.judge(&values, &self.settings.rates);
         let chosen = Chosen::of(&judgement);
         let healthy = model.fit(&values, &[]);
-        let answered = model.fit(&values, &chosen.effects);
+        let fit = |chosen: &Chosen| model.fit(&values, &chosen.effects);
+        let answered = fit(&chosen);
         let signatures = model.signatures(&answered.parameters);
         let screen = screen(&self.candidates, &judgement.opinion.evidence, &signatures);
         let grounds = Grounds {
@@ -364,11 +365,11 @@ impl<'a> Investigation<'a> {
         };
         let yardstick = Yardstick {
             model: &model,
-            columns: set.columns(),
+            columns: &set.population.columns,
         };
         let simulated = self.simulate(&variants, hear)?;
         let comparison = self.comparison(&simulated)?;
-        let spread = self.spread(&model, set.columns(), &healthy);
+        let spread = self.spread(&model, &set.population.columns, &healthy);
         let map = comparison.map(&Margins::default(), &spread, self.settings.seed);
         let validation = validate(
             yardstick,
@@ -390,7 +391,7 @@ impl<'a> Investigation<'a> {
             bank: &|cases| self.bank(cases),
             progress: &|now| hear(validating(now)),
         };
-        let verdict = self.with_next_run(verdict, &model, &values, &search)?;
+        let verdict = self.with_next_run(verdict, &judgement, &fit, &search)?;
         let limits = screen.iter().map(|it| (it.name.clone(), it.detectable));
         let cosines = signatures.cosines.row_iter();
         let diagnosis = Diagnosis {
@@ -403,7 +404,7 @@ impl<'a> Investigation<'a> {
             isolability: cosines.map(|row| row.iter().copied().collect()).collect(),
             self_test: model.self_test.clone(),
             in_units: in_units(
-                set.columns(),
+                &set.population.columns,
                 &self.measured,
                 &simulated,
                 &variants,
@@ -459,10 +460,8 @@ impl<'a> Investigation<'a> {
             return Ok(model);
         }
         let table = set.draw(self.rigs, &|now| hear(drawing(now, self.rigs)))?;
-        let of_rigs: Vec<String> = self.of_rigs.iter().map(Candidate::name).collect();
-        let kept = names
-            .iter()
-            .filter_map(|name| of_rigs.iter().position(|it| it == name));
+        let kept = (0..self.of_rigs.len())
+            .filter(|place| self.of_rigs[*place].is_none_of(&self.settings.without));
         let mut table = table.restricted(&kept.collect::<Vec<_>>());
         discrepancy::add(&mut table, discrepancy, self.settings.seed);
         let model = Model::train(&table, &self.candidates, self.settings.seed)?;
@@ -483,10 +482,7 @@ impl<'a> Investigation<'a> {
     }
 
     fn offsets(&self, fit: &Fit) -> Offsets {
-        let pairs = self.parameters.iter().zip(&fit.parameters);
-        pairs.fold(Offsets::default(), |offsets, (parameter, by)| {
-            offsets.with(parameter, by * parameter.sd)
-        })
+        Offsets::of_deviations(&self.parameters, &fit.parameters)
     }
 
     fn with_effects(&self, chosen: &Chosen, fit: &Fit) -> Option<Arm> {
@@ -550,7 +546,7 @@ impl<'a> Investigation<'a> {
         let located = strong.map(|(column, deviations)| {
             let Column {
                 condition, cell, ..
-            } = &set.columns()[column];
+            } = &set.population.columns[column];
             Located {
                 condition: self.cases[*condition].condition.clone(),
                 cell: cell.clone(),
@@ -566,20 +562,19 @@ impl<'a> Investigation<'a> {
     fn with_next_run(
         &self,
         verdict: Verdict,
-        model: &Model,
-        values: &[f32],
+        judgement: &Judgement,
+        fit: &dyn Fn(&Chosen) -> Fit,
         search: &Search,
     ) -> Result<Verdict, BankError> {
         let Some(pair) = verdict.open_between() else {
             return Ok(verdict);
         };
-        let judgement = model.judge(values, &self.settings.rates);
         let rival = |name: &str| {
             let effect = self.candidates.iter().position(|it| it.name() == name)?;
             let chosen = Chosen {
                 effects: vec![(effect, judgement.opinion.evidence.sizes[effect].middle)],
             };
-            let arm = self.with_effects(&chosen, &model.fit(values, &chosen.effects))?;
+            let arm = self.with_effects(&chosen, &fit(&chosen))?;
             let name = name.to_owned();
             Some(Rival { name, arm })
         };
@@ -610,7 +605,11 @@ impl<'a> Investigation<'a> {
 
     fn compared(&self, set: &RigSet) -> Compared {
         let cells = |condition: usize| {
-            let own = set.columns().iter().filter(|it| it.condition == condition);
+            let own = set
+                .population
+                .columns
+                .iter()
+                .filter(|it| it.condition == condition);
             let mut runs = self.measured[condition].iter();
             let first = runs.next();
             let both = own

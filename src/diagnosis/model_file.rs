@@ -8,8 +8,8 @@
 //! A file that is torn, altered, or of other rigs does not open, and the model is learned again.
 
 use super::inference::Model;
+use super::sealed::{self, hash};
 use crate::whole_file;
-use sha2::{Digest, Sha256};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -23,12 +23,7 @@ pub fn path(folder: &Path, rigs: usize, key: &str) -> PathBuf {
 /// The model in a file; none where it is not there and whole.
 pub fn read(path: &Path, key: &str) -> Option<Model> {
     let bytes = std::fs::read(path).ok()?;
-    let end = bytes.iter().position(|byte| *byte == b'\n')?;
-    let (first, body) = (&bytes[..end], &bytes[end + 1..]);
-    if first != heading(key, body).as_bytes() {
-        return None;
-    }
-    postcard::from_bytes(body).ok()
+    postcard::from_bytes(sealed::open(&title(key), &bytes)?).ok()
 }
 
 /// Writes a model.
@@ -37,17 +32,9 @@ pub fn read(path: &Path, key: &str) -> Option<Model> {
 /// Where the file cannot be written.
 pub fn write(path: &Path, key: &str, model: &Model) -> io::Result<()> {
     let body = postcard::to_stdvec(model).map_err(io::Error::other)?;
-    let mut bytes = heading(key, &body).into_bytes();
-    bytes.push(b'\n');
-    bytes.extend(body);
-    whole_file::write_unsynced(path, &bytes)
+    whole_file::write_unsynced(path, &sealed::seal(&title(key), &body))
 }
 
-fn heading(key: &str, body: &[u8]) -> String {
-    format!("{HEADING} {} {}", hash(key.as_bytes()), hash(body))
-}
-
-fn hash(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+fn title(key: &str) -> String {
+    format!("{HEADING} {}", hash(key.as_bytes()))
 }

@@ -345,6 +345,14 @@ pub fn parameters(scenario: &Scenario) -> impl Iterator<Item = &'static Paramete
 pub struct Offsets(BTreeMap<&'static str, f64>);
 
 impl Offsets {
+    /// Parameters off by so many prior standard deviations each.
+    pub fn of_deviations(parameters: &[&'static Parameter], deviations: &[f64]) -> Self {
+        let pairs = parameters.iter().zip(deviations);
+        pairs.fold(Self::default(), |offsets, (parameter, by)| {
+            offsets.with(parameter, by * parameter.sd)
+        })
+    }
+
     /// These and one more, or another offset of one of them, in its coordinate.
     pub fn with(mut self, parameter: &Parameter, offset: f64) -> Self {
         if offset == 0.0 {

@@ -18,6 +18,7 @@ pub use table::{Column, Row, Table};
 use super::candidate::Candidate;
 use super::condition::{Case, statistician};
 use super::parameter::Parameter;
+use super::sealed;
 use crate::gap::Run;
 use crate::quantity::{RangeError, Seed};
 use crate::whole_file;
@@ -150,11 +151,6 @@ impl RigSet {
     /// Folder of what belongs to these rigs.
     pub fn folder(&self) -> &Path {
         self.store.folder()
-    }
-
-    /// The statistics that rows hold.
-    pub fn columns(&self) -> &[Column] {
-        &self.population.columns
     }
 
     /// The rows of the first `count` rigs, on the threads of the pool in which this is called; those in the folder are not
@@ -293,6 +289,6 @@ impl Population {
         for column in &self.columns {
             text += &format!("{} {}\n", column.condition, column.cell);
         }
-        store::hash(text.as_bytes())
+        sealed::hash(text.as_bytes())
     }
 }

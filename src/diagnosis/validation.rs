@@ -15,7 +15,9 @@ use super::condition::Case;
 use super::inference::Model;
 use super::rigs::Column;
 use super::simulated_runs::SimulatedRuns;
-use crate::gap::{Cell, Closed, Condition, Run, Scores, Statistic, closed};
+use crate::gap::{
+    Cell, Closed, Condition, Run, Scores, Statistic, closed, energy_score, least_energy_score,
+};
 use crate::quantity::Seed;
 use serde::{Deserialize, Serialize};
 
@@ -63,8 +65,10 @@ pub struct Yardstick<'a> {
 
 impl Yardstick<'_> {
     fn row(&self, condition: usize, run: &Run) -> Vec<f64> {
-        self.model
-            .standardised(self.columns, condition, &run.readings)
+        let row = self
+            .model
+            .standardised(self.columns, condition, &run.readings);
+        per_statistic(row)
     }
 }
 
@@ -89,15 +93,15 @@ pub fn validate(
         };
         let [shipped, recalibrated, with_effect] = [&shipped, recalibrated, with_effect].map(rows);
         // The better model has the scatter of a perfect one.
-        let floor = 0.5 * among(&with_effect)?;
+        let floor = least_energy_score(&with_effect)?;
         for run in &measured[condition] {
             let row = yardstick.row(condition, run);
-            of_shipped.push(score(&row, &shipped)?);
+            of_shipped.push(energy_score(&row, &shipped)?);
             scores.push(Scores {
                 condition: case.condition.clone(),
                 day: run.attributes.day.clone(),
-                recalibrated: score(&row, &recalibrated)?,
-                with_effect: score(&row, &with_effect)?,
+                recalibrated: energy_score(&row, &recalibrated)?,
+                with_effect: energy_score(&row, &with_effect)?,
                 floor,
             });
         }
@@ -120,22 +124,11 @@ pub fn validate(
     })
 }
 
-fn score(row: &[f64], made: &[Vec<f64>]) -> Option<f64> {
-    let apart: f64 = made.iter().map(|made| distance(row, made)).sum();
-    Some(apart / made.len() as f64 - 0.5 * among(made)?)
-}
-
-/// Mean distance of two of these; none of fewer than two.
-fn among(rows: &[Vec<f64>]) -> Option<f64> {
-    let pairs = rows.iter().enumerate();
-    let distances = pairs.flat_map(|(i, a)| rows[..i].iter().map(move |b| distance(a, b)));
-    let distances: Vec<f64> = distances.collect();
-    (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64)
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
-    libm::sqrt(squares.sum::<f64>() / a.len().max(1) as f64)
+/// A row whose Euclidean distances are `d`.
+fn per_statistic(mut row: Vec<f64>) -> Vec<f64> {
+    let root = libm::sqrt(row.len().max(1) as f64);
+    row.iter_mut().for_each(|z| *z /= root);
+    row
 }
 
 /// A number of one condition in its own unit.
@@ -197,13 +190,15 @@ mod tests {
 
     #[test]
     fn a_run_like_the_others_scores_the_floor_and_one_far_away_its_distance() {
-        let made = vec![vec![0.0, 0.0], vec![2.0, 0.0]];
-        let apart = among(&made).unwrap();
+        let score =
+            |row: [f64; 2], made: &[Vec<f64>]| energy_score(&per_statistic(row.to_vec()), made);
+        let made = [vec![0.0, 0.0], vec![2.0, 0.0]].map(per_statistic);
+        let apart = 2.0 * least_energy_score(&made).unwrap();
         assert!((apart - libm::sqrt(2.0)).abs() < 1e-12);
         // From one of two equal distances half of each.
-        assert!((score(&[0.0, 0.0], &made).unwrap()).abs() < 1e-12);
-        let far = score(&[1001.0, 0.0], &made).unwrap();
+        assert!((score([0.0, 0.0], &made).unwrap()).abs() < 1e-12);
+        let far = score([1001.0, 0.0], &made).unwrap();
         assert!((far - (1000.0 / libm::sqrt(2.0) - 0.5 * apart)).abs() < 1e-3);
-        assert_eq!(among(&made[..1]), None);
+        assert_eq!(least_energy_score(&made[..1]), None);
     }
 }

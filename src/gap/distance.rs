@@ -154,13 +154,22 @@ impl Whitening {
     pub fn energy_score(&self, measured: &Readings, replicates: &[&Readings]) -> Option<f64> {
         let run = self.whitened(measured)?;
         let made: Option<Vec<_>> = replicates.iter().map(|run| self.whitened(run)).collect();
-        let made = made.filter(|made| made.len() > 1)?;
-        let count = made.len() as f64;
-        let off = made.iter().map(|other| apart(&run, other)).sum::<f64>() / count;
-        let pairs = made.iter().enumerate();
-        let among = pairs.flat_map(|(i, a)| made[..i].iter().map(move |b| apart(a, b)));
-        Some(off - among.sum::<f64>() / (count * (count - 1.0)))
+        energy_score(&run, &made?)
     }
+}
+
+/// Energy score of a run against simulated ones, all as rows of numbers; none against fewer than two.
+pub fn energy_score(run: &[f64], made: &[Vec<f64>]) -> Option<f64> {
+    let off: f64 = made.iter().map(|other| apart(run, other)).sum();
+    Some(off / made.len() as f64 - least_energy_score(made)?)
+}
+
+/// What a run that is one of these scores in the mean: half of their mean distance; none of fewer than two.
+pub fn least_energy_score(made: &[Vec<f64>]) -> Option<f64> {
+    let pairs = made.iter().enumerate();
+    let among = pairs.flat_map(|(i, a)| made[..i].iter().map(move |b| apart(a, b)));
+    let count = made.len() as f64;
+    (made.len() > 1).then(|| among.sum::<f64>() / (count * (count - 1.0)))
 }
 
 /// Shares [-] of the identity that are tried.

@@ -253,11 +253,16 @@ impl Emulator {
         self.coefficients.rows(first, CURVE).transpose()
     }
 
-    /// Standardised statistics at these parameters without effects, and their deviations about that.
-    pub fn statistics(&self, parameters: &[f64]) -> (Vec<f64>, &[f64]) {
+    /// Standard deviations of the standardised statistics about the emulator.
+    pub fn deviations(&self) -> &[f64] {
+        &self.deviations
+    }
+
+    /// Standardised statistics at these parameters without effects.
+    pub fn statistics(&self, parameters: &[f64]) -> Vec<f64> {
         let features = RowDVector::from_row_slice(&features(parameters));
         let row = features * &self.of_parameters;
-        (row.iter().copied().collect(), &self.deviations)
+        row.iter().copied().collect()
     }
 
     /// Derivatives of the standardised statistics with respect to the parameters, one a row.

@@ -57,6 +57,12 @@ pub struct Rig {
 }
 
 impl RowDesign {
+    /// Without effects.
+    pub const PLAIN: Self = Self {
+        effects: Vec::new(),
+        law: None,
+    };
+
     /// Whether the wheel moves alike in both.
     pub fn shares_motion(&self, other: &Self, candidates: &[Candidate]) -> bool {
         let moved = |row: &Self| {
@@ -124,10 +130,7 @@ pub fn rigs(candidates: &[Candidate], parameters: usize, count: usize, seed: See
 }
 
 fn still(of_sensors: &mut Turns, rng: &mut ChaCha8Rng) -> Vec<RowDesign> {
-    let mut rows = vec![RowDesign {
-        effects: Vec::new(),
-        law: None,
-    }];
+    let mut rows = vec![RowDesign::PLAIN];
     let counts = std::iter::repeat_n(1, SINGLES).chain(std::iter::repeat_n(2, PAIRS));
     for count in counts {
         let mut effects: Vec<Part> = Vec::new();

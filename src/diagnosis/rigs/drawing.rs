@@ -10,9 +10,7 @@ use crate::gap::{Readings, Statistician};
 use crate::quantity::{SampleRate, Seed};
 use crate::scenario::Scenario;
 use crate::scenario::experiment::ExperimentError;
-use crate::scenario::recording::Remeasured;
 use crate::sensors::Sensors;
-use crate::trace::Trace;
 use rand::RngExt;
 use std::ops::ControlFlow;
 
@@ -40,18 +38,6 @@ impl NoRig {
 struct Place<'a> {
     case: &'a Case,
     number: usize,
-}
-
-/// A motion in a condition.
-struct Reading<'a> {
-    many: &'a Remeasured<'a>,
-}
-
-impl Reading<'_> {
-    fn trace(&self, sensors: &Sensors) -> Result<Trace, NoRig> {
-        let measured = self.many.measure(sensors);
-        measured.map_err(|error| NoRig::failed(&error))
-    }
 }
 
 /// Reads rigs.
@@ -98,7 +84,7 @@ impl Drawing<'_> {
         for row in rows {
             scenarios.push(self.scenario(rig, row, place)?);
         }
-        let plain = self.plain(rig, place)?;
+        let plain = self.scenario(rig, &RowDesign::PLAIN, place)?;
         let rate = plain.physics_rate().hertz();
         let faster = SampleRate::new(FASTER * rate).ok();
         let rate = faster.filter(|_| rng.random::<f64>() < OFTEN);
@@ -116,8 +102,11 @@ impl Drawing<'_> {
         let plain = sensors(&plain)?;
         let many = recording.for_many(&plain);
         let many = many.map_err(|error| NoRig::failed(&error))?;
-        let reading = Reading { many: &many };
-        let ideal = reading.trace(&plain)?;
+        let measure = |sensors: &Sensors| {
+            let measured = many.measure(sensors);
+            measured.map_err(|error| NoRig::failed(&error))
+        };
+        let ideal = measure(&plain)?;
         let base = case.as_measured(&ideal, &mut rng.clone());
         let known = self.statistician.read(&base);
         let mut readings = Vec::new();
@@ -127,7 +116,7 @@ impl Drawing<'_> {
                 readings.push(known.clone());
                 continue;
             }
-            let mut trace = reading.trace(&sensors)?;
+            let mut trace = measure(&sensors)?;
             if let Some(law) = &row.law {
                 law.modulate(&mut trace, &ideal);
             }
@@ -139,7 +128,8 @@ impl Drawing<'_> {
 
     /// The scenario of a row.
     fn scenario(&self, rig: &Rig, row: &RowDesign, place: Place) -> Result<Scenario, NoRig> {
-        let mut arm = Arm::of_offsets(self.offsets(rig));
+        let parameters = &self.set.population.parameters;
+        let mut arm = Arm::of_offsets(Offsets::of_deviations(parameters, &rig.parameters));
         for part in &row.effects {
             let candidate = &self.set.population.candidates[part.candidate];
             let size = match &row.law {
@@ -151,20 +141,6 @@ impl Drawing<'_> {
         }
         let scenario = arm.scenario(place.case);
         scenario.map_err(|error| NoRig::failed(&error))
-    }
-
-    /// The scenario without effects.
-    fn plain(&self, rig: &Rig, place: Place) -> Result<Scenario, NoRig> {
-        let arm = Arm::of_offsets(self.offsets(rig));
-        let scenario = arm.scenario(place.case);
-        scenario.map_err(|error| NoRig::failed(&error))
-    }
-
-    fn offsets(&self, rig: &Rig) -> Offsets {
-        let pairs = self.set.population.parameters.iter().zip(&rig.parameters);
-        pairs.fold(Offsets::default(), |offsets, (parameter, by)| {
-            offsets.with(parameter, by * parameter.sd)
-        })
     }
 }
 

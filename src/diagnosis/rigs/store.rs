@@ -11,9 +11,9 @@
 //! rows.
 
 use super::table::Row;
+use crate::diagnosis::sealed;
 use crate::whole_file;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -89,17 +89,12 @@ fn sealed(key: &str, drawn: &Drawn) -> Vec<u8> {
     for value in drawn.iter().flatten().flat_map(|row| &row.values) {
         body.extend(value.to_le_bytes());
     }
-    let mut bytes = format!("{HEADING} {key} {}\n", hash(&body)).into_bytes();
-    bytes.extend(body);
-    bytes
+    sealed::seal(&title(key), &body)
 }
 
 fn opened(key: &str, bytes: &[u8]) -> Option<Drawn> {
-    let (first, body) = line(bytes)?;
-    if first != format!("{HEADING} {key} {}", hash(body)).as_bytes() {
-        return None;
-    }
-    let (header, values) = line(body)?;
+    let body = sealed::open(&title(key), bytes)?;
+    let (header, values) = sealed::line(body)?;
     let Header {
         mut rows,
         columns,
@@ -119,15 +114,8 @@ fn opened(key: &str, bytes: &[u8]) -> Option<Drawn> {
     Some(Ok(rows))
 }
 
-fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let end = bytes.iter().position(|byte| *byte == b'\n')?;
-    Some((&bytes[..end], &bytes[end + 1..]))
-}
-
-/// SHA-256 in hexadecimal digits.
-pub(super) fn hash(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+fn title(key: &str) -> String {
+    format!("{HEADING} {key}")
 }
 
 #[cfg(test)]

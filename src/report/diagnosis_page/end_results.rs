@@ -108,7 +108,8 @@ fn of_stages((result, of, stages): (&str, Step, &Stages)) -> Vec<Vec<Cell>> {
     shares.collect()
 }
 
-fn step(step: Step) -> &'static str {
+/// A simulator as a reader says it.
+pub fn step(step: Step) -> &'static str {
     match step {
         Step::AsShipped => "as shipped",
         Step::Recalibrated => "recalibrated",

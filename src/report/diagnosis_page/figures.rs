@@ -1,7 +1,8 @@
 //! The answer in figures: which causes are left, how large the difference is, and how far all that can be trusted.
 
-use super::units::shown;
+use super::units::{of_level, shown};
 use super::words::{self, listed, percent};
+use super::{end_results, shrinkage};
 use crate::diagnosis::inference::SelfTest;
 use crate::diagnosis::{Diagnosis, EndResults, InUnits, Step, Verdict};
 use crate::gap::Statistic;
@@ -9,8 +10,6 @@ use crate::report::page::{Section, four_digits};
 
 /// Causes of a set that are listed.
 const LISTED: usize = 6;
-/// Level [dB] of a factor of ten.
-const DECADE: f64 = 20.0;
 
 /// What a reader needs who reads nothing else.
 pub fn section(diagnosis: &Diagnosis) -> Section {
@@ -76,14 +75,10 @@ fn differences(diagnosis: &Diagnosis) -> String {
 fn step_of_mean(results: &EndResults, channel: &str) -> Option<String> {
     let mean = results.means.iter().find(|it| it.channel == channel)?;
     let (unit, factor) = shown(mean.unit);
-    let step = match results.step {
-        Step::AsShipped => "as shipped",
-        Step::Recalibrated => "recalibrated",
-        Step::WithEffect => "with effect",
-    };
+    let error = four_digits(factor * mean.error);
     Some(format!(
-        "{} {unit} {step}",
-        four_digits(factor * mean.error)
+        "{error} {unit} {}",
+        end_results::step(results.step)
     ))
 }
 
@@ -93,10 +88,9 @@ fn vibration(rows: &[InUnits]) -> Option<String> {
         &*row.cell.channel == "acceleration_y" && row.cell.statistic == Statistic::Deviation
     });
     let own: Vec<&InUnits> = own.collect();
-    let amplitude = |level: f64| libm::pow(10.0, level / DECADE);
-    let step = |name: &str, simulated: &dyn Fn(&InUnits) -> Option<f64>| {
+    let step = |of: Step, simulated: &dyn Fn(&InUnits) -> Option<f64>| {
         let errors = own.iter().map(|row| {
-            let error = amplitude(row.measured) - amplitude(simulated(row)?);
+            let error = of_level(row.measured) - of_level(simulated(row)?);
             Some(error * error)
         });
         let squares: Vec<f64> = errors.collect::<Option<_>>()?;
@@ -104,12 +98,13 @@ fn vibration(rows: &[InUnits]) -> Option<String> {
             return None;
         }
         let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-        Some(format!("{} m/s² {name}", four_digits(libm::sqrt(mean))))
+        let error = four_digits(libm::sqrt(mean));
+        Some(format!("{error} m/s² {}", end_results::step(of)))
     };
     let steps = [
-        step("as shipped", &|row| Some(row.as_shipped)),
-        step("recalibrated", &|row| row.recalibrated),
-        step("with effect", &|row| row.with_effect),
+        step(Step::AsShipped, &|row| Some(row.as_shipped)),
+        step(Step::Recalibrated, &|row| row.recalibrated),
+        step(Step::WithEffect, &|row| row.with_effect),
     ];
     let steps: Vec<String> = steps.into_iter().flatten().collect();
     (!steps.is_empty()).then(|| {
@@ -122,12 +117,8 @@ fn vibration(rows: &[InUnits]) -> Option<String> {
 
 fn closed(diagnosis: &Diagnosis) -> Option<String> {
     let closed = diagnosis.closed?;
-    let [low, high] = closed.ci95.map(percent);
-    Some(format!(
-        "{} [{low}, {high}] of what recalibration leaves, by {}",
-        percent(closed.value),
-        diagnosis.closed_with.join(" and ")
-    ))
+    let added = listed(&diagnosis.closed_with, "and");
+    Some(shrinkage::of_the_gap(&closed, &added))
 }
 
 /// What the method reaches on campaigns of this layout.

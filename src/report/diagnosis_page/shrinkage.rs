@@ -29,13 +29,18 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
 
 fn answer(closed: Option<Closed>, added: &str) -> String {
     match closed {
-        Some(closed) => format!(
-            "{added} closes {} of what recalibration leaves of the gap{}.",
-            percent(closed.value),
-            interval(&closed)
-        ),
+        Some(closed) => format!("{}.", of_the_gap(&closed, added)),
         None => "Recalibration leaves no gap that an effect could close.".to_owned(),
     }
+}
+
+/// How much of the gap is closed by what is added.
+pub fn of_the_gap(closed: &Closed, added: &str) -> String {
+    format!(
+        "{added} closes {} of what recalibration leaves of the gap{}",
+        percent(closed.value),
+        interval(closed)
+    )
 }
 
 fn interval(closed: &Closed) -> String {

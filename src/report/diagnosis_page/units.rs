@@ -81,6 +81,11 @@ pub fn shown(unit: &str) -> (&str, f64) {
     }
 }
 
+/// The amplitude of a level [dB].
+pub fn of_level(level: f64) -> f64 {
+    libm::pow(10.0, level / 20.0)
+}
+
 /// How a number of a cell is shown.
 struct Shown {
     unit: String,
@@ -105,14 +110,10 @@ impl Shown {
         }
     }
 
-    fn of_level(level: f64) -> f64 {
-        libm::pow(10.0, level / 20.0)
-    }
-
     /// A value in the unit shown.
     fn of_value(&self, value: f64) -> f64 {
         match self.is_level {
-            true => self.factor * Self::of_level(value),
+            true => self.factor * of_level(value),
             false => self.factor * value,
         }
     }
@@ -137,7 +138,7 @@ fn difference(diagnosis: &Diagnosis, row: &InUnits, shown: &Shown) -> Cell {
     ];
     match shown.is_level {
         true => {
-            let [value, low, high] = told.map(Shown::of_level);
+            let [value, low, high] = told.map(of_level);
             Cell::Written(format!("×{value:.3} [{low:.3}, {high:.3}]"), value)
         }
         false => {
