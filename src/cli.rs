@@ -1,10 +1,12 @@
-//! The commands: the only part of the program that talks.
+//! The commands of the program: the only part of the library that prints.
 //!
 //! A command's result goes to stdout, as text or with `--json` as one document; progress and
-//! warnings go to stderr. [`failure`] has the exit codes.
+//! warnings go to stderr. [`failure`] has the exit codes. [`call`] runs a command inside of another program, which
+//! receives all of this through a [`Console`].
 
 mod challenge;
 mod cluster;
+pub mod console;
 mod dataset;
 mod demo;
 mod diagnose;
@@ -27,7 +29,11 @@ mod study;
 mod target;
 
 use clap::{Parser, Subcommand};
+use console::{Attached, Console};
+use failure::Failure;
+pub use interrupt::request as interrupt_calls;
 use output::Output;
+use std::sync::Arc;
 
 /// Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
 /// rig would.
@@ -97,20 +103,40 @@ impl Cli {
 /// Those of the command; [`failure::report`] tells what each means to the caller.
 pub fn run(cli: &Cli) -> anyhow::Result<()> {
     interrupt::listen()?;
-    let output = &cli.output;
-    match &cli.command {
-        Command::Demo(command) => command.run(output),
-        Command::Simulate(command) => command.run(output),
-        Command::Dataset(command) => command.run(output),
-        Command::Study(command) => command.run(output),
-        Command::Import(command) => command.run(output),
-        Command::Inspect(command) => command.run(output),
-        Command::Plot(command) => command.run(output),
-        Command::Recognize(command) => command.run(output),
-        Command::Identify(command) => command.run(output),
-        Command::Effects(command) => command.run(output),
-        Command::Diagnose(command) => command.run(output),
-        Command::Challenge(command) => command.run(output),
+    cli.command.run(&cli.output)
+}
+
+/// Runs the command that `arguments` (those behind the program's name) ask for inside of another program:
+/// `console` receives what a terminal would show. [`interrupt_calls`] stops it from another thread.
+///
+/// # Errors
+/// Wrong usage and those of the command. A command may have given its result all the same: `failed_runs`, or
+/// an inspection that found errors.
+pub fn call(arguments: &[String], console: Arc<dyn Console>) -> Result<(), Failure> {
+    let words = std::iter::once("lugwheel").chain(arguments.iter().map(String::as_str));
+    let mut cli = Cli::try_parse_from(words).map_err(|error| Failure::of_usage(&error))?;
+    cli.output.console = Attached::to(console);
+    let _call = interrupt::Call::begin();
+    let done = cli.command.run(&cli.output);
+    done.map_err(|error| Failure::of(&error))
+}
+
+impl Command {
+    fn run(&self, output: &Output) -> anyhow::Result<()> {
+        match self {
+            Self::Demo(command) => command.run(output),
+            Self::Simulate(command) => command.run(output),
+            Self::Dataset(command) => command.run(output),
+            Self::Study(command) => command.run(output),
+            Self::Import(command) => command.run(output),
+            Self::Inspect(command) => command.run(output),
+            Self::Plot(command) => command.run(output),
+            Self::Recognize(command) => command.run(output),
+            Self::Identify(command) => command.run(output),
+            Self::Effects(command) => command.run(output),
+            Self::Diagnose(command) => command.run(output),
+            Self::Challenge(command) => command.run(output),
+        }
     }
 }
 

@@ -211,3 +211,6 @@ pub mod report;
 
 // The user's guide.
 pub mod guide;
+
+// What is commanded: the program, from its arguments to its words.
+pub mod cli;

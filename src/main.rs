@@ -1,7 +1,6 @@
-//! The program: runs one command and tells by its exit code how that went.
+//! The program: runs one command and reports by its exit code how that went.
 
-mod cli;
-
+use lugwheel::cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

@@ -6,6 +6,7 @@ mod common;
 
 mod any_scenario;
 mod architecture;
+mod called_command;
 mod challenge;
 mod chrono_scm;
 mod cli;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 24] = [
     "quantity",
     "document",
     "wheel",
@@ -28,6 +28,7 @@ const ORDER: [&str; 23] = [
     "challenge",
     "report",
     "guide",
+    "cli",
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -2,10 +2,10 @@
 
 use super::interrupt::{self, Interrupted};
 use super::progress::Progress;
+use crate::study::slurm::{News, Programs, SlurmError, Standing, Submission, TRIES};
+use crate::study::{Study, StudyError};
 use anyhow::Context;
 use clap::Args;
-use lugwheel::study::slurm::{News, Programs, SlurmError, Standing, Submission, TRIES};
-use lugwheel::study::{Study, StudyError};
 use std::num::NonZeroU32;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf, absolute};

@@ -8,18 +8,16 @@ use super::progress::Progress;
 use super::scenario_args::ScenarioArgs;
 use super::series::{Jobs, Outcome, Series, spreads};
 use super::steady::{QUANTITIES, Spread};
+use crate::dataset::Provenance;
+use crate::dataset::hdf5::{RunFileWriter, write_table};
+use crate::dataset::records::Records;
+use crate::features::{Settings, Window};
+use crate::learning::windows::Windower;
+use crate::learning::{ChannelFact, DataSet, Facts, FileFact, Kept, run_fields, run_id, windows};
+use crate::scenario::Scenario;
+use crate::terrain::class::{TerrainLabel, Wtic};
+use crate::trace::Trace;
 use clap::Args;
-use lugwheel::dataset::Provenance;
-use lugwheel::dataset::hdf5::{RunFileWriter, write_table};
-use lugwheel::dataset::records::Records;
-use lugwheel::features::{Settings, Window};
-use lugwheel::learning::windows::Windower;
-use lugwheel::learning::{
-    ChannelFact, DataSet, Facts, FileFact, Kept, run_fields, run_id, windows,
-};
-use lugwheel::scenario::Scenario;
-use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::Trace;
 use parts::{Before, Part, Parts, RunFacts};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -9,22 +9,22 @@ use super::provenance::quoted;
 use super::scenario_args;
 use super::series::Jobs;
 use super::target::Claim;
-use anyhow::Context;
-use clap::Args;
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::diagnosis::arm::Arm;
-use lugwheel::diagnosis::condition::LONGEST;
-use lugwheel::diagnosis::inference::{BaseRates, FEWEST_RIGS};
-use lugwheel::diagnosis::rigs::Origin;
-use lugwheel::diagnosis::{
+use crate::dataset::hdf5::RunFile;
+use crate::diagnosis::arm::Arm;
+use crate::diagnosis::condition::LONGEST;
+use crate::diagnosis::inference::{BaseRates, FEWEST_RIGS};
+use crate::diagnosis::rigs::Origin;
+use crate::diagnosis::{
     self, ArmTraces, BUDGET, Diagnosis, Hear, Investigation, InvestigationError, Settings, Stage,
     Variants,
 };
-use lugwheel::gap::GapMap;
-use lugwheel::quantity::Seed;
-use lugwheel::report::{self, ToldDiagnosis};
-use lugwheel::scenario::Scenario;
-use lugwheel::trace::Trace;
+use crate::gap::GapMap;
+use crate::quantity::Seed;
+use crate::report::{self, ToldDiagnosis};
+use crate::scenario::Scenario;
+use crate::trace::Trace;
+use anyhow::Context;
+use clap::Args;
 use serde::Serialize;
 use std::fmt;
 use std::ops::ControlFlow;

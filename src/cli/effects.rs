@@ -1,8 +1,8 @@
 //! `effects`: the catalogue.
 
 use super::output::Output;
+use crate::effects::{Bound, Effect, Seat, Source, Stage, catalogue, seated};
 use clap::Args;
-use lugwheel::effects::{Bound, Effect, Seat, Source, Stage, catalogue, seated};
 use serde::Serialize;
 use std::fmt;
 

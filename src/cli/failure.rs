@@ -7,15 +7,15 @@ use super::interrupt::Interrupted;
 use super::recognize::Unfit;
 use super::scenario_args::NoDocument;
 use super::study::{FailedRuns, UnansweredCampaigns};
-use lugwheel::challenge::ChallengeError;
-use lugwheel::dataset::csv::CampaignError;
-use lugwheel::dataset::hdf5::RunFileError;
-use lugwheel::diagnosis::InvestigationError;
-use lugwheel::document::Fault;
-use lugwheel::effects::EffectError;
-use lugwheel::scenario::ScenarioError;
-use lugwheel::study::StudyError;
-use lugwheel::whole_file;
+use crate::challenge::ChallengeError;
+use crate::dataset::csv::CampaignError;
+use crate::dataset::hdf5::RunFileError;
+use crate::diagnosis::InvestigationError;
+use crate::document::Fault;
+use crate::effects::EffectError;
+use crate::scenario::ScenarioError;
+use crate::study::StudyError;
+use crate::whole_file;
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, Write};
@@ -38,41 +38,49 @@ pub fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     let _ = write!(std::io::stderr(), "{}", message(error));
     let code = exit_code(error);
     if json && code != FAILED_RUNS && !error.is::<Doubtful>() {
-        print(&ErrorFact::of(error));
+        print(&Failure::of(error));
     }
     ExitCode::from(code)
 }
 
 /// Prints wrong usage as a JSON document to stdout.
 pub fn print_usage(error: &clap::Error) {
-    let message = error.to_string();
-    let message = message.trim_start_matches("error: ").trim_end();
-    print(&ErrorFact {
-        kind: "usage",
-        message: message.to_owned(),
-        file: None,
-        line: None,
-    });
+    print(&Failure::of_usage(error));
 }
 
-fn print(error: &ErrorFact) {
+fn print(error: &Failure) {
     let document = serde_json::json!({ "error": error });
     let _ = writeln!(std::io::stdout(), "{document:#}");
 }
 
 /// An error as machines read it.
-#[derive(Debug, Serialize)]
-struct ErrorFact {
-    kind: &'static str,
-    message: String,
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct Failure {
+    /// `usage`, `invalid_input`, `interrupted`, `failed_runs` where the rest was done, or `failed`.
+    pub kind: &'static str,
+    /// The error and its causes, a line each.
+    pub message: String,
     /// The input file at fault.
-    file: Option<String>,
+    pub file: Option<String>,
     /// The line in it, from 1.
-    line: Option<usize>,
+    pub line: Option<usize>,
 }
 
-impl ErrorFact {
-    fn of(error: &anyhow::Error) -> Self {
+impl Failure {
+    /// Wrong usage.
+    pub(super) fn of_usage(error: &clap::Error) -> Self {
+        let message = error.to_string();
+        Self {
+            kind: "usage",
+            message: message.trim_start_matches("error: ").trim_end().to_owned(),
+            file: None,
+            line: None,
+        }
+    }
+
+    /// What a command failed with.
+    pub(super) fn of(error: &anyhow::Error) -> Self {
         let fault = error.chain().find_map(fault);
         let unreadable = || {
             let run_file = error.chain().find_map(|cause| cause.downcast_ref());
@@ -83,6 +91,7 @@ impl ErrorFact {
             kind: match exit_code(error) {
                 INTERRUPTED => "interrupted",
                 INVALID_INPUT => "invalid_input",
+                FAILED_RUNS => "failed_runs",
                 _ => "failed",
             },
             message: message.trim_start_matches("error: ").trim_end().to_owned(),

@@ -2,12 +2,12 @@
 
 use super::interrupt;
 use super::output::Output;
+use crate::dataset::Provenance;
+use crate::dataset::csv::{Campaign, Gap};
+use crate::dataset::hdf5::RunFileWriter;
+use crate::dataset::inspection::{Finding, Severity, Sinkages, findings};
+use crate::trace::Trace;
 use clap::Args;
-use lugwheel::dataset::Provenance;
-use lugwheel::dataset::csv::{Campaign, Gap};
-use lugwheel::dataset::hdf5::RunFileWriter;
-use lugwheel::dataset::inspection::{Finding, Severity, Sinkages, findings};
-use lugwheel::trace::Trace;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;

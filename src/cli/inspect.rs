@@ -1,9 +1,9 @@
 //! `inspect`: what is in a run file, checked.
 
 use super::output::Output;
+use crate::dataset::hdf5::RunFile;
+use crate::dataset::inspection::{Inspection, Severity, inspect};
 use clap::Args;
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::dataset::inspection::{Inspection, Severity, inspect};
 use std::path::{Path, PathBuf};
 
 /// Say what is in a run file, and what is odd about it

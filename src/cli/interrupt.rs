@@ -1,6 +1,7 @@
 //! Ctrl-C: the first asks the running simulations to stop, the second stops the program.
 
 use anyhow::Context;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Somebody asked the program to stop; says what is left behind.
@@ -9,6 +10,45 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Interrupted(pub String);
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// Commands that another program has called and that have not returned.
+static CALLS: Mutex<usize> = Mutex::new(0);
+
+/// A command that another program has called; a request to stop ends with the last of them.
+#[derive(Debug)]
+pub struct Call(());
+
+impl Call {
+    /// A command begins.
+    pub fn begin() -> Self {
+        *count() += 1;
+        Self(())
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        let mut calls = count();
+        *calls -= 1;
+        if *calls == 0 {
+            REQUESTED.store(false, Ordering::Relaxed);
+        }
+    }
+}
+
+fn count() -> std::sync::MutexGuard<'static, usize> {
+    // A number is whole whatever happened to its last holder.
+    CALLS
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Asks every command that another program has called to stop, as Ctrl-C does in a terminal.
+pub fn request() {
+    if *count() > 0 {
+        REQUESTED.store(true, Ordering::Relaxed);
+    }
+}
 
 /// Begins to listen for Ctrl-C and for a request to terminate.
 pub fn listen() -> anyhow::Result<()> {

@@ -1,9 +1,10 @@
 //! Where a command's words and files go.
 
+use super::console::Attached;
 use super::target::Claim;
+use crate::whole_file;
 use anyhow::Context;
 use clap::Args;
-use lugwheel::whole_file;
 use serde::Serialize;
 use std::fmt::Display;
 use std::fs;
@@ -11,7 +12,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// How a command talks.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct Output {
     /// Print the result as one JSON document
     #[arg(long, global = true)]
@@ -22,6 +23,8 @@ pub struct Output {
     /// Replace existing results; never an input or a write-protected file
     #[arg(long, global = true)]
     pub force: bool,
+    #[arg(skip)]
+    pub console: Attached,
 }
 
 impl Output {
@@ -34,7 +37,7 @@ impl Output {
         }
     }
 
-    /// Prints the result of a command to stdout.
+    /// Prints the result of a command to stdout, or hands it to the calling program.
     ///
     /// # Errors
     /// Where stdout refuses; not where its reader has left, as `head` does.
@@ -44,13 +47,21 @@ impl Output {
         } else {
             result.to_string()
         };
-        let mut stdout = io::stdout().lock();
-        let printed = writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush());
+        let printed = match self.console.caller() {
+            Some(console) => console.result(text.trim_end()),
+            None => print_line(text.trim_end()),
+        };
         match printed {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other.context("cannot write to stdout"),
         }
     }
+}
+
+fn print_line(text: &str) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{text}")?;
+    stdout.flush()
 }
 
 /// The file asked for, or `name` in the folder of results named `of`.

@@ -1,10 +1,10 @@
 //! `plot`: the figure of a run.
 
 use super::output::{self, Output};
+use crate::dataset::hdf5::RunFile;
+use crate::report::trace_figure;
 use anyhow::{Context, ensure};
 use clap::Args;
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::report::trace_figure;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,6 @@
 //! How far a computation is, on a terminal.
 
+use super::console::Attached;
 use super::output::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
@@ -15,13 +16,15 @@ const FINENESS: f64 = 1.0e3;
 const TEMPLATE: &str = "{msg} [{bar:30}] {percent:>3} %, {speed}, {eta} left";
 
 /// A bar on stderr over the simulated time, with speed and time left; hidden for the first
-/// seconds, where stderr is no terminal, and with `--quiet`. It goes away when dropped.
+/// seconds, where stderr is no terminal, and with `--quiet`; a calling program receives the share instead. It
+/// goes away when dropped.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
     name: String,
     begun: Instant,
     is_quiet: bool,
+    console: Attached,
     shown: Once,
     next: Once,
 }
@@ -47,6 +50,7 @@ impl Progress {
             name: name.to_owned(),
             begun: Instant::now(),
             is_quiet: output.quiet,
+            console: output.console.clone(),
             shown: Once::new(),
             next: Once::new(),
         }
@@ -72,17 +76,27 @@ impl Progress {
 
     /// Says something above the bar, unless all is to be quiet.
     pub fn say(&self, text: &str) {
-        if !self.is_quiet {
-            self.bar.suspend(|| eprintln!("{text}"));
+        match self.console.caller() {
+            Some(console) => console.message(text),
+            None if self.is_quiet => {}
+            None => self.bar.suspend(|| eprintln!("{text}")),
         }
     }
 
     /// Warns of something above the bar.
     pub fn warn(&self, text: &str) {
-        self.bar.suspend(|| eprintln!("warning: {text}"));
+        match self.console.caller() {
+            Some(console) => console.warning(text),
+            None => self.bar.suspend(|| eprintln!("warning: {text}")),
+        }
     }
 
     fn show(&self) {
+        if let Some(console) = self.console.caller() {
+            let length = self.bar.length().unwrap_or_default().max(1);
+            let share = self.bar.position() as f64 / length as f64;
+            return console.progress(&self.bar.message(), share.min(1.0));
+        }
         if !self.is_quiet && self.begun.elapsed() > PATIENCE {
             self.shown
                 .call_once(|| self.bar.set_draw_target(ProgressDrawTarget::stderr()));

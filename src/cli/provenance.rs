@@ -1,6 +1,6 @@
 //! What a page says of how it was made.
 
-use lugwheel::dataset;
+use crate::dataset;
 use std::path::Path;
 use std::thread::available_parallelism;
 

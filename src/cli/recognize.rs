@@ -7,11 +7,11 @@ mod summary;
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
+use crate::dataset::hdf5::RunFile;
+use crate::features::{Settings, Window};
+use crate::recognition::{Method, Recognizer};
 use clap::{Args, ValueEnum};
 use figures::Figures;
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::features::{Settings, Window};
-use lugwheel::recognition::{Method, Recognizer};
 use std::path::{Path, PathBuf};
 use summary::Summary;
 

@@ -1,9 +1,9 @@
 //! The experiment a command runs: scenario, edits, seed.
 
+use crate::quantity::Seed;
+use crate::scenario::Scenario;
+use crate::study::Study;
 use clap::Args;
-use lugwheel::quantity::Seed;
-use lugwheel::scenario::Scenario;
-use lugwheel::study::Study;
 use std::fs;
 use std::path::{Path, PathBuf};
 

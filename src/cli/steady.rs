@@ -1,8 +1,8 @@
 //! What a run comes to: its steady loads, sinkage, slip and vibration.
 
-use lugwheel::report::page::four_digits;
-use lugwheel::trace::Trace;
-use lugwheel::trace::steadiness::Steadiness;
+use crate::report::page::four_digits;
+use crate::trace::Trace;
+use crate::trace::steadiness::Steadiness;
 use serde::{Deserialize, Serialize};
 
 /// A number that a run comes to.

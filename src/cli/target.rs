@@ -10,10 +10,10 @@
 //!
 //! A claim makes the folders above the target and tries whether they take a file, so that a full disk or
 //! a folder that cannot be written to is told before any work. A file that may be replaced stays until
-//! the new one is whole ([`whole_file`](lugwheel::whole_file)).
+//! the new one is whole ([`whole_file`](crate::whole_file)).
 
 use super::output;
-use lugwheel::whole_file;
+use crate::whole_file;
 use std::fs::{self, Metadata};
 use std::io::{self, ErrorKind::NotADirectory, ErrorKind::NotFound};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! A case put to `diagnose`.
 
+use crate::challenge::{Question, Unanswered};
 use crate::cli::interrupt;
-use lugwheel::challenge::{Question, Unanswered};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

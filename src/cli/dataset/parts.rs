@@ -13,12 +13,12 @@
 
 use crate::cli::output;
 use crate::cli::series::Outcome;
+use crate::dataset::Provenance;
+use crate::dataset::hdf5::{RunFile, RunFileWriter};
+use crate::learning::run_id;
+use crate::trace::Trace;
+use crate::whole_file;
 use anyhow::{Context, ensure};
-use lugwheel::dataset::Provenance;
-use lugwheel::dataset::hdf5::{RunFile, RunFileWriter};
-use lugwheel::learning::run_id;
-use lugwheel::trace::Trace;
-use lugwheel::whole_file;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

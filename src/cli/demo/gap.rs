@@ -5,12 +5,12 @@ use crate::cli::diagnose::Diagnose;
 use crate::cli::diagnose::summary::Summary;
 use crate::cli::output;
 use crate::cli::series::Jobs;
-use lugwheel::diagnosis::Answer;
-use lugwheel::diagnosis::condition::LONGEST;
-use lugwheel::effects::names_but;
-use lugwheel::report::page::{Figure, Section};
-use lugwheel::report::{gap_waterfall, probability_bars};
-use lugwheel::scenario::Scenario;
+use crate::diagnosis::Answer;
+use crate::diagnosis::condition::LONGEST;
+use crate::effects::names_but;
+use crate::report::page::{Figure, Section};
+use crate::report::{gap_waterfall, probability_bars};
+use crate::scenario::Scenario;
 use std::path::Path;
 
 const STUDY: &str = include_str!("gap.toml");

@@ -4,10 +4,10 @@ use super::small_study::{SAND, SmallStudy};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::series::Jobs;
-use lugwheel::identification::Parameter;
-use lugwheel::report::page::{Figure, Section, four_digits};
-use lugwheel::report::{force_curves, study_page};
-use lugwheel::study::identification::score::{GroupScore, IdentificationScore, Source};
+use crate::identification::Parameter;
+use crate::report::page::{Figure, Section, four_digits};
+use crate::report::{force_curves, study_page};
+use crate::study::identification::score::{GroupScore, IdentificationScore, Source};
 use std::path::Path;
 
 const STUDY: &str = include_str!("identification.toml");

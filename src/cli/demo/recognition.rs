@@ -2,16 +2,16 @@
 
 use super::Finding;
 use crate::cli::interrupt;
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::features::reference::Reference;
-use lugwheel::features::{Settings, Window};
-use lugwheel::recognition::confusion::{CLASSES, Confusion};
-use lugwheel::recognition::{Method, Recognizer};
-use lugwheel::report::page::{Cell, Column, Figure, Section, Table};
-use lugwheel::report::study_page::answers_and_truth;
-use lugwheel::report::{FeaturePoint, Group, feature_planes};
-use lugwheel::terrain::class::TerrainLabel;
-use lugwheel::trace::Trace;
+use crate::dataset::hdf5::RunFile;
+use crate::features::reference::Reference;
+use crate::features::{Settings, Window};
+use crate::recognition::confusion::{CLASSES, Confusion};
+use crate::recognition::{Method, Recognizer};
+use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::study_page::answers_and_truth;
+use crate::report::{FeaturePoint, Group, feature_planes};
+use crate::terrain::class::TerrainLabel;
+use crate::trace::Trace;
 
 /// Length of a window [s]: some six lug passes.
 pub const WINDOW: f64 = 8.0;

@@ -4,7 +4,7 @@ use crate::cli::interrupt::{self, Interrupted};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::series::Jobs;
-use lugwheel::study::{self, Options, Outcome, Study, StudyError};
+use crate::study::{self, Options, Outcome, Study, StudyError};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

@@ -10,8 +10,8 @@ use crate::cli::diagnose::summary::Summary;
 use crate::cli::provenance::{self, quoted};
 use crate::cli::series::spreads;
 use crate::cli::steady::{QUANTITIES, Quantity, Spread};
-use lugwheel::report::page::{self, Cell, Column, Figure, Page, Section, Table};
-use lugwheel::report::side_by_side;
+use crate::report::page::{self, Cell, Column, Figure, Page, Section, Table};
+use crate::report::side_by_side;
 use std::path::Path;
 
 /// What the page tells.

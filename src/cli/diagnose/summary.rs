@@ -1,10 +1,10 @@
 //! What a diagnosis came to, as text and for machines.
 
+use crate::diagnosis::{Answer, Diagnosis, Mechanism, Step, Suspect};
+use crate::gap::Colour;
+use crate::gap::stages::VibrationStages;
+use crate::trace::behind_number;
 use anyhow::Context;
-use lugwheel::diagnosis::{Answer, Diagnosis, Mechanism, Step, Suspect};
-use lugwheel::gap::Colour;
-use lugwheel::gap::stages::VibrationStages;
-use lugwheel::trace::behind_number;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fmt;

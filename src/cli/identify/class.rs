@@ -1,13 +1,13 @@
 //! Which class a run is fitted as, and who says so.
 
-use lugwheel::features::Settings;
-use lugwheel::features::reference::Reference;
-use lugwheel::quantity::RangeError;
-use lugwheel::recognition::confusion::CLASSES;
-use lugwheel::recognition::known::{Source, known_class};
-use lugwheel::recognition::{Method, Recognizer, class_of_most};
-use lugwheel::terrain::class::Wtic;
-use lugwheel::trace::Trace;
+use crate::features::Settings;
+use crate::features::reference::Reference;
+use crate::quantity::RangeError;
+use crate::recognition::confusion::CLASSES;
+use crate::recognition::known::{Source, known_class};
+use crate::recognition::{Method, Recognizer, class_of_most};
+use crate::terrain::class::Wtic;
+use crate::trace::Trace;
 use serde::Serialize;
 
 /// The class of a run, and who says so.

@@ -4,15 +4,15 @@ use super::class::{Teller, Told};
 use super::law::{Chosen, LawTold, OtherStress};
 use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::identification::{
+use crate::dataset::hdf5::RunFile;
+use crate::identification::{
     Cylinder, Estimate, Identification, IdentifyError, Law, Predictor, Scope, Setting, SteadyLoad,
     SteadyRow, pool, steady_stretches,
 };
-use lugwheel::quantity::RangeError;
-use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::wheel::Lugs;
-use lugwheel::trace::{RunAttributes, Trace};
+use crate::quantity::RangeError;
+use crate::terrain::class::{TerrainLabel, Wtic};
+use crate::trace::wheel::Lugs;
+use crate::trace::{RunAttributes, Trace};
 use serde::Serialize;
 use std::fmt;
 use std::rc::Rc;
@@ -125,7 +125,7 @@ impl WheelOfRun {
             exit_angle: chosen.exit_angle,
             known: convention.known(),
             law: chosen.law,
-            ..Setting::new(lugwheel::soil::closed_form::Rim {
+            ..Setting::new(crate::soil::closed_form::Rim {
                 radius: self.radius_m,
                 width: self.width_m,
             })

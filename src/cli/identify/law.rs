@@ -3,13 +3,13 @@
 use super::Convention;
 use super::group::WheelOfRun;
 use super::summary::values_by_name;
-use clap::ValueEnum;
-use lugwheel::identification::{
+use crate::identification::{
     Identification, Law, Own, Scope, Setting, SteadyLoad, TerrainParameters,
 };
-use lugwheel::soil::StressConvention;
-use lugwheel::terrain::class::Wtic;
-use lugwheel::wheel::Lugs;
+use crate::soil::StressConvention;
+use crate::terrain::class::Wtic;
+use crate::wheel::Lugs;
+use clap::ValueEnum;
 use serde::Serialize;
 
 /// Bulk density [kg/m³] of dry sand, as in the ready scenarios.

@@ -2,13 +2,13 @@
 
 use super::group::LeftOut;
 use super::text::{counted, write_item};
-use lugwheel::identification::{
+use crate::identification::{
     Interval, Moduli, Parameter, PlateSize, Pressing, PressureSinkage, Resampled,
 };
-use lugwheel::report::page::four_digits;
-use lugwheel::terrain::class::TerrainLabel;
-use lugwheel::trace::Trace;
-use lugwheel::trace::wheel::Plate;
+use crate::report::page::four_digits;
+use crate::terrain::class::TerrainLabel;
+use crate::trace::Trace;
+use crate::trace::wheel::Plate;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;

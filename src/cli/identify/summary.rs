@@ -4,12 +4,12 @@ use super::class::ToldBy;
 use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
 use super::law::{LawTold, OtherStress};
 use super::plates::PlateReport;
-use lugwheel::identification::{
+use crate::identification::{
     Combination, Cylinder, Drift, Estimate, Identified, Open, Parameter, Predicted, Prediction,
     PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Warning,
 };
-use lugwheel::soil::wheel_load::WheelLoad;
-use lugwheel::terrain::class::{TerrainLabel, Wtic};
+use crate::soil::wheel_load::WheelLoad;
+use crate::terrain::class::{TerrainLabel, Wtic};
 use serde::{Serialize, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -4,11 +4,11 @@ use super::class::ToldBy;
 use super::group::{LeftOut, StretchLeftOut, Unused};
 use super::law::OtherStress;
 use super::summary::{Origin, ParameterTold, Report, RunTold, SettingTold, Summary, by_origin};
-use lugwheel::recognition::known::Source;
-use lugwheel::report::page::four_digits;
-use lugwheel::soil::StressConvention;
-use lugwheel::terrain::class::Wtic;
-use lugwheel::trace::behind_number;
+use crate::recognition::known::Source;
+use crate::report::page::four_digits;
+use crate::soil::StressConvention;
+use crate::terrain::class::Wtic;
+use crate::trace::behind_number;
 use std::fmt;
 
 /// Correlation [-] from which two estimates are told to go together.

@@ -1,14 +1,14 @@
 //! The figures of recognition, in a folder.
 
 use super::write_figure;
-use lugwheel::recognition::Recognized;
-use lugwheel::recognition::confusion::Confusion;
-use lugwheel::recognition::known::known_terrain;
-use lugwheel::report::{
+use crate::recognition::Recognized;
+use crate::recognition::confusion::Confusion;
+use crate::recognition::known::known_terrain;
+use crate::report::{
     FeaturePoint, Group, confusion_figure, feature_planes, feature_values, traverse_figure,
 };
-use lugwheel::terrain::class::{TerrainLabel, Wtic};
-use lugwheel::trace::Trace;
+use crate::terrain::class::{TerrainLabel, Wtic};
+use crate::trace::Trace;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

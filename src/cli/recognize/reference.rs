@@ -1,14 +1,14 @@
 //! What the features are taken over.
 
 use super::Unfit;
-use lugwheel::dataset::hdf5::{RunFile, RunFileError};
-use lugwheel::features::Settings;
-use lugwheel::features::reference::{Reference, ReferenceError};
-use lugwheel::quantity::SlipRatio;
-use lugwheel::scenario::Scenario;
-use lugwheel::sensors::Sensors;
-use lugwheel::terrain::class::TerrainLabel;
-use lugwheel::trace::RunAttributes;
+use crate::dataset::hdf5::{RunFile, RunFileError};
+use crate::features::Settings;
+use crate::features::reference::{Reference, ReferenceError};
+use crate::quantity::SlipRatio;
+use crate::scenario::Scenario;
+use crate::sensors::Sensors;
+use crate::terrain::class::TerrainLabel;
+use crate::trace::RunAttributes;
 use std::path::Path;
 
 /// A reference, and in words what it is.

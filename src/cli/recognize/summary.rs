@@ -2,13 +2,13 @@
 
 use super::Unfit;
 use super::figures::Figures;
-use lugwheel::dataset::hdf5::RunFile;
-use lugwheel::recognition::alignment::{Alignment, LugOffset};
-use lugwheel::recognition::confusion::{CLASSES, Confusion};
-use lugwheel::recognition::known::{Source, known_class};
-use lugwheel::recognition::{Method, Recognized, Recognizer};
-use lugwheel::terrain::class::Wtic;
-use lugwheel::trace::Trace;
+use crate::dataset::hdf5::RunFile;
+use crate::recognition::alignment::{Alignment, LugOffset};
+use crate::recognition::confusion::{CLASSES, Confusion};
+use crate::recognition::known::{Source, known_class};
+use crate::recognition::{Method, Recognized, Recognizer};
+use crate::terrain::class::Wtic;
+use crate::trace::Trace;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
