@@ -18,6 +18,7 @@ mod inspect;
 mod interrupt;
 mod output;
 mod plot;
+mod program;
 mod progress;
 mod provenance;
 mod recognize;
@@ -33,13 +34,15 @@ use console::{Attached, Console};
 use failure::Failure;
 pub use interrupt::request as interrupt_calls;
 use output::Output;
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
 /// rig would.
 #[derive(Debug, Parser)]
 #[command(version, after_long_help = EXAMPLES)]
-pub struct Cli {
+struct Cli {
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
@@ -80,30 +83,26 @@ enum Command {
     Challenge(challenge::Challenge),
 }
 
-/// What the program was called with; wrong usage and `--help` end it here.
-pub fn read_arguments() -> Cli {
-    Cli::try_parse().unwrap_or_else(|error| {
-        if error.use_stderr() && std::env::args().any(|argument| argument == "--json") {
-            failure::print_usage(&error);
-        }
-        error.exit()
-    })
-}
-
-impl Cli {
-    /// Whether the result, or the error, is asked for as JSON.
-    pub fn is_json(&self) -> bool {
-        self.output.json
+/// Runs the program in a terminal with the `arguments` behind its name: its exit code. `started_by` is the file
+/// that starts it, where that is not the file of this process, as under an interpreter.
+pub fn main(arguments: Vec<OsString>, started_by: Option<PathBuf>) -> u8 {
+    if let Some(file) = started_by {
+        program::set(file);
+    }
+    let is_json = arguments.iter().any(|argument| argument == "--json");
+    let cli = match Cli::try_parse_from(words(arguments)) {
+        Ok(cli) => cli,
+        Err(error) => return failure::report_usage(&error, is_json),
+    };
+    match interrupt::listen().and_then(|()| cli.command.run(&cli.output)) {
+        Ok(()) => 0,
+        Err(error) => failure::report(&error, cli.output.json),
     }
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Those of the command; [`failure::report`] tells what each means to the caller.
-pub fn run(cli: &Cli) -> anyhow::Result<()> {
-    interrupt::listen()?;
-    cli.command.run(&cli.output)
+/// The words of a command line, the program's name first.
+fn words(arguments: Vec<OsString>) -> impl Iterator<Item = OsString> {
+    std::iter::once(OsString::from("lugwheel")).chain(arguments)
 }
 
 /// Runs the command that `arguments` (those behind the program's name) ask for inside of another program:
@@ -112,9 +111,9 @@ pub fn run(cli: &Cli) -> anyhow::Result<()> {
 /// # Errors
 /// Wrong usage and those of the command. A command may have given its result all the same: `failed_runs`, or
 /// an inspection that found errors.
-pub fn call(arguments: &[String], console: Arc<dyn Console>) -> Result<(), Failure> {
-    let words = std::iter::once("lugwheel").chain(arguments.iter().map(String::as_str));
-    let mut cli = Cli::try_parse_from(words).map_err(|error| Failure::of_usage(&error))?;
+pub fn call(arguments: Vec<OsString>, console: Arc<dyn Console>) -> Result<(), Failure> {
+    let mut cli =
+        Cli::try_parse_from(words(arguments)).map_err(|error| Failure::of_usage(&error))?;
     cli.output.console = Attached::to(console);
     let _call = interrupt::Call::begin();
     let done = cli.command.run(&cli.output);

@@ -1,6 +1,7 @@
 //! Promises to a program that calls commands inside of itself.
 
 use lugwheel::cli::{self, console::Console};
+use std::ffi::OsString;
 use std::io;
 use std::sync::{Arc, Mutex};
 
@@ -26,8 +27,8 @@ impl Console for Recorder {
     }
 }
 
-fn words(line: &str) -> Vec<String> {
-    line.split_whitespace().map(str::to_owned).collect()
+fn words(line: &str) -> Vec<OsString> {
+    line.split_whitespace().map(OsString::from).collect()
 }
 
 #[test]
@@ -35,9 +36,9 @@ fn a_called_command_returns_its_document_and_its_progress_to_the_caller() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("run.h5");
     let line = "simulate scenarios/quick.toml --set duration=0.2 --json --out";
-    let arguments = [words(line), vec![out.display().to_string()]].concat();
+    let arguments = [words(line), vec![out.clone().into_os_string()]].concat();
     let recorder = Arc::new(Recorder::default());
-    cli::call(&arguments, recorder.clone()).unwrap();
+    cli::call(arguments, recorder.clone()).unwrap();
     let results = recorder.results.lock().unwrap();
     let summary: serde_json::Value = serde_json::from_str(&results[0]).unwrap();
     assert_eq!((results.len(), &summary["duration_s"]), (1, &0.2.into()));
@@ -50,7 +51,7 @@ fn a_called_command_returns_its_document_and_its_progress_to_the_caller() {
 
 #[test]
 fn a_called_command_returns_its_fault_with_the_words_of_the_program() {
-    let call = |line: &str| cli::call(&words(line), Arc::new(Recorder::default())).unwrap_err();
+    let call = |line: &str| cli::call(words(line), Arc::new(Recorder::default())).unwrap_err();
     let usage = call("simulate");
     assert_eq!(usage.kind, "usage");
     let missing = call("inspect no_such_file.h5");

@@ -1,6 +1,7 @@
 //! `study --slurm`: what the one who follows a study on a cluster sees, and how long it waits.
 
 use super::interrupt::{self, Interrupted};
+use super::program;
 use super::progress::Progress;
 use crate::study::slurm::{News, Programs, SlurmError, Standing, Submission, TRIES};
 use crate::study::{Study, StudyError};
@@ -55,7 +56,7 @@ impl Cluster {
         let submission = Submission {
             out: on_every_node(work.out)?,
             resume: work.resume,
-            program: std::env::current_exe().context("cannot tell where this program is")?,
+            program: program::file().context("cannot tell where this program is")?,
             study: on_every_node(work.study)?,
             threads: work.threads.unwrap_or(NonZeroU32::MIN),
             tasks: self.slurm_tasks,

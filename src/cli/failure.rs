@@ -19,7 +19,6 @@ use crate::whole_file;
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, Write};
-use std::process::ExitCode;
 
 /// The command did not do what it should.
 const FAILED: u8 = 1;
@@ -33,19 +32,23 @@ const INTERRUPTED: u8 = 130;
 /// Prints `error` with its causes to stderr, with `--json` as a document to stdout too, and returns
 /// the exit code for it. What was finished, as an inspection that found errors, has printed its result,
 /// which stays the only document.
-pub fn report(error: &anyhow::Error, json: bool) -> ExitCode {
+pub(super) fn report(error: &anyhow::Error, json: bool) -> u8 {
     // Nobody reads on if this fails.
     let _ = write!(std::io::stderr(), "{}", message(error));
     let code = exit_code(error);
     if json && code != FAILED_RUNS && !error.is::<Doubtful>() {
         print(&Failure::of(error));
     }
-    ExitCode::from(code)
+    code
 }
 
-/// Prints wrong usage as a JSON document to stdout.
-pub fn print_usage(error: &clap::Error) {
-    print(&Failure::of_usage(error));
+/// Prints wrong usage, or the help that was asked for; the exit code.
+pub(super) fn report_usage(error: &clap::Error, json: bool) -> u8 {
+    if json && error.use_stderr() {
+        print(&Failure::of_usage(error));
+    }
+    let _ = error.print();
+    u8::try_from(error.exit_code()).unwrap_or(FAILED)
 }
 
 fn print(error: &Failure) {

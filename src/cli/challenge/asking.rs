@@ -1,7 +1,7 @@
 //! A case put to `diagnose`.
 
 use crate::challenge::{Question, Unanswered};
-use crate::cli::interrupt;
+use crate::cli::{interrupt, program};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -26,7 +26,7 @@ impl Asking<'_> {
     /// `Failed` with the last words of the diagnosis, `Stopped` when somebody asked for it.
     pub fn ask(&self, question: &Question) -> Result<String, Unanswered> {
         let failed = |error: &dyn std::fmt::Display| Unanswered::Failed(error.to_string());
-        let program = std::env::current_exe().map_err(|error| failed(&error))?;
+        let program = program::file().map_err(|error| failed(&error))?;
         let answered = self.command(&program, question).output();
         let answered = answered.map_err(|error| failed(&error))?;
         if answered.status.success() {
