@@ -10,6 +10,7 @@ pub mod console;
 mod dataset;
 mod demo;
 mod diagnose;
+mod documents;
 mod effects;
 pub mod failure;
 mod identify;

@@ -12,6 +12,7 @@
 //! ```
 
 pub mod experiment;
+pub mod ready;
 pub mod recording;
 mod reference;
 
@@ -24,6 +25,7 @@ use crate::simulation::rig::{Rig, RigError, RigTable};
 use crate::terrain::TerrainSpec;
 use crate::trace::truth::PAPER_WINDOW;
 use crate::wheel::{Wheel, WheelTable};
+use ready::ReadyDocument;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
@@ -117,6 +119,14 @@ impl Scenario {
             source,
         })?;
         Self::from_toml(&text, &path.display().to_string())
+    }
+
+    /// A scenario that is part of the program.
+    ///
+    /// # Errors
+    /// As [`Scenario::from_toml`]; never for one of [`ready::scenarios`].
+    pub fn ready(document: &ReadyDocument) -> Result<Self, ScenarioError> {
+        Self::from_toml(document.text, &format!("{}.toml", document.name))
     }
 
     /// This scenario with one key set, as in `rig.single_wheel.slip=0.3`; the rest of its text

@@ -4,7 +4,7 @@
 //! version = 1
 //! title = "Speed"                                           # of the report, if any
 //! question = "What does speed do to vibration and loads?"   # that it answers, if any
-//! scenarios = ["../single_wheel_ht.toml", "../single_wheel_st.toml"]  # relative to this file
+//! scenarios = ["../my_rig.toml", "single_wheel_st"]  # files relative to this one; ready scenarios by name
 //! seed = 1
 //! repeats = 4                  # runs per condition
 //! random_numbers = "common"    # or "independent"
@@ -165,6 +165,7 @@ use crate::document::{Document, Fault, Misfit, check_version};
 use crate::quantity::{RangeError, Seed};
 use crate::recognition::baseline::BaselineError;
 use crate::scenario::experiment::ExperimentError;
+use crate::scenario::ready::{self, ReadyDocument};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
 use crate::whole_file;
@@ -282,10 +283,22 @@ impl Study {
             source,
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let mut study = read(&text, folder)
+        let mut study = read(&text, ScenarioFolder::Disk(folder))
             .map_err(|misfit| Fault::new(&path.display().to_string(), &text, misfit))?;
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         study.file = file.into_owned();
+        Ok(study)
+    }
+
+    /// A study that is part of the program, with scenarios that are too.
+    ///
+    /// # Errors
+    /// As [`Study::load`]; never for one of [`ready::studies`].
+    pub fn ready(document: &ReadyDocument) -> Result<Self, StudyError> {
+        let file = format!("{}.toml", document.name);
+        let mut study = read(document.text, ScenarioFolder::Program)
+            .map_err(|misfit| Fault::new(&file, document.text, misfit))?;
+        study.file = file;
         Ok(study)
     }
 
@@ -529,7 +542,7 @@ fn in_one_line(error: &ScenarioError) -> String {
     }
 }
 
-fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
+fn read(text: &str, folder: ScenarioFolder) -> Result<Study, Misfit> {
     let document = Document::parse(text)?;
     check_version(&document, "study", VERSION)?;
     let mut table: StudyTable = document.read()?;
@@ -555,7 +568,12 @@ fn read(text: &str, folder: &Path) -> Result<Study, Misfit> {
 }
 
 impl StudyTable {
-    fn into_study(self, document: &Document, text: &str, folder: &Path) -> Result<Study, Misfit> {
+    fn into_study(
+        self,
+        document: &Document,
+        text: &str,
+        folder: ScenarioFolder,
+    ) -> Result<Study, Misfit> {
         let at = |key: &str, message: String| Misfit {
             place: document.place(key),
             message,
@@ -619,7 +637,7 @@ impl Study {
 /// A key of a study file, and what is wrong with it.
 type Wrong = (String, String);
 
-fn load_scenarios(paths: &[PathBuf], folder: &Path) -> Result<Vec<Named>, Wrong> {
+fn load_scenarios(paths: &[PathBuf], folder: ScenarioFolder) -> Result<Vec<Named>, Wrong> {
     if paths.is_empty() {
         let message = "a study needs a scenario; name one or more files".to_owned();
         return Err(("scenarios".to_owned(), message));
@@ -627,7 +645,7 @@ fn load_scenarios(paths: &[PathBuf], folder: &Path) -> Result<Vec<Named>, Wrong>
     let mut names = HashSet::new();
     let load = |(index, path): (usize, &PathBuf)| {
         let wrong = |message: String| (format!("scenarios.{index}"), message);
-        let scenario = load_scenario(&folder.join(path)).map_err(wrong)?;
+        let scenario = folder.scenario(path).map_err(wrong)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         if !names.insert(name.to_string()) {
             return Err(wrong(format!(
@@ -640,16 +658,37 @@ fn load_scenarios(paths: &[PathBuf], folder: &Path) -> Result<Vec<Named>, Wrong>
     paths.iter().enumerate().map(load).collect()
 }
 
-fn load_scenario(path: &Path) -> Result<Scenario, String> {
-    Scenario::load(path).map_err(|error| match &error {
-        ScenarioError::Unreadable { source, .. } => {
-            format!("{error}: {source}; paths are relative to the study file")
-        }
-        ScenarioError::Invalid(fault) => {
-            format!("{}:{}: {}", fault.file, fault.line, fault.message)
-        }
-        other => other.to_string(),
-    })
+/// Where the paths of a study lead.
+#[derive(Debug, Clone, Copy)]
+enum ScenarioFolder<'f> {
+    /// To files, from the study's folder; to ready scenarios where there is no file.
+    Disk(&'f Path),
+    /// To ready scenarios only.
+    Program,
+}
+
+impl ScenarioFolder<'_> {
+    /// The scenario at a path of the study, or why there is none.
+    fn scenario(self, path: &Path) -> Result<Scenario, String> {
+        let file = match self {
+            Self::Disk(folder) => folder.join(path),
+            Self::Program => path.to_owned(),
+        };
+        let is_file = matches!(self, Self::Disk(_)) && file.exists();
+        let loaded = match ready::scenario_at(path) {
+            Some(document) if !is_file => Scenario::ready(document),
+            _ => Scenario::load(&file),
+        };
+        loaded.map_err(|error| match &error {
+            ScenarioError::Unreadable { source, .. } => {
+                format!("{error}: {source}; paths are relative to the study file")
+            }
+            ScenarioError::Invalid(fault) => {
+                format!("{}:{}: {}", fault.file, fault.line, fault.message)
+            }
+            other => other.to_string(),
+        })
+    }
 }
 
 /// Every value of a table under its dotted key, as TOML.

@@ -5,6 +5,7 @@ mod chromium;
 mod common;
 
 mod any_scenario;
+mod anywhere;
 mod architecture;
 mod called_command;
 mod challenge;

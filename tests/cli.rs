@@ -9,8 +9,6 @@ use std::thread;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-const SCENARIOS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios");
-
 /// Half a second of computing or less: slate, where each run has its own ground.
 const SHORT: [&str; 4] = [
     "--set",
@@ -19,12 +17,8 @@ const SHORT: [&str; 4] = [
     "rig.single_wheel.forward_speed=0.02",
 ];
 
-/// The program in `folder`, where the scenarios are found by name.
+/// The program in `folder`.
 pub fn program(folder: &Path) -> Command {
-    let link = folder.join("scenarios");
-    if !link.exists() {
-        std::os::unix::fs::symlink(SCENARIOS, link).unwrap();
-    }
     let mut command = Command::new(env!("CARGO_BIN_EXE_lugwheel"));
     command.current_dir(folder);
     command
@@ -50,11 +44,11 @@ pub fn done(output: Output) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// What lies in `folder`, besides the scenarios.
+/// What lies in `folder`.
 fn left(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = names.filter(|name| name != "scenarios").collect();
+    let mut names: Vec<String> = names.collect();
     names.sort();
     names
 }
@@ -375,7 +369,7 @@ fn a_full_disk_is_told_and_leaves_nothing() {
     let line = "ulimit -f 16; trap '' XFSZ; exec \"$@\"";
     let mut shell = Command::new("sh");
     shell.args(["-c", line, "sh", env!("CARGO_BIN_EXE_lugwheel"), "simulate"]);
-    shell.arg(format!("{SCENARIOS}/single_wheel_ht.toml"));
+    shell.arg("single_wheel_ht");
     shell.args(SHORT).args(["--out", "run.h5"]);
     let output = shell.current_dir(folder.path()).output().unwrap();
     let errors = String::from_utf8(output.stderr).unwrap();

@@ -823,7 +823,6 @@ fn a_folder_of_figures_that_a_killed_command_left_only_a_part_in_counts_as_empty
     let mut killed = writing(&figures, LONG);
     killed.kill().unwrap();
     killed.wait().unwrap();
-    fs::remove_file(figures.join("scenarios")).unwrap();
     done(run(
         folder.path(),
         "identify loads.h5 --out figures --quiet",

@@ -1,9 +1,10 @@
 //! What is run on a ground, and how rigs differ there: `scenarios/challenge/*.toml`.
 
+use super::GROUNDS;
 use super::truth::{Edit, Rig};
 use crate::document::Document;
 use crate::quantity::SampleRate;
-use crate::scenario::{Scenario, ScenarioError};
+use crate::scenario::{Scenario, ScenarioError, ready};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
@@ -19,39 +20,13 @@ const FAR: [f64; 2] = [2.0, 2.5];
 /// Parameters far in the tails at a time.
 const FAR_PARAMETERS: usize = 2;
 
-/// A ground's design and scenario as they are committed.
-struct Committed {
-    ground: &'static str,
-    design: &'static str,
-    scenario: &'static str,
-}
-
-const COMMITTED: [Committed; 3] = [
-    Committed {
-        ground: "sand",
-        design: include_str!("../../scenarios/challenge/sand.toml"),
-        scenario: include_str!("../../scenarios/single_wheel_st.toml"),
-    },
-    Committed {
-        ground: "hard",
-        design: include_str!("../../scenarios/challenge/hard.toml"),
-        scenario: include_str!("../../scenarios/single_wheel_ht.toml"),
-    },
-    Committed {
-        ground: "gravel",
-        design: include_str!("../../scenarios/challenge/gravel.toml"),
-        scenario: include_str!("../../scenarios/single_wheel_gt.toml"),
-    },
-];
-
 /// A design file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DesignTable {
     #[serde(rename = "version")]
     _version: i64,
-    #[serde(rename = "scenario")]
-    _scenario: String,
+    scenario: String,
     physics_rate: SampleRate,
     keys: Vec<String>,
     conditions: Vec<Vec<f64>>,
@@ -129,8 +104,52 @@ impl Design {
     /// # Errors
     /// `ScenarioError` where the scenario cannot be that long.
     pub(super) fn of(ground: &str, duration: Option<f64>) -> Option<Result<Self, ScenarioError>> {
-        let committed = COMMITTED.iter().find(|known| known.ground == ground)?;
-        Some(committed.read(duration))
+        let ground = GROUNDS.into_iter().find(|known| *known == ground)?;
+        Some(Self::read(ground, duration))
+    }
+
+    fn read(ground: &'static str, duration: Option<f64>) -> Result<Self, ScenarioError> {
+        let table = DesignTable::of(ground);
+        let scenario = ready::scenario(&table.scenario).expect("a design names a ready scenario");
+        let mut set = table.set;
+        if let Some(duration) = duration {
+            set.insert("duration".to_owned(), duration);
+            // Runs cut short are for trying a trial: they are not to cost what the others do.
+            if let Some(lead_in) = set.get_mut("lead_in") {
+                *lead_in = lead_in.min(duration);
+            }
+        }
+        let assigned: Vec<String> = set
+            .iter()
+            .map(|(key, value)| assignment(key, *value))
+            .collect();
+        let scenario = Scenario::ready(scenario)?.with_all(&assigned)?;
+        let on_ground = table.conditions.iter().map(|row| {
+            let set = table.keys.iter().zip(row);
+            Condition {
+                set: set.map(|(key, value)| assignment(key, *value)).collect(),
+                repeats: table.repeats,
+            }
+        });
+        let rig = scenario.rig.path();
+        let of_rig = |key: &str, value: f64| assignment(&format!("{rig}.{key}"), value);
+        let speeds = table.lifted.forward_speeds.iter();
+        let lifted = speeds.map(|speed| Condition {
+            set: vec![
+                of_rig("lifted", table.lifted.clearance),
+                of_rig("slip", table.lifted.slip),
+                of_rig("forward_speed", *speed),
+            ],
+            repeats: 1,
+        });
+        Ok(Self {
+            ground,
+            scenario,
+            physics_rate: table.physics_rate,
+            conditions: on_ground.chain(lifted).collect(),
+            variability: table.variability,
+            parameters: table.parameter,
+        })
     }
 
     /// Number of runs of a campaign.
@@ -211,51 +230,14 @@ fn usual(rng: &mut impl Rng) -> f64 {
     }
 }
 
-impl Committed {
-    fn read(&self, duration: Option<f64>) -> Result<Design, ScenarioError> {
-        let document = Document::parse(self.design);
-        let table: DesignTable = document
+impl DesignTable {
+    /// The committed design of a ground.
+    fn of(ground: &str) -> Self {
+        let design = ready::challenge(ground).expect("every ground has a design");
+        let document = Document::parse(design.text);
+        document
             .and_then(|document| document.read())
-            .expect("the committed designs are part of the program");
-        let mut set = table.set;
-        if let Some(duration) = duration {
-            set.insert("duration".to_owned(), duration);
-            // Runs cut short are for trying a trial: they are not to cost what the others do.
-            if let Some(lead_in) = set.get_mut("lead_in") {
-                *lead_in = lead_in.min(duration);
-            }
-        }
-        let assigned: Vec<String> = set
-            .iter()
-            .map(|(key, value)| assignment(key, *value))
-            .collect();
-        let scenario = Scenario::from_toml(self.scenario, self.ground)?.with_all(&assigned)?;
-        let on_ground = table.conditions.iter().map(|row| {
-            let set = table.keys.iter().zip(row);
-            Condition {
-                set: set.map(|(key, value)| assignment(key, *value)).collect(),
-                repeats: table.repeats,
-            }
-        });
-        let rig = scenario.rig.path();
-        let of_rig = |key: &str, value: f64| assignment(&format!("{rig}.{key}"), value);
-        let speeds = table.lifted.forward_speeds.iter();
-        let lifted = speeds.map(|speed| Condition {
-            set: vec![
-                of_rig("lifted", table.lifted.clearance),
-                of_rig("slip", table.lifted.slip),
-                of_rig("forward_speed", *speed),
-            ],
-            repeats: 1,
-        });
-        Ok(Design {
-            ground: self.ground,
-            scenario,
-            physics_rate: table.physics_rate,
-            conditions: on_ground.chain(lifted).collect(),
-            variability: table.variability,
-            parameters: table.parameter,
-        })
+            .expect("the committed designs are part of the program")
     }
 }
 
@@ -267,7 +249,6 @@ pub(super) fn assignment(key: &str, value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::challenge::GROUNDS;
     use crate::quantity::Seed;
     use std::ops::ControlFlow;
 

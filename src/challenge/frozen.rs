@@ -2,9 +2,8 @@
 
 use super::truth::effect_of;
 use crate::document::Document;
+use crate::scenario::ready;
 use serde::Deserialize;
-
-const TABLE: &str = include_str!("../../scenarios/challenge/magnitudes.toml");
 
 /// The magnitudes of an effect on one of its seats.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -38,7 +37,8 @@ impl Frozen {
 
 /// The table.
 pub(super) fn frozen() -> Vec<Frozen> {
-    let document = Document::parse(TABLE);
+    let table = ready::challenge("magnitudes").expect("it is part of the program");
+    let document = Document::parse(table.text);
     let table: Table = document
         .and_then(|document| document.read())
         .expect("the committed table is part of the program");

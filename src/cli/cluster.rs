@@ -1,5 +1,6 @@
 //! `study --slurm`: what the one who follows a study on a cluster sees, and how long it waits.
 
+use super::documents::Source;
 use super::interrupt::{self, Interrupted};
 use super::program;
 use super::progress::Progress;
@@ -29,8 +30,8 @@ pub struct Cluster {
 
 /// What of the command concerns the jobs.
 pub struct Work<'w> {
-    /// The file of the study.
-    pub study: &'w Path,
+    /// Where the study comes from.
+    pub study: &'w Source,
     /// The folder of the results.
     pub out: &'w Path,
     /// Threads of a task.
@@ -57,7 +58,11 @@ impl Cluster {
             out: on_every_node(work.out)?,
             resume: work.resume,
             program: program::file().context("cannot tell where this program is")?,
-            study: on_every_node(work.study)?,
+            study: match work.study {
+                Source::File(path) => on_every_node(path)?,
+                // The program is the same on every node.
+                Source::Ready(document) => PathBuf::from(document.name),
+            },
             threads: work.threads.unwrap_or(NonZeroU32::MIN),
             tasks: self.slurm_tasks,
             options: self.slurm_option.clone(),

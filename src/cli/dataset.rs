@@ -211,9 +211,9 @@ impl Dataset {
     /// The run file, claimed with the texts beside it.
     fn claim(&self, output: &Output) -> anyhow::Result<PathBuf> {
         let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "runs.h5");
-        let scenario = self.scenario.file()?;
-        let inputs: [&Path; 1] = [&scenario];
-        let claim = output.claim(&inputs);
+        let source = self.scenario.source()?;
+        let input = source.file();
+        let claim = output.claim(input.as_slice());
         claim.file(&out)?;
         for ending in DataSet::ENDINGS {
             claim.file(&out.with_extension(ending))?;

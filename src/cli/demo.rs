@@ -50,12 +50,10 @@ pub struct Demo {
 
 /// A ground of the demo.
 struct Ground {
-    /// Name of its files.
+    /// Name of its files, and of its scenario behind `single_wheel_`.
     key: &'static str,
     /// What it is called.
     name: &'static str,
-    /// Its scenario, as shipped.
-    scenario: &'static str,
 }
 
 /// The grounds, in the order in which they are told.
@@ -63,22 +61,18 @@ const GROUNDS: [Ground; 4] = [
     Ground {
         key: "ref",
         name: "flat hard ground",
-        scenario: include_str!("../../scenarios/single_wheel_ref.toml"),
     },
     Ground {
         key: "ht",
         name: "slate",
-        scenario: include_str!("../../scenarios/single_wheel_ht.toml"),
     },
     Ground {
         key: "gt",
         name: "gravel",
-        scenario: include_str!("../../scenarios/single_wheel_gt.toml"),
     },
     Ground {
         key: "st",
         name: "sand",
-        scenario: include_str!("../../scenarios/single_wheel_st.toml"),
     },
 ];
 
@@ -139,10 +133,7 @@ impl Demo {
         self.claim(output)?;
         let scenarios = GROUNDS
             .iter()
-            .map(|ground| {
-                let file = format!("single_wheel_{}.toml", ground.key);
-                Scenario::from_toml(ground.scenario, &file)?.with_all(&EDITS)
-            })
+            .map(|ground| Scenario::ready(small_study::shipped(ground.key))?.with_all(&EDITS))
             .collect::<Result<Vec<_>, _>>()?;
         let loads = identification::loads(&self.out, self.seed)?;
         let rig = gap::rig(&self.out, self.seed)?;

@@ -2,11 +2,11 @@
 
 pub(super) mod summary;
 
+use super::documents;
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::quoted;
-use super::scenario_args;
 use super::series::Jobs;
 use super::target::Claim;
 use crate::dataset::hdf5::RunFile;
@@ -43,7 +43,7 @@ pub struct Diagnose {
     /// Run file of the measurements; repeats and several conditions make the answer sure
     #[arg(long, value_name = "FILE.h5")]
     pub(super) measured: PathBuf,
-    /// Scenario file of the rig, or the name of one in scenarios/; load, speed and slip are taken
+    /// Scenario file of the rig, or the name of one of `lugwheel scenarios`; load, speed and slip are taken
     /// from the measured runs
     #[arg(long, value_name = "SCENARIO")]
     pub(super) scenario: PathBuf,
@@ -149,7 +149,7 @@ impl Diagnose {
     }
 
     fn scenario(&self) -> anyhow::Result<Scenario> {
-        let scenario = scenario_args::read(&self.scenario)?;
+        let scenario = documents::read_scenario(&self.scenario)?;
         Ok(scenario.with_all(&self.set)?)
     }
 
@@ -166,8 +166,9 @@ impl Diagnose {
 
     /// Claims the folder of results with every file that may be written into it, and that of the bank.
     fn claim(&self, output: &Output) -> anyhow::Result<()> {
-        let scenario = scenario_args::found(&self.scenario)?;
-        let inputs: [&Path; 2] = [&self.measured, &scenario];
+        let scenario = documents::scenario(&self.scenario)?;
+        let files = [Some(&*self.measured), scenario.file()];
+        let inputs: Vec<&Path> = files.into_iter().flatten().collect();
         let claim = output.claim(&inputs);
         claim.folder(&self.out)?;
         claim.files_in(&self.out, RESULTS)?;

@@ -1,11 +1,11 @@
 //! What went wrong, in words and as an exit code.
 
 use super::challenge::FailedCases;
+use super::documents::NoDocument;
 use super::identify::NothingIdentified;
 use super::inspect::Doubtful;
 use super::interrupt::Interrupted;
 use super::recognize::Unfit;
-use super::scenario_args::NoDocument;
 use super::study::{FailedRuns, UnansweredCampaigns};
 use crate::challenge::ChallengeError;
 use crate::dataset::csv::CampaignError;

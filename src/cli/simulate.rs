@@ -75,7 +75,8 @@ impl Simulate {
             scenario = scenario.with("sensors.raw=true")?;
         }
         let out = output::file_or_default(self.out.as_deref(), &self.scenario.stem(), "run.h5");
-        output.claim(&[&self.scenario.file()?]).file(&out)?;
+        let source = self.scenario.source()?;
+        output.claim(source.file().as_slice()).file(&out)?;
         let series = Series {
             scenario: &scenario,
             seed: self.scenario.seed(),

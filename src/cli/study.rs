@@ -1,11 +1,11 @@
 //! `study`: sweeps and seeds, resumable, one row of a table a run.
 
 use super::cluster::{Cluster, Work};
+use super::documents::{self, Source};
 use super::interrupt::{self, Interrupted};
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
-use super::scenario_args::found_study;
 use crate::learning::DataSet;
 use crate::report::page::four_digits;
 use crate::report::{self, FeaturePoint, Group, ToldStudy};
@@ -29,7 +29,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct StudyCommand {
-    /// Study file, or the name of one in scenarios/studies/
+    /// Study file, or the name of one of `lugwheel scenarios`
     #[arg(value_name = "STUDY.toml")]
     study: PathBuf,
     /// Folder of the results [default: output/<study>]
@@ -66,9 +66,9 @@ enum Collect {
 const EXAMPLES: &str = "\
 Examples:
   lugwheel study quick
-  lugwheel study scenarios/studies/table3.toml --out output/table3 --resume
-  lugwheel study scenarios/studies/table5.toml --shard 2/4
-  lugwheel study scenarios/studies/table5.toml --slurm --slurm-option=--time=30
+  lugwheel study table3 --out output/table3 --resume
+  lugwheel study table5 --shard 2/4
+  lugwheel study table5 --slurm --slurm-option=--time=30
 
 With --slurm, program, study and folder must lie where all nodes see them. Ctrl-C leaves the jobs
 running; the same command with --resume follows them again and submits what is missing.
@@ -131,8 +131,8 @@ struct Summary {
 impl StudyCommand {
     /// Runs the study and says what it came to.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        let file = found_study(&self.study)?;
-        let study = Study::load(&file)?;
+        let source = documents::study(&self.study)?;
+        let study = documents::read_study(&source)?;
         let stem = self
             .study
             .file_stem()
@@ -143,9 +143,9 @@ impl StudyCommand {
             .out
             .clone()
             .unwrap_or_else(|| PathBuf::from("output").join(&stem));
-        output.claim(&[&file]).own_folder(&out)?;
+        output.claim(source.file().as_slice()).own_folder(&out)?;
         let progress = Progress::new(output, &stem, study.simulated());
-        let outcome = self.outcome(&file, &study, &out, &progress)?;
+        let outcome = self.outcome(&source, &study, &out, &progress)?;
         let computing_s = progress.elapsed();
         drop(progress);
         let Some(outcome) = outcome else {
@@ -201,14 +201,14 @@ impl StudyCommand {
     /// What the study comes to, where its shards are put together.
     fn outcome(
         &self,
-        file: &Path,
+        source: &Source,
         study: &Study,
         out: &Path,
         progress: &Progress,
     ) -> anyhow::Result<Option<Outcome>> {
         if self.cluster.is_wanted() {
             let work = Work {
-                study: file,
+                study: source,
                 out,
                 threads: self.jobs,
                 resume: self.resume,

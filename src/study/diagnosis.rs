@@ -25,14 +25,14 @@ mod text;
 mod truth;
 
 use super::group::{check_over, slip_of};
-use super::{Study, in_one_line, load_scenario};
+use super::{ScenarioFolder, Study, in_one_line};
 use crate::diagnosis::BUDGET;
 use crate::document::{Document, Misfit};
 use crate::effects;
 use crate::quantity::RangeError;
 use crate::scenario::Scenario;
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Why a campaign joins swept keys only.
 const NOT_SWEPT: &str =
@@ -102,7 +102,7 @@ impl DiagnosisTable {
         self,
         study: &Study,
         document: &Document,
-        folder: &Path,
+        folder: ScenarioFolder,
     ) -> Result<Plan, Misfit> {
         let at = |key: String| {
             let place = document.place(&format!("diagnosis{key}"));
@@ -117,7 +117,8 @@ impl DiagnosisTable {
                 .map_err(|error| at(format!(".without.{index}"))(error.to_string()))?;
         }
         let against = match self.scenario {
-            Some(path) => load_scenario(&folder.join(path))
+            Some(path) => folder
+                .scenario(&path)
                 .map(|scenario| Against::Named(Box::new(scenario)))
                 .map_err(at(".scenario".to_owned()))?,
             None => Against::Own(own(study).map_err(at(String::new()))?),

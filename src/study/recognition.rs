@@ -1,6 +1,6 @@
 //! The `[recognition]` of a study file: what tells the class of the windows, and over what.
 
-use super::{RandomNumbers, Study, in_one_line, load_scenario};
+use super::{RandomNumbers, ScenarioFolder, Study, in_one_line};
 use crate::document::{Document, Misfit};
 use crate::features::{Settings, Window};
 use crate::recognition::Method;
@@ -9,7 +9,7 @@ use crate::scenario::Scenario;
 use crate::terrain::class::TerrainLabel;
 use serde::Deserialize;
 use std::collections::{BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A `[recognition]` before its checks.
 #[derive(Deserialize)]
@@ -67,7 +67,7 @@ impl RecognitionTable {
         self,
         study: &Study,
         document: &Document,
-        folder: &Path,
+        folder: ScenarioFolder,
     ) -> Result<Recognition, Misfit> {
         let at = |key: &'static str| {
             let place = document.place(&format!("recognition.{key}"));
@@ -82,7 +82,7 @@ impl RecognitionTable {
             message: error.to_string(),
         })?;
         let reference = self.reference.map(|path| {
-            let scenario = load_scenario(&folder.join(path))?;
+            let scenario = folder.scenario(&path)?;
             ReferenceRuns::new(study, scenario)
         });
         let baseline = self

@@ -48,7 +48,7 @@ pub struct Submission {
     pub resume: bool,
     /// This program, as the nodes find it.
     pub program: PathBuf,
-    /// The file of the study, as the nodes find it.
+    /// The file of the study, as the nodes find it, or its name where it is part of the program.
     pub study: PathBuf,
     /// Threads, and so cores, of a task.
     pub threads: NonZeroU32,

@@ -1,6 +1,6 @@
 //! A rig that is not its scenario, and what the diagnosis says of it.
 
-use super::small_study::{SAND, SmallStudy};
+use super::small_study::{SmallStudy, shipped};
 use crate::cli::diagnose::Diagnose;
 use crate::cli::diagnose::summary::Summary;
 use crate::cli::output;
@@ -50,7 +50,7 @@ const BUDGET: f64 = 1200.0;
 /// The rig's runs as a study in the folder of the demo.
 pub fn rig(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
     let (name, magnitude, _) = HIDDEN;
-    let known = Scenario::from_toml(SAND, "single_wheel_st.toml")?.with_all(&KNOWN)?;
+    let known = Scenario::ready(shipped("st"))?.with_all(&KNOWN)?;
     let rig = known.with_all(&[format!("effect.{name}={magnitude}")])?;
     output::write_file(&folder.join(KNOWN_FILE), known.text())?;
     output::write_file(&folder.join("rig.toml"), rig.text())?;

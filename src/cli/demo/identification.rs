@@ -1,6 +1,6 @@
 //! The terrain parameters of the demo's sand, from the loads of a wheel.
 
-use super::small_study::{SAND, SmallStudy};
+use super::small_study::{SmallStudy, shipped};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::series::Jobs;
@@ -14,7 +14,7 @@ const STUDY: &str = include_str!("identification.toml");
 
 /// A study of steady loads on sand.
 pub fn loads(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
-    output::write_file(&folder.join("sand.toml"), SAND)?;
+    output::write_file(&folder.join("sand.toml"), shipped("st").text)?;
     SmallStudy::prepare(folder, ("identification", STUDY), seed)
 }
 

@@ -4,14 +4,18 @@ use crate::cli::interrupt::{self, Interrupted};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::series::Jobs;
+use crate::scenario::ready::{self, ReadyDocument};
 use crate::study::{self, Options, Outcome, Study, StudyError};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Sand, as shipped.
-pub const SAND: &str = include_str!("../../../scenarios/single_wheel_st.toml");
+/// The single wheel on the ground of this key, as shipped.
+pub fn shipped(ground: &str) -> &'static ReadyDocument {
+    let name = format!("single_wheel_{ground}");
+    ready::scenario(&name).expect("the demo's scenarios are part of the program")
+}
 
 /// A study on sand.
 pub struct SmallStudy {

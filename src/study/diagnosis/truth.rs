@@ -38,11 +38,12 @@ pub(super) fn of(runs: &Scenario, against: &Scenario) -> Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::ready;
 
     /// What is so where runs of a scenario with these keys are held against it without.
     fn truth(keys: &[&str]) -> Truth {
-        let text = include_str!("../../../scenarios/single_wheel_st.toml");
-        let scenario = Scenario::from_toml(text, "sand").unwrap();
+        let sand = ready::scenario("single_wheel_st").unwrap();
+        let scenario = Scenario::ready(sand).unwrap();
         of(&scenario.with_all(keys).unwrap(), &scenario)
     }
 
