@@ -8,9 +8,11 @@ use lugwheel::identification::{Identified, Parameter, Standing};
 use lugwheel::quantity::Seed;
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::recognition::{Answer, Recognized};
+use lugwheel::report::figure::Layout;
 use lugwheel::report::{
     FeaturePoint, Group, IdentifiedGround, ReportError, confusion_figure, feature_planes,
-    feature_values, gap_map, parameter_figure, trace_figure, traverse_figure,
+    feature_values, gap_map, laid_out_trace_figure, parameter_figure, trace_figure,
+    traverse_figure,
 };
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace, Truth};
@@ -186,7 +188,7 @@ fn a_whole_run_is_drawn_whole() {
         "LEIS on ST",
         "SLCT on SGT",
         "Vertical acceleration",
-        "drawbar pull F_DP",
+        "drawbar pull <tspan font-style=\"italic\">F</tspan><tspan font-size=\"10.08\" dy=\"3.08\">DP<",
         "Driving torque",
         "Sinkage",
         "Slip ratio",
@@ -197,6 +199,24 @@ fn a_whole_run_is_drawn_whole() {
     assert!(!svg.contains("Not recorded"));
     // 45 000 samples; the acceleration alone would take 400 kB as text.
     assert!(svg.len() < 250_000, "{} bytes", svg.len());
+}
+
+/// A column of a paper is 88 mm wide, its text 10 pt and its captions 8 pt high.
+#[test]
+fn a_figure_for_a_column_has_letters_of_7_pt_and_no_title_if_none_is_asked_for() {
+    for (width, is_compact) in [(88.0, true), (180.0, false)] {
+        let layout = Layout::on_paper(width, false);
+        assert_eq!(layout.is_compact(), is_compact);
+        let svg = laid_out_trace_figure(&sand(), "003", layout).unwrap();
+        assert_well_formed(&svg);
+        assert!(svg.contains(&format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm""#
+        )));
+        let points_per_pixel = width / layout.width * 72.0 / 25.4;
+        assert!((14.0 * points_per_pixel - 7.0).abs() < 1e-9 && svg.contains(r#"font-size="14""#));
+        assert!(!svg.contains("Run 003: sand") && !svg.contains("28 lugs"));
+        assert_eq!(svg.contains("Order spectrum"), !is_compact);
+    }
 }
 
 #[test]
@@ -328,7 +348,12 @@ fn feature_values_show_every_window_in_every_panel_with_medians() {
     assert_well_formed(&svg);
     // Seven round marks of hard ground in each of four panels.
     assert_eq!(count(&svg, "<circle"), 28);
-    for header in ["p₁ = lg κ_f", "p₂ = lg κ_A", "p₃ = lg κ_mv", "p₄ = lg κ_ms"] {
+    for header in [
+        ", frequency",
+        ", sum of amplitudes",
+        ", mean value",
+        ", mean square",
+    ] {
         assert_eq!(count(&svg, header), 1, "{header}");
     }
     // The median of seven is the fourth.

@@ -1,10 +1,10 @@
 //! A measured run over what each arm of a diagnosis makes of its condition: traces and spectrum.
 
 use super::arm_column::{ArmColumn, MEASURED, WIDTH, columns};
+use super::channel_groups::drawable;
 use super::envelope::{bounds, envelope};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Panel, Stroke};
 use super::spectrum::density_spectrum;
-use super::trace_figure::drawable;
 use crate::diagnosis::ArmTraces;
 use crate::trace::{Channel, Trace};
 

@@ -3,6 +3,7 @@
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Stroke};
 use crate::recognition::confusion::CLASSES;
 use crate::terrain::class::Wtic;
+use crate::trace::ClassWindow;
 
 /// A class over a stretch of time.
 pub(super) struct ClassSpan {
@@ -44,6 +45,20 @@ impl ClassSpan {
     }
 }
 
+/// Windows with neighbours of the same class and terrain joined.
+pub(super) fn merged(windows: &[ClassWindow]) -> Vec<ClassWindow> {
+    let mut merged: Vec<ClassWindow> = Vec::new();
+    for window in windows {
+        match merged.last_mut() {
+            Some(last) if (last.class, last.terrain) == (window.class, window.terrain) => {
+                last.end = window.end;
+            }
+            _ => merged.push(*window),
+        }
+    }
+    merged
+}
+
 /// Legend of the classes among `shown`.
 pub(super) fn keys(shown: impl Iterator<Item = Wtic>) -> Vec<(String, Stroke)> {
     let shown: Vec<Wtic> = shown.collect();
@@ -56,7 +71,7 @@ pub(super) fn keys(shown: impl Iterator<Item = Wtic>) -> Vec<(String, Stroke)> {
         .collect()
 }
 
-fn class_name(class: Wtic) -> &'static str {
+pub(super) fn class_name(class: Wtic) -> &'static str {
     match class {
         Wtic::Alct => "all lugs contact",
         Wtic::Slct => "some lugs contact",

@@ -21,7 +21,12 @@ const TITLE: f64 = 92.0;
 const PLANES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// Short names of the features.
-const NAMES: [&str; 4] = ["p₁ = lg κ_f", "p₂ = lg κ_A", "p₃ = lg κ_mv", "p₄ = lg κ_ms"];
+const NAMES: [&str; 4] = [
+    "p_{1} = lg κ_{f}",
+    "p_{2} = lg κ_{A}",
+    "p_{3} = lg κ_{mv}",
+    "p_{4} = lg κ_{ms}",
+];
 
 /// Every window as a point in the six planes of the feature space, over the projections of the
 /// paper's regions for a wheel with so many `lugs`. One SVG 1200 px wide.

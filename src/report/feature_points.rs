@@ -5,10 +5,10 @@ use crate::terrain::class::{TerrainLabel, Wtic};
 
 /// Names of the features, as panels head them.
 pub(super) const FEATURES: [&str; 4] = [
-    "p₁ = lg κ_f, frequency",
-    "p₂ = lg κ_A, sum of amplitudes",
-    "p₃ = lg κ_mv, mean value",
-    "p₄ = lg κ_ms, mean square",
+    "p_{1} = lg κ_{f}, frequency",
+    "p_{2} = lg κ_{A}, sum of amplitudes",
+    "p_{3} = lg κ_{mv}, mean value",
+    "p_{4} = lg κ_{ms}, mean square",
 ];
 
 /// What a point belongs to.

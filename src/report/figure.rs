@@ -3,6 +3,9 @@
 //! Written here rather than through `plotters`: that places everything on whole pixels, which
 //! bends a 3 mm lug, and without a font library it cannot line up panels that share an axis.
 //! The drawings carry neither style sheets nor identifiers, so that many can stand in one page.
+//! In every text `F_{DP}` is a symbol with an index, and `10^{-3}` a power.
+
+mod symbols;
 
 use std::fmt::Write;
 
@@ -88,7 +91,8 @@ impl Font {
     ///
     /// An estimate by kinds of letters, on the wide side: the reader's font is not known here.
     pub fn width(&self, text: &str) -> f64 {
-        let ems: f64 = text.chars().map(letter_width).sum();
+        let letters = symbols::letters(text);
+        let ems: f64 = letters.map(|(it, size)| size * letter_width(it)).sum();
         ems * self.size * if self.bold { 1.1 } else { 1.0 }
     }
 
@@ -180,10 +184,48 @@ impl Stroke {
     }
 }
 
+/// How wide a drawing is, and whether it says what it shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layout {
+    /// Width [px].
+    pub width: f64,
+    /// Width [mm] on paper; `None` on a screen.
+    pub paper: Option<f64>,
+    /// Whether title and remarks stand above, in place of a caption.
+    pub is_titled: bool,
+}
+
+impl Layout {
+    /// 1200 px wide, with a title.
+    pub const SCREEN: Self = Self {
+        width: 1200.0,
+        paper: None,
+        is_titled: true,
+    };
+
+    /// `width` [mm] wide on paper: [`Font::SMALL`] is 7 pt high there whatever the width.
+    pub fn on_paper(width: f64, is_titled: bool) -> Self {
+        const POINTS_PER_MILLIMETRE: f64 = 72.0 / 25.4;
+        let pixels_per_point = Font::SMALL.size / 7.0;
+        Self {
+            width: width * POINTS_PER_MILLIMETRE * pixels_per_point,
+            paper: Some(width),
+            is_titled,
+        }
+    }
+
+    /// Whether there is room for a column of a paper only: short names, low panels.
+    pub fn is_compact(&self) -> bool {
+        self.width < 760.0
+    }
+}
+
 /// An SVG drawing under way. Points that are not finite are left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Canvas {
     size: [f64; 2],
+    /// Millimetres per pixel, on paper.
+    paper_scale: Option<f64>,
     title: String,
     body: String,
     depth: usize,
@@ -195,9 +237,18 @@ impl Canvas {
         let (title, body) = (title.to_owned(), String::new());
         Self {
             size,
+            paper_scale: None,
             title,
             body,
             depth: 0,
+        }
+    }
+
+    /// An empty drawing as wide as `layout` says.
+    pub fn laid_out(layout: Layout, title: &str) -> Self {
+        Self {
+            paper_scale: layout.paper.map(|paper| paper / layout.width),
+            ..Self::new([layout.width, 0.0], title)
         }
     }
 
@@ -212,9 +263,13 @@ impl Canvas {
             self.unclip();
         }
         let [width, height] = self.size.map(pixels);
+        let [across, down] = self.size.map(|length| match self.paper_scale {
+            Some(scale) => format!("{}mm", pixels(scale * length)),
+            None => pixels(length),
+        });
         let (title, body) = (escape(&self.title), &self.body);
         format!(
-            r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" role="img" font-family="'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif">
+            r##"<svg xmlns="http://www.w3.org/2000/svg" width="{across}" height="{down}" viewBox="0 0 {width} {height}" role="img" font-family="'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif">
 <title>{title}</title>
 <rect width="{width}" height="{height}" fill="#ffffff"/>
 {body}</svg>
@@ -312,7 +367,7 @@ impl Canvas {
             r#"<text x="{x}" y="{y}" text-anchor="{anchor}" font-size="{}" fill="{}"{weight}>{}</text>"#,
             pixels(font.size),
             font.colour,
-            escape(text)
+            symbols::typeset(text, font.size)
         );
     }
 }
@@ -463,7 +518,7 @@ impl Axis {
             if plain {
                 format!("{value}")
             } else {
-                format!("10{}", superscript(decade))
+                minus(format!("10^{{{decade}}}"))
             }
         };
         (first..=last)
@@ -501,21 +556,6 @@ fn label(value: f64, step: f64) -> String {
 /// A hyphen is shorter than the minus it stands for.
 fn minus(text: String) -> String {
     text.replace('-', "−")
-}
-
-fn superscript(number: i32) -> String {
-    number
-        .to_string()
-        .chars()
-        .map(|digit| match digit {
-            '-' => '⁻',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '0' => '⁰',
-            digit => char::from_u32('⁰' as u32 + digit as u32 - '0' as u32).unwrap_or(digit),
-        })
-        .collect()
 }
 
 /// A panel: a frame, two axes, a header above.
@@ -561,7 +601,8 @@ impl Panel {
     /// As [`draw_frame`](Self::draw_frame) where the lower axis holds categories, not numbers.
     pub fn draw_category_frame(&self, canvas: &mut Canvas, header: &str) {
         let area = &self.area;
-        for (value, text) in self.y.ticks(30.0) {
+        let spacing = if area.height < 90.0 { 22.0 } else { 30.0 };
+        for (value, text) in self.y.ticks(spacing) {
             let y = self.y.pixel(value);
             canvas.polyline(
                 &[[area.left, y], [area.right(), y]],
@@ -647,7 +688,10 @@ mod tests {
         assert_eq!(axis.pixel(1e-6), 180.0);
         assert!((axis.pixel(100.0)).abs() < 1e-9);
         let labels: Vec<_> = axis.ticks(40.0).into_iter().map(|t| t.1).collect();
-        assert_eq!(labels, ["10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"]);
+        assert_eq!(
+            labels,
+            ["10^{−6}", "10^{−4}", "10^{−2}", "10^{0}", "10^{2}"]
+        );
         let short = Axis::decades([0.02, 7.0], [180.0, 0.0]);
         let labels: Vec<_> = short.ticks(40.0).into_iter().map(|t| t.1).collect();
         assert_eq!(labels, ["0.01", "0.1", "1", "10"]);

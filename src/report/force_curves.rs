@@ -47,7 +47,7 @@ struct Quantity {
 
 const QUANTITIES: [Quantity; 4] = [
     Quantity {
-        header: "Drawbar pull F_DP [N]",
+        header: "Drawbar pull F_{DP} [N]",
         measured: |row| row.drawbar_pull,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.drawbar_pull),
         predicted: Some(|told| told.drawbar_pull),
@@ -55,7 +55,7 @@ const QUANTITIES: [Quantity; 4] = [
         slips: true,
     },
     Quantity {
-        header: "Load W [N]",
+        header: "Load W_{} [N]",
         measured: |row| row.load,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.load),
         predicted: None,
@@ -63,7 +63,7 @@ const QUANTITIES: [Quantity; 4] = [
         slips: false,
     },
     Quantity {
-        header: "Driving torque T_D [N·m]",
+        header: "Driving torque T_{D} [N·m]",
         measured: |row| row.driving_torque,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.driving_torque),
         predicted: Some(|told| told.driving_torque),
@@ -71,7 +71,7 @@ const QUANTITIES: [Quantity; 4] = [
         slips: true,
     },
     Quantity {
-        header: "Sinkage of the rim z [mm]",
+        header: "Sinkage of the rim z_{} [mm]",
         measured: |row| 1.0e3 * row.sinkage,
         deviation: |row| row.uncertainty.map_or(0.0, |u| 1.0e3 * u.sinkage),
         predicted: Some(|told| told.sinkage),
@@ -452,6 +452,6 @@ mod tests {
         );
         let sunk = [0.0, 0.1, 0.2, 0.4].map(|slip| row(slip, 100.0));
         let svg = drawn(&sunk, Wtic::Leis);
-        assert!(!svg.contains("Hollow") && svg.contains("Sinkage of the rim z [mm]"));
+        assert!(!svg.contains("Hollow") && svg.contains("Sinkage of the rim z_{} [mm]"));
     }
 }

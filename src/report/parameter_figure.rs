@@ -41,12 +41,12 @@ struct Shown {
 }
 
 const SHOWN: [Shown; 6] = [
-    shown(Parameter::SinkageModulus, "k_s [N/m^(N+2)]", 1.0),
-    shown(Parameter::SinkageExponent, "n₀ [-]", 1.0),
-    shown(Parameter::SinkageExponentSlip, "n₁ [-]", 1.0),
-    shown(Parameter::Cohesion, "c [Pa]", 1.0),
-    shown(Parameter::FrictionAngle, "φ [°]", 1.0),
-    shown(Parameter::ShearModulus, "K [mm]", 1.0e3),
+    shown(Parameter::SinkageModulus, "k_{s} [N/m^{N+2}]", 1.0),
+    shown(Parameter::SinkageExponent, "n_{0} [-]", 1.0),
+    shown(Parameter::SinkageExponentSlip, "n_{1} [-]", 1.0),
+    shown(Parameter::Cohesion, "c_{} [Pa]", 1.0),
+    shown(Parameter::FrictionAngle, "φ_{} [°]", 1.0),
+    shown(Parameter::ShearModulus, "K_{} [mm]", 1.0e3),
 ];
 
 const fn shown(parameter: Parameter, header: &'static str, factor: f64) -> Shown {

@@ -1,8 +1,9 @@
 //! Runs beside each other, to compare them by eye.
 
+use super::channel_groups::drawable;
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, PALETTE, Panel};
-use super::trace_figure::{draw_channel, drawable};
+use super::trace_figure::draw_channel;
 use crate::trace::Trace;
 
 /// Width of the drawing [px].

@@ -2,72 +2,23 @@
 //! spectrum, and what is missing.
 
 use super::ReportError;
-use super::class_strip::{self, ClassSpan};
+use super::channel_groups::{GROUPS, Group, drawable, remarks_on_channels, time_range};
+use super::class_strip::{self, ClassSpan, merged};
 use super::envelope::{bounds, envelope};
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Layout, MUTED, PALETTE, Panel, Stroke};
 use super::page::four_digits;
+use super::run_words::{origin, terrain_name, wheel_and_condition};
+use super::scene::Scene;
 use super::spectrum::{OrderSpectrum, order_spectrum};
-use super::wheel_picture::{Ground, Pose, WheelShape, draw_wheel_on_ground, height_at};
-use crate::terrain::class::TerrainLabel;
+use super::wheel_picture::{Ground, draw_wheel_on_ground};
 use crate::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace};
 
-/// Width of the drawing [px].
-const WIDTH: f64 = 1200.0;
-/// Left edge of the panels [px], right of their tick labels.
-const LEFT: f64 = 84.0;
 /// Room at the right edge [px].
 const RIGHT: f64 = 28.0;
 /// Lug orders that the spectrum shows.
 const ORDERS: f64 = 10.0;
-
-/// One panel over time: what is drawn together.
-struct Group {
-    header: &'static str,
-    /// Factor from the channel's unit to the header's.
-    factor: f64,
-    height: f64,
-    /// Channel, its name in the legend, its colour.
-    lines: &'static [(&'static str, &'static str, &'static str)],
-}
-
-const GROUPS: [Group; 5] = [
-    Group {
-        header: "Vertical acceleration of the axle [m/s²]",
-        factor: 1.0,
-        height: 170.0,
-        lines: &[("acceleration_y", "", PALETTE[0])],
-    },
-    Group {
-        header: "Forces [N]",
-        factor: 1.0,
-        height: 150.0,
-        lines: &[
-            ("normal_force", "normal force F_N", PALETTE[0]),
-            ("drawbar_pull", "drawbar pull F_DP", PALETTE[1]),
-        ],
-    },
-    Group {
-        header: "Driving torque [N·m]",
-        factor: 1.0,
-        height: 95.0,
-        lines: &[("driving_torque", "", PALETTE[2])],
-    },
-    Group {
-        header: "Sinkage of the rim [mm]",
-        factor: 1e3,
-        height: 95.0,
-        lines: &[("sinkage", "", PALETTE[3])],
-    },
-    Group {
-        header: "Slip ratio [-]",
-        factor: 1.0,
-        height: 95.0,
-        lines: &[("slip_ratio", "", PALETTE[1])],
-    },
-];
-
-/// Channels of a run file that are used, though not drawn as lines.
-const SILENT: [&str; 2] = ["wheel_angle", "forward_speed"];
+/// Height [-] of a panel in a compact layout, by that in another.
+const COMPACT: f64 = 0.53;
 
 /// Acceleration, forces, torque, sinkage and slip over time, the true class where it is known, the
 /// order spectrum, and the wheel on its ground in the middle of the run, as one SVG 1200 px wide.
@@ -79,291 +30,120 @@ const SILENT: [&str; 2] = ["wheel_angle", "forward_speed"];
 /// # Errors
 /// `Empty` when not even one channel, mean or ground profile can be drawn.
 pub fn trace_figure(trace: &Trace, id: &str) -> Result<String, ReportError> {
-    let mut remarks = Remarks::default();
-    let groups = drawable_groups(trace, &mut remarks);
-    let scene = scene(trace, &mut remarks);
-    let spectrum = spectrum(trace, &mut remarks);
-    if groups.is_empty() && trace.means.is_empty() && scene.is_none() {
+    laid_out_trace_figure(trace, id, Layout::SCREEN)
+}
+
+/// The [`trace_figure`] of another width, with or without the lines above it that a caption replaces.
+///
+/// # Errors
+/// As [`trace_figure`].
+pub fn laid_out_trace_figure(
+    trace: &Trace,
+    id: &str,
+    layout: Layout,
+) -> Result<String, ReportError> {
+    let groups: Vec<&Group> = GROUPS.iter().filter(|it| it.is_drawable(trace)).collect();
+    let still = Still::of(trace);
+    let spectrum = spectrum(trace);
+    if groups.is_empty() && trace.means.is_empty() && still.is_err() {
         return Err(ReportError::Empty(id.to_owned()));
     }
-    let mut sheet = Sheet::new(id);
-    sheet.title(id, &trace.attributes);
-    sheet.remarks(&remarks.0);
-    if let Some(scene) = &scene {
-        sheet.scene(scene);
+    let mut sheet = Sheet::new(id, layout);
+    if layout.is_titled {
+        sheet.title(id, &trace.attributes);
+        let of_spectrum = spectrum.as_ref().err().into_iter().flatten().cloned();
+        let remarks = remarks_on_channels(trace).into_iter();
+        let remarks = remarks.chain(not_drawn(trace)).chain(still_remarks(&still));
+        sheet.remarks(&remarks.chain(of_spectrum).collect::<Vec<_>>());
+    }
+    if let Ok(still) = &still {
+        sheet.scene(still);
     }
     sheet.channels(trace, &groups);
-    if let Some(spectrum) = &spectrum {
+    if let Ok(spectrum) = &spectrum {
         sheet.spectrum(spectrum);
     }
     sheet.means(trace);
     Ok(sheet.finish())
 }
 
-/// What the reader has to know of what is not drawn.
-#[derive(Default)]
-struct Remarks(Vec<String>);
-
-impl Remarks {
-    fn add(&mut self, remark: String) {
-        self.0.push(remark);
-    }
+/// Which channels are recorded and have no place in the drawing.
+fn not_drawn(trace: &Trace) -> Option<String> {
+    const USED: [&str; 2] = ["wheel_angle", "forward_speed"];
+    let lines = GROUPS.iter().flat_map(|group| group.lines);
+    let known: Vec<&str> = lines.map(|line| line.channel).chain(USED).collect();
+    let names = trace.channels.iter().map(|channel| channel.name.as_str());
+    let unknown: Vec<&str> = names.filter(|name| !known.contains(name)).collect();
+    (!unknown.is_empty()).then(|| format!("Recorded and not drawn: {}.", unknown.join(", ")))
 }
 
-/// A channel with at least one finite sample and a rate.
-fn is_drawable(channel: &Channel) -> bool {
-    let timed =
-        channel.sample_rate > 0.0 && channel.sample_rate.is_finite() && channel.start.is_finite();
-    timed && channel.samples.iter().any(|sample| sample.is_finite())
+/// The order spectrum, or why there is none.
+fn spectrum(trace: &Trace) -> Result<OrderSpectrum, Option<String>> {
+    let signal = trace.channel("acceleration_y").ok_or(None)?;
+    let angle = trace
+        .channel("wheel_angle")
+        .ok_or_else(|| "No order spectrum: it needs the channel wheel_angle.".to_owned())?;
+    order_spectrum(signal, angle, trace.attributes.lug_count.unwrap_or(0))
+        .map_err(|error| Some(format!("No order spectrum: {error}.")))
 }
 
-pub(super) fn drawable<'a>(trace: &'a Trace, name: &str) -> Option<&'a Channel> {
-    trace.channel(name).filter(|channel| is_drawable(channel))
-}
-
-/// The groups with something to draw; remarks on channels that are absent or broken.
-fn drawable_groups(trace: &Trace, remarks: &mut Remarks) -> Vec<&'static Group> {
-    let names: Vec<&str> = GROUPS
-        .iter()
-        .flat_map(|group| group.lines.iter().map(|line| line.0))
-        .chain(SILENT)
-        .collect();
-    let absent: Vec<&str> = names
-        .iter()
-        .copied()
-        .filter(|name| trace.channel(name).is_none())
-        .collect();
-    if !absent.is_empty() {
-        remarks.add(format!("Not recorded: {}.", absent.join(", ")));
-    }
-    let unknown: Vec<&str> = trace
-        .channels
-        .iter()
-        .map(|channel| channel.name.as_str())
-        .filter(|name| !names.contains(name))
-        .collect();
-    if !unknown.is_empty() {
-        remarks.add(format!("Recorded and not drawn: {}.", unknown.join(", ")));
-    }
-    for channel in names.iter().filter_map(|name| trace.channel(name)) {
-        if let Some(fault) = fault(channel) {
-            remarks.add(format!("{}: {fault}.", channel.name));
-        }
-    }
-    GROUPS
-        .iter()
-        .filter(|group| {
-            let mut lines = group.lines.iter();
-            lines.any(|line| drawable(trace, line.0).is_some())
-        })
-        .collect()
-}
-
-/// What is wrong with a channel.
-fn fault(channel: &Channel) -> Option<String> {
-    let count = channel.samples.len();
-    let finite = channel.samples.iter().filter(|s| s.is_finite()).count();
-    if count == 0 {
-        return Some("no samples".to_owned());
-    }
-    if finite == 0 {
-        return Some(format!("none of {count} samples is a finite number"));
-    }
-    if !is_drawable(channel) {
-        let Channel {
-            sample_rate, start, ..
-        } = channel;
-        return Some(format!(
-            "a sample rate of {sample_rate} Hz from {start} s cannot be drawn"
-        ));
-    }
-    (finite < count).then(|| {
-        let broken = count - finite;
-        format!("{broken} of {count} samples are no finite numbers and leave gaps")
-    })
-}
-
-fn spectrum(trace: &Trace, remarks: &mut Remarks) -> Option<OrderSpectrum> {
-    let signal = trace.channel("acceleration_y")?;
-    let Some(angle) = trace.channel("wheel_angle") else {
-        remarks.add("No order spectrum: it needs the channel wheel_angle.".to_owned());
-        return None;
-    };
-    match order_spectrum(signal, angle, trace.attributes.lug_count.unwrap_or(0)) {
-        Ok(spectrum) => Some(spectrum),
-        Err(error) => {
-            remarks.add(format!("No order spectrum: {error}."));
-            None
-        }
-    }
-}
-
-/// The wheel on its ground at one time.
-struct Scene<'a> {
+/// The wheel on its ground in the middle of a run.
+struct Still<'a> {
+    scene: Scene<'a>,
     time: f64,
-    shape: WheelShape,
-    pose: Pose,
-    surface: &'a [[f64; 2]],
-    rut: Vec<[f64; 2]>,
-    terrain: Option<TerrainLabel>,
+    position: f64,
+    /// Whether the profile reaches the axle.
+    is_in_place: bool,
 }
 
-/// The scene in the middle of the run; a remark where it cannot be drawn or is not what was measured.
-fn scene<'a>(trace: &'a Trace, remarks: &mut Remarks) -> Option<Scene<'a>> {
-    let shape = WheelShape::from(&trace.attributes);
-    let surface = trace.truth.as_ref().map_or(&[][..], |t| &t.profile);
-    let finite = surface.iter().flatten().all(|value| value.is_finite());
-    let sized = shape.radius > 0.0 && shape.tip_radius().is_finite();
-    if surface.len() < 2 || !finite || !sized {
-        let lacking = if sized {
-            "ground profile"
-        } else {
-            "wheel radius"
-        };
-        remarks.add(format!("Wheel and ground are not drawn: no {lacking}."));
-        return None;
-    }
-    let path = axle_path(trace);
-    let range = time_range(trace).unwrap_or([0.0, 0.0]);
-    let time = (range[0] + range[1]) / 2.0;
-    let mut position = height_at(&path, time).unwrap_or(0.0);
-    if height_at(surface, position).is_none() {
-        position = (surface[0][0] + surface[surface.len() - 1][0]) / 2.0;
-        remarks.add(
-            "The ground profile does not reach the axle: the wheel is drawn in its middle."
-                .to_owned(),
-        );
-    }
-    let terrain = terrain_at(trace, time);
-    let wheel_angle = value_at(trace, "wheel_angle", time).unwrap_or(0.0);
-    let fixed = matches!(
-        terrain,
-        Some(TerrainLabel::Reference | TerrainLabel::Hard | TerrainLabel::HardWithGravel)
-    );
-    let sinkage = value_at(trace, "sinkage", time).filter(|_| !fixed);
-    let height = match (sinkage, height_at(surface, position)) {
-        (Some(sinkage), Some(ground)) => ground + shape.radius - sinkage,
-        _ => shape.standing_height(position, wheel_angle, surface),
-    };
-    if sinkage.is_none() && !fixed {
-        remarks.add("No sinkage: the wheel is drawn standing on the ground.".to_owned());
-    }
-    let rut = sinkage.map_or(Vec::new(), |_| rut(trace, &path, surface, position));
-    let pose = Pose {
-        position,
-        height,
-        wheel_angle,
-    };
-    Some(Scene {
-        time,
-        shape,
-        pose,
-        surface,
-        rut,
-        terrain,
-    })
-}
-
-/// Time [s] and position of the axle [m], 0 at the start: the forward speed's integral, or the
-/// commanded speed's where it was not recorded.
-fn axle_path(trace: &Trace) -> Vec<[f64; 2]> {
-    let commanded = trace.attributes.speed;
-    let [start, end] = time_range(trace).unwrap_or([0.0, 0.0]);
-    let whole = |channel: &&Channel| channel.samples.iter().all(|v| v.is_finite());
-    match drawable(trace, "forward_speed").filter(whole) {
-        None => vec![[start, 0.0], [end, commanded * (end - start)]],
-        Some(channel) => {
-            let step = 1.0 / channel.sample_rate;
-            let mut position = 0.0;
-            let mut before = channel.samples[0];
-            let samples = channel.samples.iter().enumerate();
-            samples
-                .map(|(i, &speed)| {
-                    if i > 0 {
-                        position += step * (before + speed) / 2.0;
-                    }
-                    before = speed;
-                    [channel.start + i as f64 * step, position]
-                })
-                .collect()
-        }
-    }
-}
-
-/// What the rim left behind: the surface less the sinkage when the axle was there.
-fn rut(trace: &Trace, path: &[[f64; 2]], surface: &[[f64; 2]], position: f64) -> Vec<[f64; 2]> {
-    let stride = (path.len() / 2000).max(1);
-    let mut rut: Vec<[f64; 2]> = Vec::new();
-    for &[time, x] in fine(path).iter().step_by(stride) {
-        let forward = rut.last().is_none_or(|last| x > last[0]);
-        if x > position || !forward {
-            continue;
-        }
-        let sinkage = value_at(trace, "sinkage", time);
-        if let (Some(sinkage), Some(ground)) = (sinkage, height_at(surface, x)) {
-            rut.push([x, ground - sinkage.max(0.0)]);
-        }
-    }
-    rut
-}
-
-/// A path of few points with 500 more between each two.
-fn fine(path: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    if path.len() != 2 {
-        return path.to_vec();
-    }
-    let [[t0, x0], [t1, x1]] = [path[0], path[1]];
-    (0..=500)
-        .map(|i| f64::from(i) / 500.0)
-        .map(|part| [t0 + part * (t1 - t0), x0 + part * (x1 - x0)])
-        .collect()
-}
-
-fn terrain_at(trace: &Trace, time: f64) -> Option<TerrainLabel> {
-    let windows = trace.truth.iter().flat_map(|truth| &truth.class_windows);
-    let window = windows
-        .clone()
-        .find(|window| window.start <= time && time < window.end);
-    window
-        .map(|window| window.terrain)
-        .or(trace.attributes.terrain)
-}
-
-/// The sample nearest to `time` [s], if it is finite.
-fn value_at(trace: &Trace, name: &str, time: f64) -> Option<f64> {
-    let channel = drawable(trace, name)?;
-    let index = ((time - channel.start) * channel.sample_rate).round();
-    let value = *channel
-        .samples
-        .get((index >= 0.0).then_some(index as usize)?)?;
-    value.is_finite().then_some(value)
-}
-
-/// First and last time [s] of all that can be drawn.
-fn time_range(trace: &Trace) -> Option<[f64; 2]> {
-    let ends: Vec<f64> = trace
-        .channels
-        .iter()
-        .filter(|channel| is_drawable(channel))
-        .flat_map(|channel| {
-            let length = (channel.samples.len() - 1) as f64 / channel.sample_rate;
-            [channel.start, channel.start + length]
+impl<'a> Still<'a> {
+    /// The still, or what it lacks.
+    fn of(trace: &'a Trace) -> Result<Self, &'static str> {
+        let scene = Scene::on_profile(trace)?;
+        let [start, end] = time_range(trace).unwrap_or([0.0, 0.0]);
+        let time = (start + end) / 2.0;
+        let axle = scene.position(time);
+        let is_in_place = scene.reaches(axle);
+        let [first, last] = [scene.surface[0], scene.surface[scene.surface.len() - 1]];
+        let middle = (first[0] + last[0]) / 2.0;
+        Ok(Self {
+            scene,
+            time,
+            position: if is_in_place { axle } else { middle },
+            is_in_place,
         })
-        .collect();
-    bounds(&ends)
+    }
+}
+
+/// What a reader has to know of the still.
+fn still_remarks(still: &Result<Still<'_>, &'static str>) -> Vec<String> {
+    let still = match still {
+        Ok(still) => still,
+        Err(lacking) => return vec![format!("Wheel and ground are not drawn: no {lacking}.")],
+    };
+    let misplaced = "The ground profile does not reach the axle: the wheel is drawn in its middle.";
+    let standing = "No sinkage: the wheel is drawn standing on the ground.";
+    let is_soft = still.scene.is_soft(still.time);
+    let stands = is_soft && still.scene.sinkage(still.time).is_none();
+    [(!still.is_in_place, misplaced), (stands, standing)]
+        .into_iter()
+        .filter_map(|(holds, remark)| holds.then(|| remark.to_owned()))
+        .collect()
 }
 
 /// The drawing under way, from top to bottom.
 struct Sheet {
     canvas: Canvas,
+    layout: Layout,
     /// Where the next part begins [px].
     below: f64,
 }
 
 impl Sheet {
-    fn new(id: &str) -> Self {
+    fn new(id: &str, layout: Layout) -> Self {
         Self {
-            canvas: Canvas::new([WIDTH, 0.0], &format!("Run {id}")),
+            canvas: Canvas::laid_out(layout, &format!("Run {id}")),
+            layout,
             below: 0.0,
         }
     }
@@ -373,23 +153,56 @@ impl Sheet {
         self.canvas.finish()
     }
 
+    /// Left edge of the panels [px], right of their tick labels.
+    fn left(&self) -> f64 {
+        if self.layout.is_compact() { 52.0 } else { 84.0 }
+    }
+
+    /// Right edge of the panels [px].
+    fn right(&self) -> f64 {
+        self.layout.width
+            - if self.layout.is_compact() {
+                10.0
+            } else {
+                RIGHT
+            }
+    }
+
+    /// Left edge and width [px] of lines of text.
+    fn margins(&self) -> [f64; 2] {
+        [RIGHT, self.layout.width - 2.0 * RIGHT]
+    }
+
     /// The next `height` [px] between the margins, below a gap.
     fn area(&mut self, gap: f64, height: f64) -> Area {
+        let height = height
+            * if self.layout.is_compact() {
+                COMPACT
+            } else {
+                1.0
+            };
         let top = self.below + gap;
         self.below = top + height;
         Area {
-            left: LEFT,
+            left: self.left(),
             top,
-            width: WIDTH - LEFT - RIGHT,
+            width: self.right() - self.left(),
             height,
         }
     }
 
     fn line(&mut self, font: Font, text: &str) {
         self.below += 1.5 * font.size;
-        let text = font.fit(text, WIDTH - 2.0 * RIGHT);
-        let at = [RIGHT, self.below];
-        self.canvas.text(at, Anchor::Start, font, &text);
+        let [left, width] = self.margins();
+        let text = font.fit(text, width);
+        self.canvas
+            .text([left, self.below], Anchor::Start, font, &text);
+    }
+
+    fn lines(&mut self, font: Font, text: &str) {
+        for line in font.wrap(text, self.margins()[1]) {
+            self.line(font, &line);
+        }
     }
 
     fn title(&mut self, id: &str, run: &RunAttributes) {
@@ -400,8 +213,13 @@ impl Sheet {
             colour: INK,
             ..Font::SMALL
         };
-        self.line(condition, &wheel_and_condition(run));
-        self.line(condition, &origin(run));
+        for text in [wheel_and_condition(run), origin(run)] {
+            if self.layout.is_compact() {
+                self.lines(condition, &text);
+            } else {
+                self.line(condition, &text);
+            }
+        }
     }
 
     fn remarks(&mut self, remarks: &[String]) {
@@ -409,28 +227,32 @@ impl Sheet {
             colour: "#a33d00",
             ..Font::SMALL
         };
-        for line in font.wrap(&remarks.join(" "), WIDTH - 2.0 * RIGHT) {
-            self.line(font, &line);
-        }
+        self.lines(font, &remarks.join(" "));
     }
 
-    fn scene(&mut self, scene: &Scene<'_>) {
-        let header = format!(
-            "Wheel and ground at {:.2} s, {:.0} mm along the track",
-            scene.time,
-            scene.pose.position * 1e3
-        );
-        let area = self.area(Panel::HEADER + 8.0, 270.0);
+    fn header(&mut self, area: &Area, text: &str) {
         let at = [area.left, area.top - 9.0];
-        let ground = Ground {
-            surface: scene.surface,
-            rut: &scene.rut,
-            stones: &[],
-            terrain: scene.terrain,
+        self.canvas.text(at, Anchor::Start, Font::HEADER, text);
+    }
+
+    fn scene(&mut self, still: &Still<'_>) {
+        let Still { scene, time, .. } = still;
+        let along = still.position * 1e3;
+        let header = if self.layout.is_compact() {
+            format!("Wheel and ground at {time:.2} s")
+        } else {
+            format!("Wheel and ground at {time:.2} s, {along:.0} mm along the track")
         };
-        let canvas = &mut self.canvas;
-        canvas.text(at, Anchor::Start, Font::HEADER, &header);
-        draw_wheel_on_ground(canvas, &area, &scene.shape, &scene.pose, &ground);
+        let area = self.area(Panel::HEADER + 8.0, 270.0);
+        self.header(&area, &header);
+        let pose = scene.pose(*time, still.position);
+        let rut = scene.rut(*time);
+        let ground = Ground {
+            surface: &scene.surface,
+            rut: &rut,
+            terrain: scene.terrain(*time),
+        };
+        draw_wheel_on_ground(&mut self.canvas, &area, &scene.shape, &pose, &ground);
     }
 
     /// The true class, and every group of channels, over one time axis.
@@ -438,14 +260,21 @@ impl Sheet {
         let Some(range) = time_range(trace).filter(|_| !groups.is_empty()) else {
             return;
         };
-        let time = Axis::exact(range, [LEFT, WIDTH - RIGHT]);
+        let time = Axis::exact(range, [self.left(), self.right()]);
         let windows = trace.truth.as_ref().map_or(&[][..], |t| &t.class_windows);
         if !windows.is_empty() {
             self.classes(&time, windows);
         }
         for (i, group) in groups.iter().enumerate() {
             let area = self.area(Panel::HEADER + 6.0, group.height);
-            let panel = draw_group(&mut self.canvas, trace, group, area, time);
+            let compact = self.layout.is_compact();
+            let panel = draw_group(
+                &mut self.canvas,
+                trace,
+                &Shown { group, compact },
+                area,
+                time,
+            );
             if i + 1 == groups.len() {
                 panel.draw_footer(&mut self.canvas, "time [s]");
                 self.below += Panel::FOOTER;
@@ -454,7 +283,9 @@ impl Sheet {
     }
 
     fn classes(&mut self, time: &Axis, windows: &[ClassWindow]) {
-        let strip = self.area(Panel::HEADER + 8.0, 24.0);
+        let mut strip = self.area(Panel::HEADER + 8.0, 24.0);
+        self.below += 24.0 - strip.height;
+        strip.height = 24.0;
         let header = "How the lugs met the ground";
         let merged = merged(windows);
         let keys = class_strip::keys(merged.iter().map(|window| window.class));
@@ -463,9 +294,8 @@ impl Sheet {
             x: *time,
             y: *time,
         };
-        let header_at = [strip.left, strip.top - 9.0];
+        self.header(&strip, header);
         let canvas = &mut self.canvas;
-        canvas.text(header_at, Anchor::Start, Font::HEADER, header);
         panel.draw_legend(canvas, header, &keys);
         canvas.clip(&strip);
         for window in &merged {
@@ -490,7 +320,17 @@ impl Sheet {
             x: Axis::exact([0.0, ORDERS], [area.left, area.right()]),
             y: Axis::decades([low.max(1e-5 * high), high], [area.bottom(), area.top]),
         };
-        draw_spectrum(&mut self.canvas, &panel, spectrum, &shown);
+        let compact = self.layout.is_compact();
+        let header = match compact {
+            true => "Amplitude of a_{y} [m/s²]",
+            false => "Order spectrum of the acceleration: amplitude [m/s²]",
+        };
+        draw_spectrum(&mut self.canvas, &panel, header, spectrum, &shown);
+        let name = match compact {
+            true => format!("order per {} [-]", turned(spectrum)),
+            false => spectrum_footer(spectrum, area.width),
+        };
+        panel.draw_footer(&mut self.canvas, &name);
         self.below += Panel::FOOTER;
     }
 
@@ -519,70 +359,6 @@ impl Sheet {
     }
 }
 
-fn terrain_name(terrain: TerrainLabel) -> &'static str {
-    match terrain {
-        TerrainLabel::Reference => "flat hard ground (REF)",
-        TerrainLabel::Hard => "hard terrain (HT)",
-        TerrainLabel::Gravel => "gravel (GT)",
-        TerrainLabel::Sand => "sand (ST)",
-        TerrainLabel::HardWithGravel => "hard terrain with gravel (HGT)",
-        TerrainLabel::SandWithGravel => "sand with gravel (SGT)",
-    }
-}
-
-/// The wheel and what was commanded, without what nobody knows.
-fn wheel_and_condition(run: &RunAttributes) -> String {
-    let wheel = match run.lugs() {
-        lugs if lugs.are_none() => "smooth wheel".to_owned(),
-        lugs => lugs.to_string(),
-    };
-    let known = |value: f64, text: String| value.is_finite().then_some(text);
-    let (radius, width) = (run.wheel_radius * 1e3, run.wheel_width * 1e3);
-    let wheel = [
-        Some(wheel),
-        known(radius, format!("rim radius {radius:.0} mm")),
-        known(width, format!("width {width:.0} mm")),
-    ];
-    let wheel: Vec<String> = wheel.into_iter().flatten().collect();
-    let speed = run.speed * 1e3;
-    let parts = [
-        Some(wheel.join(", ")),
-        known(run.load, format!("load {:.1} N", run.load)),
-        known(speed, format!("speed {speed:.1} mm/s")),
-        known(run.slip_ratio, format!("slip {:.2}", run.slip_ratio)),
-    ];
-    let parts: Vec<String> = parts.into_iter().flatten().collect();
-    parts.join("   |   ")
-}
-
-/// Where the run comes from, and its label.
-fn origin(run: &RunAttributes) -> String {
-    let source = match run.physics_rate {
-        Some(rate) => format!("simulated at {} kHz", four_digits(rate / 1e3)),
-        None => "measured".to_owned(),
-    };
-    let class = run.class.map(|class| format!("class {class}"));
-    let day = (!run.day.is_empty()).then(|| format!("day {}", run.day));
-    let notes = (!run.notes.is_empty()).then(|| run.notes.clone());
-    let parts = [Some(source), class, Some(format!("repeat {}", run.repeat))];
-    let parts: Vec<String> = parts.into_iter().chain([day, notes]).flatten().collect();
-    parts.join("   |   ")
-}
-
-/// Windows with neighbours of the same class and terrain joined.
-fn merged(windows: &[ClassWindow]) -> Vec<ClassWindow> {
-    let mut merged: Vec<ClassWindow> = Vec::new();
-    for window in windows {
-        match merged.last_mut() {
-            Some(last) if (last.class, last.terrain) == (window.class, window.terrain) => {
-                last.end = window.end;
-            }
-            _ => merged.push(*window),
-        }
-    }
-    merged
-}
-
 fn draw_window(canvas: &mut Canvas, time: &Axis, strip: &Area, window: &ClassWindow) {
     let span = ClassSpan {
         time: [window.start, window.end],
@@ -592,13 +368,33 @@ fn draw_window(canvas: &mut Canvas, time: &Axis, strip: &Area, window: &ClassWin
     span.draw(canvas, time, strip);
 }
 
-fn draw_group(canvas: &mut Canvas, trace: &Trace, group: &Group, area: Area, time: Axis) -> Panel {
-    let lines: Vec<_> = group
-        .lines
-        .iter()
-        .filter_map(|line| drawable(trace, line.0).map(|channel| (line, channel)))
-        .collect();
-    let command = command(&trace.attributes, group);
+/// A group of channels and how much room its names have.
+struct Shown<'a> {
+    group: &'a Group,
+    compact: bool,
+}
+
+impl Shown<'_> {
+    fn header(&self) -> String {
+        match self.compact {
+            true => self.group.short_header(),
+            false => self.group.header(),
+        }
+    }
+}
+
+fn draw_group(
+    canvas: &mut Canvas,
+    trace: &Trace,
+    shown: &Shown<'_>,
+    area: Area,
+    time: Axis,
+) -> Panel {
+    let group = shown.group;
+    let lines = group.lines.iter();
+    let lines = lines.filter_map(|line| Some((line, drawable(trace, line.channel)?)));
+    let lines: Vec<_> = lines.collect();
+    let command = group.command(&trace.attributes);
     let values: Vec<f64> = lines
         .iter()
         .filter_map(|(_, channel)| bounds(&channel.samples))
@@ -614,7 +410,7 @@ fn draw_group(canvas: &mut Canvas, trace: &Trace, group: &Group, area: Area, tim
             [area.bottom(), area.top],
         ),
     };
-    panel.draw_frame(canvas, group.header);
+    panel.draw_frame(canvas, &shown.header());
     let mut legend: Vec<(String, Stroke)> = Vec::new();
     canvas.clip(&area);
     if let Some((name, value)) = command {
@@ -623,25 +419,20 @@ fn draw_group(canvas: &mut Canvas, trace: &Trace, group: &Group, area: Area, tim
         canvas.polyline(&[[area.left, y], [area.right(), y]], stroke);
         legend.push((name.to_owned(), stroke));
     }
-    for ((_, name, colour), channel) in lines {
-        draw_channel(canvas, &panel, channel, group.factor, colour);
-        if !name.is_empty() {
-            legend.push(((*name).to_owned(), Stroke::solid(colour, 2.5)));
+    for (line, channel) in lines {
+        draw_channel(canvas, &panel, channel, group.factor, line.colour);
+        if !line.name.is_empty() {
+            let name = if shown.compact {
+                line.symbol
+            } else {
+                line.name
+            };
+            legend.push((name.to_owned(), Stroke::solid(line.colour, 2.5)));
         }
     }
     canvas.unclip();
-    panel.draw_legend(canvas, group.header, &legend);
+    panel.draw_legend(canvas, &shown.header(), &legend);
     panel
-}
-
-/// What was commanded of the quantity a group shows, in the header's unit.
-fn command(run: &RunAttributes, group: &Group) -> Option<(&'static str, f64)> {
-    let command = match group.lines[0].0 {
-        "normal_force" => ("load commanded", run.load),
-        "slip_ratio" => ("slip commanded", run.slip_ratio),
-        _ => return None,
-    };
-    command.1.is_finite().then_some(command)
 }
 
 /// Samples as a line; where a pixel holds many, the bounds of each pixel.
@@ -679,10 +470,10 @@ pub(super) fn draw_channel(
 fn draw_spectrum(
     canvas: &mut Canvas,
     panel: &Panel,
+    header: &str,
     spectrum: &OrderSpectrum,
     points: &[[f64; 2]],
 ) {
-    let header = "Order spectrum of the acceleration: amplitude [m/s²]";
     panel.draw_frame(canvas, header);
     let [top, bottom] = [panel.area.top, panel.area.bottom()];
     let harmonic = Stroke::solid("#f2b98f", 1.5);
@@ -700,22 +491,35 @@ fn draw_spectrum(
     canvas.clip(&panel.area);
     canvas.polyline(&line, Stroke::solid(PALETTE[0], 1.5));
     canvas.unclip();
-    let (unit, blocks) = match spectrum.passes_per_turn {
-        1 => ("turn", format!("{} turns", spectrum.passes)),
-        _ => ("lug pass", format!("{} lug passes", spectrum.passes)),
-    };
-    let harmonics = (format!("harmonics of the {unit}"), harmonic);
+    let harmonics = (format!("harmonics of the {}", turned(spectrum)), harmonic);
     panel.draw_legend(canvas, header, &[harmonics]);
+}
+
+/// What orders count.
+fn turned(spectrum: &OrderSpectrum) -> &'static str {
+    match spectrum.passes_per_turn {
+        1 => "turn",
+        _ => "lug pass",
+    }
+}
+
+/// Name of the lower axis of the spectrum in a panel of this `width` [px].
+fn spectrum_footer(spectrum: &OrderSpectrum, width: f64) -> String {
+    let minor = minor_ticks(spectrum.passes_per_turn, width / ORDERS);
     let ticks = match spectrum.passes_per_turn / minor {
         _ if minor == 1 => String::new(),
         1 => "; small ticks: orders of the wheel".to_owned(),
         step => format!("; small ticks: {step} orders of the wheel apart"),
     };
-    let name = format!(
-        "order per {unit} [-]{ticks}; Hann, {} × {blocks}",
+    let blocks = match spectrum.passes_per_turn {
+        1 => format!("{} turns", spectrum.passes),
+        _ => format!("{} lug passes", spectrum.passes),
+    };
+    format!(
+        "order per {} [-]{ticks}; Hann, {} × {blocks}",
+        turned(spectrum),
         spectrum.blocks
-    );
-    panel.draw_footer(canvas, &name);
+    )
 }
 
 /// How many parts of a lug order the small ticks mark: whole wheel orders, 5 px apart or more.

@@ -1,11 +1,12 @@
 //! A run on its way over the grounds: its vibration and the class of every window (Fig. 20).
 
 use super::ReportError;
+use super::channel_groups::drawable;
 use super::class_strip::{ClassSpan, keys};
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, MUTED, PALETTE, Panel, Stroke};
 use super::page::four_digits;
-use super::trace_figure::{draw_channel, drawable};
+use super::trace_figure::draw_channel;
 use crate::recognition::Recognized;
 use crate::trace::{Channel, Trace};
 

@@ -96,19 +96,17 @@ pub struct Ground<'a> {
     pub surface: &'a [[f64; 2]],
     /// Surface the wheel left behind: position, height [m]; empty where it left none.
     pub rut: &'a [[f64; 2]],
-    /// Outlines of stones: position, height [m].
-    pub stones: &'a [Vec<[f64; 2]>],
     /// What the ground is, for its colour; soil where it is not known.
     pub terrain: Option<TerrainLabel>,
 }
 
-impl Ground<'_> {
-    /// Whether the wheel presses itself into this ground.
-    fn is_soft(&self) -> bool {
-        use TerrainLabel::{Hard, HardWithGravel, Reference};
-        !matches!(self.terrain, Some(Reference | Hard | HardWithGravel))
-    }
+/// Whether a wheel presses itself into this ground, as into soil and into nobody knows what.
+pub(super) fn is_soft(terrain: Option<TerrainLabel>) -> bool {
+    use TerrainLabel::{Sand, SandWithGravel};
+    matches!(terrain, None | Some(Sand | SandWithGravel))
+}
 
+impl Ground<'_> {
     fn colours(&self) -> (&'static str, &'static str) {
         use TerrainLabel::{Gravel, Hard, HardWithGravel, Reference};
         match self.terrain {
@@ -123,7 +121,7 @@ impl Ground<'_> {
         xs.filter_map(|x| {
             let undisturbed = height_at(self.surface, x)?;
             let rut = height_at(self.rut, x).unwrap_or(f64::INFINITY);
-            let pressed = if self.is_soft() {
+            let pressed = if is_soft(self.terrain) {
                 rim_bottom(wheel, pose, x)
             } else {
                 f64::INFINITY
@@ -242,11 +240,7 @@ fn draw_ground(
         canvas.polygon(&soil, fill, Stroke::solid("none", 0.0));
     }
     canvas.polyline(&now, Stroke::solid(line, 1.8));
-    for stone in ground.stones {
-        let outline = view.all(stone);
-        canvas.polygon(&outline, "#a3a8b0", Stroke::solid("#3f4652", 1.3));
-    }
-    if ground.is_soft() {
+    if is_soft(ground.terrain) {
         let undisturbed: Vec<[f64; 2]> = view
             .columns()
             .filter_map(|x| height_at(ground.surface, x).map(|y| view.at([x, y])))
@@ -328,13 +322,17 @@ fn draw_legend(canvas: &mut Canvas, view: &View, wheel: &WheelShape, ground: &Gr
         [right - 9.0, top],
     ];
     canvas.polygon(&head, INK, Stroke::solid(GRID, 0.0));
-    if ground.is_soft() {
+    if is_soft(ground.terrain) {
         let y = top + 22.0;
         canvas.text(
             [right - 34.0, y],
             Anchor::End,
             Font::SMALL,
-            "undisturbed surface",
+            if view.area.width < 600.0 {
+                "undisturbed"
+            } else {
+                "undisturbed surface"
+            },
         );
         canvas.polyline(
             &[[right - 26.0, y - 5.0], [right, y - 5.0]],
@@ -400,7 +398,6 @@ mod tests {
         let mut ground = Ground {
             surface: &surface,
             rut: &rut,
-            stones: &[],
             terrain: Some(TerrainLabel::Sand),
         };
         let xs = [-0.5, 0.0, 0.5];
