@@ -4,6 +4,7 @@
 //! |---|---|
 //! | rigs, grounds and the files of a run | [`scenarios`] |
 //! | a rig's own records | [`measured_data`] |
+//! | a run to look at | [`figures`] |
 //! | the class of wheel-terrain interaction | [`recognition`] |
 //! | terrain parameters | [`identification`] |
 //! | departures from the ideal rig | [`effects`] |
@@ -19,6 +20,7 @@ macro_rules! page {
         #[doc = "[data_sets]: crate::guide::data_sets"]
         #[doc = "[diagnosis]: crate::guide::diagnosis"]
         #[doc = "[effects]: crate::guide::effects"]
+        #[doc = "[figures]: crate::guide::figures"]
         #[doc = "[identification]: crate::guide::identification"]
         #[doc = "[limits]: crate::guide::limits"]
         #[doc = "[measured_data]: crate::guide::measured_data"]
@@ -36,6 +38,7 @@ page!(cluster);
 page!(data_sets);
 page!(diagnosis);
 page!(effects);
+page!(figures);
 page!(identification);
 page!(limits);
 page!(measured_data);

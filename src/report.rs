@@ -1,6 +1,8 @@
 //! Outcomes as figures and pages. Everything here returns text; nothing reads or writes a file.
 //!
 //! - [`trace_figure`]: what one run recorded, as one drawing.
+//! - [`run_page()`]: the same as a page, with [`RunView`]: the wheel moves over its ground, and channels can be
+//!   zoomed and read off.
 //! - [`side_by_side()`]: the same channels of several runs, on one scale.
 //! - [`wheel_picture()`]: the wheel on its ground, to scale.
 //! - [`feature_values()`], [`feature_planes()`]: windows by their vibration features.
@@ -20,6 +22,7 @@
 //!   has the parts.
 //! - [`diagnosis_page()`]: what a diagnosis found, as such a document.
 //! - [`study_page()`]: what a study asked, what came of it and what was run, as such a document.
+//! - [`image`]: any of the drawings as PNG or PDF.
 //! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
 mod arm_column;
@@ -38,12 +41,16 @@ pub mod figure;
 mod force_curves;
 mod gap_map;
 mod gap_waterfall;
+pub mod image;
 mod isolability_map;
 mod matrix_figure;
+mod packed;
 pub mod page;
 mod parameter_figure;
 mod power_figure;
 mod probability_bars;
+mod run_page;
+mod run_view;
 mod run_words;
 mod scene;
 mod side_by_side;
@@ -72,6 +79,8 @@ pub use page::{Page, page};
 pub use parameter_figure::{IdentifiedGround, parameter_figure};
 pub use power_figure::power_figure;
 pub use probability_bars::probability_bars;
+pub use run_page::run_page;
+pub use run_view::RunView;
 pub use side_by_side::side_by_side;
 pub use study_page::{ToldStudy, study_page};
 pub use sweep_figure::sweep_figure;

@@ -44,6 +44,7 @@ mod recognition_faults;
 mod recognize;
 mod remeasurement;
 mod report;
+mod run_in_chromium;
 mod scenarios;
 mod slate_rig;
 mod slurm;

@@ -307,11 +307,33 @@ fn a_study_with_failed_runs_prints_its_result_alone_under_json() {
 }
 
 #[test]
+fn plot_writes_what_its_output_ends_in() {
+    let folder = workplace();
+    let cases: [(&str, &[u8]); 5] = [
+        ("--out a.svg", b"<svg "),
+        ("--out a.png --width 88mm", b"\x89PNG"),
+        ("--out a.pdf --width 88mm --no-title", b"%PDF-"),
+        ("--out a.html", b"<!doctype html>"),
+        ("--format pdf", b"%PDF-"),
+    ];
+    for (words, beginning) in cases {
+        let drawn = run(folder.path(), &format!("plot ht.h5 {words}"));
+        assert_eq!(drawn.status.code(), Some(0), "{}", error(&drawn));
+        let name = String::from_utf8(drawn.stdout).unwrap();
+        let written = fs::read(folder.path().join(name.trim())).unwrap();
+        assert!(written.starts_with(beginning), "{words}");
+    }
+    let page = run(folder.path(), "plot ht.h5 --out b.html --width 88mm");
+    assert!(error(&page).contains("for figures"), "{}", error(&page));
+}
+
+#[test]
 fn plot_refuses_a_suffix_that_it_does_not_write() {
     let folder = workplace();
-    let refused = run(folder.path(), "plot ht.h5 --out a.png");
+    let refused = run(folder.path(), "plot ht.h5 --out a.jpg");
     let said = error(&refused);
-    assert!(said.contains("plot writes SVG; name a.svg"), "{said}");
+    let way_out = "plot writes svg, png, pdf and html; name a.svg";
+    assert!(said.contains(way_out), "{said}");
 }
 
 #[test]

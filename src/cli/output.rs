@@ -103,12 +103,16 @@ pub fn remove_file(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a whole file or nothing.
-pub fn write_file(path: &Path, content: &str) -> anyhow::Result<()> {
+pub fn write_file(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
     write_file_or(path, content, ELSEWHERE)
 }
 
 /// The same where another place is named otherwise.
-pub fn write_file_or(path: &Path, content: &str, elsewhere: &str) -> anyhow::Result<()> {
-    whole_file::write(path, content.as_bytes())
+pub fn write_file_or(
+    path: &Path,
+    content: impl AsRef<[u8]>,
+    elsewhere: &str,
+) -> anyhow::Result<()> {
+    whole_file::write(path, content.as_ref())
         .map_err(|error| refused("write", path, &error, elsewhere))
 }

@@ -1,15 +1,25 @@
-//! `plot`: the figure of a run.
+//! `plot`: the figure of a run, or its page.
+
+mod format;
 
 use super::output::{self, Output};
+use super::provenance::{self, quoted};
 use crate::dataset::hdf5::RunFile;
-use crate::report::trace_figure;
+use crate::report::figure::Layout;
+use crate::report::page::Provenance;
+use crate::report::{image, laid_out_trace_figure, page, run_page};
+use crate::trace::Trace;
 use anyhow::{Context, ensure};
 use clap::Args;
+use format::Format;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Draw a run: the wheel on its ground, every channel over time, the spectrum
+///
+/// As a figure (SVG, PNG or PDF), or as an HTML page in which the wheel moves and the channels can be zoomed
+/// and read off.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Plot {
@@ -19,15 +29,25 @@ pub struct Plot {
     /// Id of the run; the first if not given
     #[arg(long, value_name = "ID")]
     run: Option<String>,
-    /// Drawing to write [default: beside the run file, with the run's id]
-    #[arg(long, value_name = "FILE.svg")]
+    /// File to write, .svg, .png, .pdf or .html [default: beside the run file, with the run's id]
+    #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// What to write [default: as --out ends, else svg]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Width on paper with its unit (88mm, 3.5in): letters stay 7 pt high, and a column has a compact layout
+    #[arg(long, value_name = "LENGTH", value_parser = format::width)]
+    width: Option<f64>,
+    /// Leave out title, condition and remarks, for a figure with a caption
+    #[arg(long)]
+    no_title: bool,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   lugwheel plot output/single_wheel_st/run.h5
-  lugwheel plot runs.h5 --run run_000003 --out third.svg";
+  lugwheel plot runs.h5 --run run_000003 --out third.html
+  lugwheel plot runs.h5 --out figure.pdf --width 88mm --no-title";
 
 /// What was drawn.
 #[derive(Debug, Serialize)]
@@ -40,9 +60,11 @@ struct Drawn {
 impl Plot {
     /// Draws the run.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
-        if let Some(out) = &self.out {
-            check_suffix(out)?;
-        }
+        let format = Format::of(self.format, self.out.as_deref())?;
+        ensure!(
+            format != Format::Html || (self.width.is_none() && !self.no_title),
+            "--width and --no-title are for figures; a page takes the width of its window"
+        );
         let file = RunFile::open(&self.file)?;
         let run = match &self.run {
             Some(run) => run,
@@ -51,37 +73,58 @@ impl Plot {
                 .first()
                 .with_context(|| format!("{} has no runs to draw", self.file.display()))?,
         };
-        let figure = match &self.out {
+        let target = match &self.out {
             Some(out) => out.clone(),
-            None => beside(&self.file, run),
+            None => beside(&self.file, run, format),
         };
-        output.claim(&[&self.file]).file(&figure)?;
-        let svg = trace_figure(&file.read(run)?, run)?;
-        output::write_file(&figure, &svg)?;
+        output.claim(&[&self.file]).file(&target)?;
+        output::write_file(&target, self.draw(&file.read(run)?, run, format)?)?;
         output.print(&Drawn {
             file: self.file.display().to_string(),
             run: run.clone(),
-            figure: figure.display().to_string(),
+            figure: target.display().to_string(),
         })
+    }
+
+    fn draw(&self, trace: &Trace, run: &str, format: Format) -> anyhow::Result<Vec<u8>> {
+        if format == Format::Html {
+            return Ok(page(&run_page(trace, run, self.provenance(run))?).into_bytes());
+        }
+        let is_titled = !self.no_title;
+        let layout = match self.width {
+            Some(width) => Layout::on_paper(width, is_titled),
+            None => Layout {
+                is_titled,
+                ..Layout::SCREEN
+            },
+        };
+        let svg = laid_out_trace_figure(trace, run, layout)?;
+        Ok(match format {
+            Format::Png => image::png(&svg)?,
+            Format::Pdf => image::pdf(&svg)?,
+            Format::Svg | Format::Html => svg.into_bytes(),
+        })
+    }
+
+    fn provenance(&self, run: &str) -> Provenance {
+        let file = quoted(&self.file);
+        let ours = [("file", self.file.display().to_string())];
+        let ours = ours.map(|(name, value)| (name.to_owned(), value));
+        Provenance {
+            facts: provenance::facts().into_iter().chain(ours).collect(),
+            commands: vec![format!(
+                "lugwheel plot {file} --run {} --format html",
+                quoted(Path::new(run))
+            )],
+            ..Provenance::default()
+        }
     }
 }
 
-/// Refuses a name that promises another format than SVG.
-fn check_suffix(out: &Path) -> anyhow::Result<()> {
-    let suffix = out.extension().unwrap_or_default().to_string_lossy();
-    ensure!(
-        suffix.eq_ignore_ascii_case("svg"),
-        "plot writes SVG; name {} instead of {}",
-        out.with_extension("svg").display(),
-        out.display()
-    );
-    Ok(())
-}
-
 /// `runs.h5` and `run_000003` to `runs_run_000003.svg`.
-fn beside(file: &Path, run: &str) -> PathBuf {
+fn beside(file: &Path, run: &str, format: Format) -> PathBuf {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    file.with_file_name(format!("{stem}_{run}.svg"))
+    file.with_file_name(format!("{stem}_{run}.{}", format.ending()))
 }
 
 impl fmt::Display for Drawn {

@@ -147,6 +147,40 @@ pub(super) const GROUPS: [Group; 5] = [
     ),
 ];
 
+/// What shows how the wheel moved, where there is room for it.
+pub(super) const MOTION: [Group; 3] = [
+    lone!(
+        "Wheel angle",
+        "Wheel angle",
+        "rad",
+        1.0,
+        95.0,
+        "wheel_angle",
+        "",
+        4
+    ),
+    lone!(
+        "Wheel speed",
+        "Wheel speed",
+        "rad/s",
+        1.0,
+        95.0,
+        "wheel_speed",
+        "",
+        4
+    ),
+    lone!(
+        "Forward speed",
+        "Forward speed v_{}",
+        "mm/s",
+        1e3,
+        95.0,
+        "forward_speed",
+        "v",
+        5
+    ),
+];
+
 /// A channel with at least one finite sample and a rate.
 pub(super) fn is_drawable(channel: &Channel) -> bool {
     let timed =

@@ -37,6 +37,7 @@ mod table;
 pub use table::{Cell, Column, Table, four_digits};
 
 use super::figure::escape;
+use super::run_view::RunView;
 use minijinja::{AutoEscape, Environment, Value, context};
 
 /// A page.
@@ -70,6 +71,7 @@ enum Block {
     Prose(String),
     Table(Table),
     Figure(Figure),
+    Run(Box<RunView>),
     Code(Code),
     Facts(Vec<(String, String)>),
 }
@@ -104,6 +106,11 @@ impl Section {
     /// Adds a figure.
     pub fn figure(self, figure: Figure) -> Self {
         self.with(Block::Figure(figure))
+    }
+
+    /// Adds a run that is played and zoomed.
+    pub fn run(self, run: RunView) -> Self {
+        self.with(Block::Run(Box::new(run)))
     }
 
     /// Adds what is typed or read by a program.
@@ -197,13 +204,28 @@ pub fn page(page: &Page) -> String {
         .expect("the template is part of the program and uses only the values given here")
 }
 
+/// What a page with runs has beside the others' style and script.
+const RUN_STYLE: &str = include_str!("page/run/run.css");
+const RUN_SCRIPT: [&str; 5] = [
+    "\"use strict\";\n",
+    include_str!("page/run/series.js"),
+    include_str!("page/run/traces.js"),
+    include_str!("page/run/picture.js"),
+    include_str!("page/run/player.js"),
+];
+
 fn values(page: &Page) -> Value {
+    let blocks = page.sections.iter().flat_map(|section| &section.blocks);
+    let has_runs = blocks.into_iter().any(|it| matches!(it, Block::Run(_)));
+    let with_runs = |text: String| has_runs.then(|| Value::from_safe_string(text));
     let sections = page
         .sections
         .iter()
         .cloned()
         .chain(page.provenance.section());
     context! {
+        run_style => with_runs(RUN_STYLE.to_owned()),
+        run_script => with_runs(RUN_SCRIPT.concat()),
         style => Value::from_safe_string(include_str!("page/page.css").to_owned()),
         script => Value::from_safe_string(include_str!("page/page.js").to_owned()),
         title => page.title.as_str(),
@@ -230,6 +252,7 @@ fn block_values(block: &Block) -> Value {
             let svg = Value::from_safe_string(svg.clone());
             context! { figure => context! { svg, caption => caption.as_str() } }
         }
+        Block::Run(run) => context! { run => Value::from_safe_string(run.to_json()) },
         Block::Code(Code {
             caption,
             text,

@@ -42,6 +42,25 @@ impl<'a> Scene<'a> {
         })
     }
 
+    /// The scene of a run over level ground, where no profile was recorded.
+    ///
+    /// # Errors
+    /// What it lacks.
+    pub fn on_level_ground(trace: &'a Trace) -> Result<Self, &'static str> {
+        let shape = sized(trace)?;
+        let path = axle_path(trace);
+        let reach = 4.0 * shape.tip_radius();
+        let positions = || path.iter().map(|point| point[1]);
+        let first = positions().fold(f64::INFINITY, f64::min) - reach;
+        let last = positions().fold(f64::NEG_INFINITY, f64::max) + reach;
+        Ok(Self {
+            trace,
+            shape,
+            surface: vec![[first, 0.0], [last, 0.0]],
+            path,
+        })
+    }
+
     /// Position [m] of the axle at `time` [s].
     pub fn position(&self, time: f64) -> f64 {
         height_at(&self.path, time).unwrap_or(0.0)

@@ -13,9 +13,22 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chro
 ///
 /// The page stands in a frame of this width [px], because a window is not made narrower than 500.
 pub fn look(html: &str, width: u32) -> Value {
+    found(include_str!("look.html"), html, width)
+}
+
+/// What is seen of the run in a page while its slider is put to a time [s], its traces are zoomed and
+/// pointed at, and it is played; see `run.html`.
+#[allow(dead_code)] // Not every test of pages has a run.
+pub fn play(html: &str, width: u32, time: f64) -> Value {
+    let harness = include_str!("run.html").replace("SLIDE", &time.to_string());
+    found(&harness, html, width)
+}
+
+/// What a harness leaves of the page in its frame.
+fn found(harness: &str, html: &str, width: u32) -> Value {
     let folder = TempDir::new().unwrap();
     let quoted = serde_json::to_string(html).unwrap().replace("</", "<\\/");
-    let harness = include_str!("look.html")
+    let harness = harness
         .replace("WIDTH", &width.to_string())
         .replace("PAGE", &quoted);
     let file = folder.path().join("look.html");

@@ -11,7 +11,7 @@ use crate::cli::provenance::{self, quoted};
 use crate::cli::series::spreads;
 use crate::cli::steady::{QUANTITIES, Quantity, Spread};
 use crate::report::page::{self, Cell, Column, Figure, Page, Section, Table};
-use crate::report::side_by_side;
+use crate::report::{RunView, side_by_side};
 use std::path::Path;
 
 /// What the page tells.
@@ -56,6 +56,7 @@ pub fn tell(told: &Told) -> Page {
         intro: intro(findings),
         sections: vec![
             look(findings),
+            motion(findings),
             loads(findings),
             lugs(findings),
             recognition.section(),
@@ -110,6 +111,22 @@ fn look(findings: &[Finding]) -> Section {
             "The first run on each ground. The scale is the same along a row. Sinkage is the rim's depth \
              below the undisturbed surface, and below 0 where the wheel stands on its lugs.",
         ))
+}
+
+fn motion(findings: &[Finding]) -> Section {
+    let section = Section::new("How does the wheel move there?").prose(
+        "The first run on each ground. Press play, or put the slider where something happens. Coloured lugs bear \
+         load; the arrows are the ground's normal force, the drawbar pull and the driving torque.",
+    );
+    findings.iter().fold(section, |section, finding| {
+        let (id, trace, _) = &finding.first;
+        match RunView::new(trace, id) {
+            Ok(view) => section
+                .prose(format!("{id} on {}:", finding.name))
+                .run(view),
+            Err(_) => section,
+        }
+    })
 }
 
 fn loads(findings: &[Finding]) -> Section {
