@@ -7,7 +7,9 @@
 //! tables about runs.
 
 pub mod csv;
+#[cfg(feature = "hdf5")]
 pub mod hdf5;
+#[cfg(feature = "hdf5")]
 pub mod inspection;
 pub mod records;
 
@@ -42,4 +44,15 @@ impl Provenance {
             created_by: concat!("lugwheel ", env!("CARGO_PKG_VERSION")).to_owned(),
         }
     }
+}
+
+/// Checks that a run or channel can have this name in a file.
+///
+/// # Errors
+/// The reason, in words.
+fn check_name(what: &str, name: &str) -> Result<(), String> {
+    if name.is_empty() || name == "." || name == ".." || name.contains(['/', '\0']) {
+        return Err(format!("{what} {name:?} must be a name without \"/\""));
+    }
+    Ok(())
 }

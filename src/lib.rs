@@ -201,16 +201,21 @@ pub mod scenario;
 
 pub mod diagnosis;
 
+#[cfg(feature = "study")]
 pub mod learning;
 
+#[cfg(feature = "study")]
 pub mod study;
 
+#[cfg(feature = "study")]
 pub mod challenge;
 
+#[cfg(feature = "report")]
 pub mod report;
 
 // The user's guide.
 pub mod guide;
 
 // What is commanded: the program, from its arguments to its words.
+#[cfg(feature = "cli")]
 pub mod cli;

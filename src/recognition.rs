@@ -12,6 +12,7 @@
 //! [`confusion`] counts answers against it.
 
 pub mod alignment;
+#[cfg(feature = "baseline")]
 pub mod baseline;
 pub mod confusion;
 pub mod improved;

@@ -111,7 +111,7 @@ mod steady;
 mod text;
 mod unit;
 
-use super::hdf5::check_name;
+use super::check_name;
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::trace::Trace;
 use description::{CampaignTable, Given, SourceTable};

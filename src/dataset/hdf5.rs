@@ -39,7 +39,6 @@ mod writing;
 pub use reading::RunFile;
 pub use table::write_table;
 pub use writing::RunFileWriter;
-pub(super) use writing::check_name;
 
 use crate::whole_file;
 use ::hdf5::H5Type;

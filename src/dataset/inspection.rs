@@ -17,7 +17,6 @@ mod turning;
 
 pub use campaign::Sinkages;
 
-pub use labels::SLIP_TOLERANCE;
 pub use lifted::LiftedRuns;
 
 use self::doubts::Doubts;

@@ -56,6 +56,7 @@ const STUDIES: &[ReadyDocument] = documents!("scenarios/studies":
     "thresholds"
 );
 
+#[cfg(feature = "study")]
 const CHALLENGE: &[ReadyDocument] = documents!("scenarios/challenge":
     "gravel" "hard" "magnitudes" "sand"
 );
@@ -100,6 +101,7 @@ pub fn study(name: &str) -> Option<&'static ReadyDocument> {
 }
 
 /// What blind trials are made of: a design of each ground, and the table of magnitudes.
+#[cfg(feature = "study")]
 pub(crate) fn challenge(name: &str) -> Option<&'static ReadyDocument> {
     named(CHALLENGE, name)
 }

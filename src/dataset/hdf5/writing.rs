@@ -6,6 +6,7 @@ use super::{
     Word,
 };
 use crate::dataset::Provenance;
+use crate::dataset::check_name;
 use crate::trace::wheel::{Lugs, Plate};
 use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, Truth};
 use crate::whole_file::{self, WholeFile};
@@ -196,17 +197,6 @@ fn check_names<'a>(what: &str, names: impl Iterator<Item = &'a String>) -> Resul
         if !seen.insert(name) {
             return Err(format!("{what} {name:?} is there twice"));
         }
-    }
-    Ok(())
-}
-
-/// Refuses what cannot be the name of a group or dataset.
-///
-/// # Errors
-/// The reason, in words.
-pub(in crate::dataset) fn check_name(what: &str, name: &str) -> std::result::Result<(), String> {
-    if name.is_empty() || name == "." || name == ".." || name.contains(['/', '\0']) {
-        return Err(format!("{what} {name:?} must be a name without \"/\""));
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use super::{Severity, number};
 use crate::quantity::GRAVITY;
 use crate::quantity::SlipRatio;
 use crate::terrain::class::TerrainLabel;
-use crate::trace::RunAttributes;
+use crate::trace::{RunAttributes, SLIP_TOLERANCE};
 
 /// How far the mean normal force may lie off the load [-].
 ///
@@ -16,9 +16,6 @@ const LOAD_TOLERANCE: f64 = 0.1;
 
 /// How far the speed may lie off the command [-]; motors hold it to 1 %.
 const SPEED_TOLERANCE: f64 = 0.05;
-
-/// How far the slip may lie off the command [-]; a measured campaign of 24 runs held 0.0015.
-pub const SLIP_TOLERANCE: f64 = 0.03;
 
 /// Slip [-] above which the motor drives: with less, a slope or the carriage may drag the wheel.
 const DRIVING_SLIP: f64 = 0.05;

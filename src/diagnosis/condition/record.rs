@@ -2,9 +2,9 @@
 
 use super::super::layout::Layout;
 use super::{CaseError, Caveat};
-use crate::dataset::inspection::SLIP_TOLERANCE;
 use crate::quantity::SlipRatio;
 use crate::scenario::Scenario;
+use crate::trace::SLIP_TOLERANCE;
 use crate::trace::{RunAttributes, Trace, unwrapped};
 use crate::wheel::Wheel;
 use std::fmt;
