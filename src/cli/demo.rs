@@ -166,7 +166,7 @@ impl Demo {
             seed: self.seed,
             computing_s,
         });
-        output::write_file(&report, &page(&told))?;
+        output::write_file(&report, page(&told))?;
         output.print(&Summary {
             seed: self.seed,
             runs_per_ground: RUNS,

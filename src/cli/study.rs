@@ -277,7 +277,7 @@ impl StudyCommand {
                 ),
             ],
         };
-        output::write_file(&path, &report::page(&report::study_page(&told)))?;
+        output::write_file(&path, report::page(&report::study_page(&told)))?;
         Ok(path.display().to_string())
     }
 }

@@ -127,7 +127,8 @@ fn still_remarks(still: &Result<Still<'_>, &'static str>) -> Vec<String> {
     let stands = is_soft && still.scene.sinkage(still.time).is_none();
     [(!still.is_in_place, misplaced), (stands, standing)]
         .into_iter()
-        .filter_map(|(holds, remark)| holds.then(|| remark.to_owned()))
+        .filter(|(holds, _)| *holds)
+        .map(|(_, remark)| remark.to_owned())
         .collect()
 }
 
