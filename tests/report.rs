@@ -14,9 +14,11 @@ use lugwheel::report::{
     feature_values, gap_map, laid_out_trace_figure, parameter_figure, trace_figure,
     traverse_figure,
 };
+use lugwheel::scenario::Scenario;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace, Truth};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 /// Length of the made-up runs [s] and their wheel speed [rad/s].
 const DURATION: f64 = 15.0;
@@ -199,6 +201,26 @@ fn a_whole_run_is_drawn_whole() {
     assert!(!svg.contains("Not recorded"));
     // 45 000 samples; the acceleration alone would take 400 kB as text.
     assert!(svg.len() < 250_000, "{} bytes", svg.len());
+}
+
+#[test]
+fn a_run_after_a_lead_in_is_drawn_where_on_its_track_it_was() {
+    let place = |edits: [&str; 2]| -> f64 {
+        let name = "scenarios/single_wheel_ht.toml";
+        let path = format!("{}/{name}", env!("CARGO_MANIFEST_DIR"));
+        let scenario = Scenario::from_toml(&std::fs::read_to_string(path).unwrap(), name).unwrap();
+        let scenario = scenario.with_all(&edits).unwrap();
+        let go_on = &mut |_: f64| ControlFlow::Continue(());
+        let svg = trace_figure(&scenario.run(Seed(1), 0, go_on).unwrap(), "1").unwrap();
+        let (_, still) = svg.split_once("Wheel and ground at 2.50 s, ").unwrap();
+        still.split(' ').next().unwrap().parse().unwrap()
+    };
+    let whole = place(["lead_in=0", "duration=5"]);
+    let late = place(["lead_in=2", "duration=1"]);
+    assert!(
+        whole > 25.0 && (whole - late).abs() <= 1.0,
+        "{whole} mm, {late} mm"
+    );
 }
 
 /// A column of a paper is 88 mm wide, its text 10 pt and its captions 8 pt high.

@@ -10,7 +10,7 @@ const RUT_POINTS: usize = 2000;
 
 /// The wheel on its ground during a run.
 ///
-/// The axle's position is the integral of the forward speed, 0 at the start; its height follows from
+/// The axle's position is the integral of the forward speed, 0 where the wheel set out; its height follows from
 /// the sinkage, or on rigid ground from where the wheel stands.
 pub(super) struct Scene<'a> {
     trace: &'a Trace,
@@ -34,11 +34,17 @@ impl<'a> Scene<'a> {
             sized(trace)?;
             return Err("ground profile");
         }
+        let shape = sized(trace)?;
+        let mut path = axle_path(trace);
+        let ahead = lead_in(trace, &path, surface, shape.radius);
+        for point in &mut path {
+            point[1] += ahead;
+        }
         Ok(Self {
             trace,
-            shape: sized(trace)?,
+            shape,
             surface: surface.to_vec(),
-            path: axle_path(trace),
+            path,
         })
     }
 
@@ -181,6 +187,22 @@ fn axle_path(trace: &Trace) -> Vec<[f64; 2]> {
             [channel.time(i), position]
         })
         .collect()
+}
+
+/// How far [m] the wheel of a simulated run had come when its record began, after a lead-in; to 1 mm.
+///
+/// Its profile ends a radius beyond the farthest position of the axle.
+fn lead_in(trace: &Trace, path: &[[f64; 2]], surface: &[[f64; 2]], radius: f64) -> f64 {
+    const SHORTEST: f64 = 0.05;
+    if path[0][0] < SHORTEST || trace.attributes.physics_rate.is_none() {
+        return 0.0;
+    }
+    let positions = || path.iter().map(|point| point[1]);
+    if path[path.len() - 1][1] < 0.0 {
+        surface[0][0] + radius - positions().fold(0.0, f64::min)
+    } else {
+        surface[surface.len() - 1][0] - radius - positions().fold(0.0, f64::max)
+    }
 }
 
 /// The value at `time` [s] between the two samples around it; the nearest sample's beside a gap and
