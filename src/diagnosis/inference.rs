@@ -8,7 +8,8 @@
 //! Two estimates of different kinds are pooled: the likelihood of each cause under the `emulator`, and the votes of
 //! `trees`. The weights of the `pool`, of the test for causes that are none of the candidates, and of the test for two
 //! effects are logistic regressions on rigs that had no part in either estimate: for the evidence of each fold of rigs an
-//! emulator is trained on the other folds, and the votes are those of trees that did not see the rig. The same rigs measure what may be expected of this layout, the [self-test](SelfTest).
+//! emulator is trained on the other folds, and the votes are those of trees that did not see the rig. The same rigs, judged
+//! by weights of other rigs, measure what may be expected of this layout, the [self-test](SelfTest).
 
 mod emulator;
 mod evidence;
@@ -122,8 +123,10 @@ impl Model {
             row: &table.rows[it.row],
         });
         let calibrating: Vec<Calibrating> = calibrating.collect();
-        let pool = Pool::fit(&calibrating, effects);
-        let self_test = SelfTest::of(&calibrating, &pool, rigs, &names);
+        let rows: Vec<&Calibrating> = calibrating.iter().collect();
+        let pool = Pool::fit(&rows, effects);
+        let judgements = Pool::cross_fitted(&rows, effects);
+        let self_test = SelfTest::of(&rows, &judgements, rigs, &names);
         Ok(Self {
             scale,
             conditions,

@@ -3,23 +3,31 @@
 //! Given that one cause of the candidates or none is there, the probability of cause `k` is
 //!
 //! ```text
-//! p_k ∝ π_k exp(w₁ e_k + w₂ v_k + w₀ [k is none]),   e_k = −ln(1 + (L − L_k) / B),   v_k = ln(share of votes + ε)
+//! p_k ∝ π_k exp(a_k e_k + b_k g_k + c_k v_k + d_k),
+//! e_k = −ln(1 + (L − L_k) / B),   g_k = ln(1 + max(L_k − L_0, 0)),   v_k = ln(share of votes + ε)
 //! ```
 //!
-//! with the log evidence `L_k`, the largest `L`, and base rates `π`. The logarithm keeps a misfit that no emulator of a real
-//! rig avoids from being taken for certainty. Whether the cause is none of the candidates, and whether there are two
+//! with the log evidence `L_k`, the largest `L`, that without effects `L_0`, and base rates `π`. The logarithms keep a misfit
+//! that no emulator of a real rig avoids from being taken for certainty. How far evidence and votes can be relied on differs
+//! from effect to effect, as the scatter along what effects show does: the weights `a_k` to `d_k` are normally distributed
+//! about those that all causes share. Whether the cause is none of the candidates, and whether there are two
 //! effects, are decided by logistic regressions on misfits and votes; for the former, rigs are judged without the cause
 //! that they have.
 
 use super::evidence::{Evidence, Pair};
 use super::logistic::{Example, Logistic, softmax};
 use crate::diagnosis::rigs::Row;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// `B`.
 const BEND: f64 = 30.0;
 /// `ε`: a vote that no tree casts.
 const NO_VOTE: f64 = 3.0e-3;
+/// Folds of rigs.
+const FOLDS: u64 = 4;
+/// Standard deviation of the weights of a cause about the shared ones.
+const WEIGHT_SCATTER: f64 = 1.0;
 /// Pairs that share the probability of two effects.
 const PAIRS: usize = 20;
 
@@ -116,9 +124,9 @@ impl Judgement {
 
 impl Pool {
     /// The weights that predict the causes of these rigs best.
-    pub fn fit(rigs: &[Calibrating], effects: usize) -> Self {
+    pub fn fit(rigs: &[&Calibrating], effects: usize) -> Self {
         let rates = BaseRates::default();
-        let single = |rig: &&Calibrating| rig.row.effects.len() < 2;
+        let single = |rig: &&&Calibrating| rig.row.effects.len() < 2;
         let weights = Weights::of(rigs, effects);
         let total = rigs.len() as f64;
         let causes = rigs.iter().filter(single).map(|rig| Example {
@@ -126,7 +134,7 @@ impl Pool {
             class: class(rig.row),
             weight: weights.of_kind(rig.row) * total,
         });
-        let causes = Logistic::fit(&causes.collect::<Vec<_>>());
+        let causes = Logistic::fit_by_class(&causes.collect::<Vec<_>>(), WEIGHT_SCATTER);
         let pairs = rigs.iter().map(|rig| Example {
             features: binary(pair_features(&rig.opinion)),
             class: usize::from(rig.row.effects.len() > 1),
@@ -152,6 +160,22 @@ impl Pool {
             pairs: Logistic::fit(&pairs.collect::<Vec<_>>()),
             threshold: 0.0,
         }
+    }
+
+    /// What each rig comes to by weights of the other folds of rigs.
+    pub fn cross_fitted(rigs: &[&Calibrating], effects: usize) -> Vec<Judgement> {
+        let rates = BaseRates::default();
+        let folds = (0..FOLDS).into_par_iter().map(|fold| {
+            let is_other = |rig: &&&Calibrating| rig.row.rig % FOLDS != fold;
+            let others: Vec<&Calibrating> = rigs.iter().filter(is_other).copied().collect();
+            Self::fit(&others, effects)
+        });
+        let pools: Vec<Self> = folds.collect();
+        let judged = rigs.iter().map(|rig| {
+            let pool = &pools[(rig.row.rig % FOLDS) as usize];
+            pool.judge(rig.opinion.clone(), &rates)
+        });
+        judged.collect()
     }
 
     /// With another threshold of the conformal set.
@@ -208,10 +232,13 @@ impl Pool {
         let Some(first) = best.first() else {
             return Vec::new();
         };
-        let weight = self.causes.weights.first().copied().unwrap_or(1.0);
-        let logs = best
-            .iter()
-            .map(|pair| weight * bent(0.5 * (pair.misfit - first.misfit)));
+        let shared = &self.causes.shared;
+        let none = opinion.evidence.none;
+        let logs = best.iter().map(|pair| {
+            let loss = bent(0.5 * (pair.misfit - first.misfit));
+            let gain = gained(0.5 * (none - pair.misfit));
+            [loss, gain].iter().zip(shared).map(|(x, w)| x * w).sum()
+        });
         let shares = softmax(logs.collect());
         let pairs = best.iter().zip(shares);
         pairs
@@ -234,7 +261,7 @@ pub struct Weights {
 
 impl Weights {
     /// Of these rigs.
-    pub fn of(rigs: &[Calibrating], effects: usize) -> Self {
+    pub fn of(rigs: &[&Calibrating], effects: usize) -> Self {
         let mut counts = vec![0.0; effects + 1];
         let mut pairs = 0.0;
         for rig in rigs {
@@ -286,6 +313,10 @@ fn bent(loss: f64) -> f64 {
     -libm::log1p(loss.max(0.0) / BEND)
 }
 
+fn gained(gain: f64) -> f64 {
+    libm::log1p(gain.max(0.0))
+}
+
 /// Features of none and of each effect.
 fn causes(opinion: &Opinion) -> Vec<Vec<f64>> {
     let Opinion {
@@ -293,13 +324,12 @@ fn causes(opinion: &Opinion) -> Vec<Vec<f64>> {
     } = opinion;
     let none = -0.5 * evidence.none;
     let best = evidence.effects.iter().copied().fold(none, f64::max);
-    let features = |log: f64, vote: f64, is_none: f64| {
-        vec![bent(best - log), libm::log(vote + NO_VOTE), is_none]
-    };
-    let of_none = features(none, votes[0], 1.0);
-    let of_effects = evidence.effects.iter().zip(&votes[1..]);
-    let of_effects = of_effects.map(|(log, vote)| features(*log, *vote, 0.0));
-    std::iter::once(of_none).chain(of_effects).collect()
+    let logs = std::iter::once(&none).chain(&evidence.effects);
+    let features = logs.zip(votes).map(|(log, vote)| {
+        let vote = libm::log(vote + NO_VOTE);
+        vec![bent(best - log), gained(log - none), vote, 1.0]
+    });
+    features.collect()
 }
 
 /// Probabilities where the first is met this much more often.

@@ -1,6 +1,6 @@
 //! What may be expected of a layout, from rigs that had no part in what judges them.
 
-use super::pool::{BaseRates, Calibrating, Judgement, Pool, Weights};
+use super::pool::{Calibrating, Judgement, Weights};
 use crate::diagnosis::rigs::{Part, Row};
 use serde::{Deserialize, Serialize};
 
@@ -58,17 +58,21 @@ struct Judged {
 }
 
 impl SelfTest {
-    /// Of rigs and the weights that judge them.
-    pub fn of(rigs: &[Calibrating], pool: &Pool, count: usize, names: &[String]) -> Self {
+    /// Of rigs and what they come to.
+    pub fn of(
+        rigs: &[&Calibrating],
+        judgements: &[Judgement],
+        count: usize,
+        names: &[String],
+    ) -> Self {
         let effects = names.len();
         let weights = Weights::of(rigs, effects);
-        let rates = BaseRates::default();
         let mut powers = vec![Counts::default(); effects];
         let judged: Vec<Judged> = rigs
             .iter()
-            .map(|rig| {
-                let judgement = pool.judge(rig.opinion.clone(), &rates);
-                let judged = judged(&judgement, rig.row, weights.of_kind(rig.row));
+            .zip(judgements)
+            .map(|(rig, judgement)| {
+                let judged = judged(judgement, rig.row, weights.of_kind(rig.row));
                 if let [part] = rig.row.effects[..] {
                     powers[part.candidate].add(part, judged.is_right);
                 }
