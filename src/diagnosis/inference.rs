@@ -11,12 +11,14 @@
 //! emulator is trained on the other folds, and the votes are those of trees that did not see the rig. The same rigs, judged
 //! by weights of other rigs, measure what may be expected of this layout, the [self-test](SelfTest).
 
+mod covariance;
 mod emulator;
 mod evidence;
 mod logistic;
 mod pool;
 mod scale;
 mod self_test;
+mod shrinkage;
 mod trees;
 
 pub use evidence::{Evidence, Fit, Pair, Signatures, Size};
@@ -27,13 +29,14 @@ use super::candidate::Candidate;
 use super::rigs::{Column, Row, Table};
 use crate::gap::Readings;
 use crate::quantity::Seed;
-use emulator::{Emulator, Labels, Training};
+use emulator::{Emulator, Labels, Place, Training};
 use evidence::Curves;
 use nalgebra::DMatrix;
 use pool::{Calibrating, Opinion, Pool};
 use rayon::prelude::*;
 use scale::Scale;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use trees::{Sample, Trees};
 
 /// Folds of rigs.
@@ -97,15 +100,12 @@ impl Model {
         let names: Vec<String> = candidates.iter().map(Candidate::name).collect();
         let scale = Scale::of(table);
         let standardised = scale.rows(table);
-        let conditions = scale
-            .used
-            .iter()
-            .map(|place| table.columns[*place].condition);
-        let conditions: Vec<usize> = conditions.collect();
+        let columns: Vec<&Column> = scale.used.iter().map(|it| &table.columns[*it]).collect();
+        let places = places(&columns);
         let world = World {
             rows: &table.rows,
             standardised: &standardised,
-            conditions: &conditions,
+            places: &places,
             growths: &growths,
         };
         let emulator = world.emulator(|_| true).ok_or(TrainingError::Degenerate)?;
@@ -129,7 +129,7 @@ impl Model {
         let self_test = SelfTest::of(&rows, &judgements, rigs, &names);
         Ok(Self {
             scale,
-            conditions,
+            conditions: places.iter().map(|place| place.condition).collect(),
             emulator,
             widening: widening(&calibrating),
             trees,
@@ -224,6 +224,22 @@ fn widening(rigs: &[Calibrating]) -> f64 {
     distances.get(place).map_or(1.0, |factor| factor.max(1.0))
 }
 
+/// Where columns belong.
+fn places(columns: &[&Column]) -> Vec<Place> {
+    let (mut cells, mut channels) = (BTreeMap::new(), BTreeMap::new());
+    let places = columns.iter().map(|column| {
+        let (cell, next) = (&column.cell, cells.len());
+        let number = *cells.entry(cell).or_insert(next);
+        let next = channels.len();
+        Place {
+            condition: column.condition,
+            cell: number,
+            channel: *channels.entry(&cell.channel).or_insert(next),
+        }
+    });
+    places.collect()
+}
+
 fn count_rigs(rigs: impl Iterator<Item = u64>) -> usize {
     let mut rigs: Vec<u64> = rigs.collect();
     rigs.sort_unstable();
@@ -242,7 +258,7 @@ struct HeldOut {
 struct World<'a> {
     rows: &'a [Row],
     standardised: &'a DMatrix<f64>,
-    conditions: &'a [usize],
+    places: &'a [Place],
     /// `R` of each candidate.
     growths: &'a [f64],
 }
@@ -256,7 +272,7 @@ impl World<'_> {
         Emulator::train(&Training {
             standardised: self.standardised.select_rows(&used),
             labels: rows.clone().map(Labels::from).collect(),
-            conditions: self.conditions,
+            places: self.places,
             growths: self.growths,
             rigs: rows.map(|row| row.rig).collect(),
         })

@@ -13,8 +13,9 @@
 //!
 //! The coefficients are a ridge regression over all rigs. Rows of a rig share the motion, and with it most of their scatter,
 //! so that the regression is one of generalised least squares with equal correlation within rigs: what effects of the
-//! sensors do shows in differences between rows of one rig. `Σ_c` is what remains, pooled over rigs, shrunk to its own
-//! diagonal: replicates, the solver's step, effects that follow another law, and what the functions do not follow.
+//! sensors do shows in differences between rows of one rig; they are then shrunk to what is more than noise. `Σ_c` is what
+//! remains, pooled over rigs: replicates, the solver's step, effects that follow another law, and what the functions do not
+//! follow.
 //! Conditions are independent given `θ`: they share no ground and no noise.
 //!
 //! What is whitened by `Σ_c` and projected on the span of all columns of `B` and `D` keeps every likelihood ratio between
@@ -24,6 +25,8 @@
 //! that had no part in it, and the best linear shrinkage (OAS, Chen et al. 2010, IEEE Trans. Signal Process. 58:5016) of it
 //! is the identity.
 
+use super::covariance::{Covariance, covariances};
+use super::shrinkage::{Noise, shrink};
 use crate::diagnosis::rigs::{Part, Row};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, RowDVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
@@ -39,13 +42,8 @@ const PARAMETER_RIDGE: f64 = 0.1;
 const WITHIN: f64 = 0.1;
 /// Bounds of `R`.
 const GROWTHS: [f64; 2] = [1.2, 30.0];
-/// Share [-] of the diagonal in `Σ_c`: so many rigs over their number, within these bounds.
-const SHRINKAGE: f64 = 80.0;
-const SHRINKAGE_BOUNDS: [f64; 2] = [0.05, 0.8];
-/// Variance [-] that every statistic has besides: nothing is known to less than a seventh of its scatter.
-const NUGGET: f64 = 0.02;
-/// Residuals [standard deviations] beyond which they count as this.
-const CLIPPED: f64 = 6.0;
+/// Noise variance [-] that every statistic has at least.
+const LEAST_VARIANCE: f64 = 1.0e-6;
 /// Eigenvalue over the largest [-] below which a direction is none.
 const RANK: f64 = 1.0e-10;
 
@@ -82,6 +80,17 @@ pub fn slopes(parameters: &[f64]) -> DMatrix<f64> {
         }
     }
     slopes
+}
+
+/// Where a column belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Its condition.
+    pub condition: usize,
+    /// Its statistic of its channel, the same number in all conditions.
+    pub cell: usize,
+    /// Its channel.
+    pub channel: usize,
 }
 
 /// What is known of a rig.
@@ -126,8 +135,8 @@ pub struct Training<'a> {
     pub standardised: DMatrix<f64>,
     /// Labels of the rows.
     pub labels: Vec<Labels<'a>>,
-    /// Condition of each column.
-    pub conditions: &'a [usize],
+    /// Where each column belongs.
+    pub places: &'a [Place],
     /// `R` of each candidate.
     pub growths: &'a [f64],
     /// Rig of each row.
@@ -166,25 +175,21 @@ impl Emulator {
             features,
         };
         let solved = regression.solve()?;
-        let coefficients = &solved.coefficients;
         let residuals = solved.left_out(&training.standardised, &design, &groups)?;
-        let [least, most] = SHRINKAGE_BOUNDS;
-        let shrinkage = (SHRINKAGE / groups.len() as f64).clamp(least, most);
-        let columns = training.conditions.len();
+        let coefficients = solved.shrunk(training.places);
+        let columns = training.places.len();
         let mut whitened = DMatrix::zeros(coefficients.nrows(), columns);
         let mut factors = Vec::new();
         let mut deviations = vec![1.0; columns];
-        let most = training.conditions.iter().max().map_or(0, |most| most + 1);
-        for condition in 0..most {
-            let own = places(training.conditions, condition);
-            if own.is_empty() {
-                continue;
-            }
-            let covariance = covariance(&residuals, &own, shrinkage);
+        for covariance in covariances(&residuals, training.places, groups.len()) {
+            let Covariance {
+                columns: own,
+                matrix,
+            } = covariance;
             for (place, column) in own.iter().enumerate() {
-                deviations[*column] = libm::sqrt(covariance[(place, place)]);
+                deviations[*column] = libm::sqrt(matrix[(place, place)]);
             }
-            let factor = Cholesky::new(covariance)?.unpack();
+            let factor = Cholesky::new(matrix)?.unpack();
             let part = coefficients.select_columns(&own).transpose();
             let part = factor.solve_lower_triangular(&part)?.transpose();
             for (place, column) in own.iter().enumerate() {
@@ -304,6 +309,15 @@ struct Regression {
     features: usize,
 }
 
+/// Penalty of a coefficient: none of the constant.
+fn penalty(place: usize, features: usize) -> f64 {
+    match place.checked_sub(features) {
+        Some(of_effect) => RIDGE[of_effect % CURVE],
+        None if place == 0 => 0.0,
+        None => PARAMETER_RIDGE,
+    }
+}
+
 /// A regression with its coefficients.
 struct Solved {
     regression: Regression,
@@ -314,11 +328,8 @@ struct Solved {
 impl Regression {
     fn solve(self) -> Option<Solved> {
         let mut normal = self.independent.tr_mul(&self.independent);
-        for place in 1..normal.nrows() {
-            normal[(place, place)] += match place.checked_sub(self.features) {
-                Some(of_effect) => RIDGE[of_effect % CURVE],
-                None => PARAMETER_RIDGE,
-            };
+        for place in 0..normal.nrows() {
+            normal[(place, place)] += penalty(place, self.features);
         }
         let normal = Cholesky::new(normal)?;
         Some(Solved {
@@ -330,6 +341,29 @@ impl Regression {
 }
 
 impl Solved {
+    /// The coefficients, those of effects shrunk to what is more than noise.
+    fn shrunk(&self, places: &[Place]) -> DMatrix<f64> {
+        let Regression {
+            independent,
+            target,
+            features,
+        } = &self.regression;
+        let inverse = self.normal.inverse();
+        let penalties =
+            (0..inverse.nrows()).map(|place| penalty(place, *features) * inverse[(place, place)]);
+        let free = independent.nrows() as f64 - inverse.nrows() as f64 + penalties.sum::<f64>();
+        let residuals = target - independent * &self.coefficients;
+        let variance = |column: usize| residuals.column(column).norm_squared() / free.max(1.0);
+        let variances = (0..places.len()).map(|column| variance(column).max(LEAST_VARIANCE));
+        let mut coefficients = self.coefficients.clone();
+        let noise = Noise {
+            inverse: &inverse,
+            variances: &variances.collect::<Vec<f64>>(),
+        };
+        shrink(&mut coefficients, *features, &noise, places);
+        coefficients
+    }
+
     /// Residuals of rows by the regression without their rig, whose coefficients are `B − A⁻¹ X_gᵀ (1 − H_gg)⁻¹ e_g`, with the
     /// rig's block of the hat matrix.
     fn left_out(
@@ -366,39 +400,6 @@ fn unit(scores: &DMatrix<f64>) -> f64 {
     squares.sort_by(f64::total_cmp);
     let median = squares.get(squares.len() / 2).copied().unwrap_or(1.0);
     libm::sqrt(median / scores.ncols() as f64)
-}
-
-fn places(conditions: &[usize], condition: usize) -> Vec<usize> {
-    let places = conditions.iter().enumerate();
-    let own = places.filter(|(_, of)| **of == condition);
-    own.map(|(place, _)| place).collect()
-}
-
-fn covariance(residuals: &DMatrix<f64>, own: &[usize], shrinkage: f64) -> DMatrix<f64> {
-    let mut own = residuals.select_columns(own);
-    clip(&mut own);
-    let mut covariance = own.tr_mul(&own) / own.nrows() as f64;
-    shrink(&mut covariance, shrinkage, NUGGET);
-    covariance
-}
-
-/// Bounds every column to some of its standard deviations.
-fn clip(residuals: &mut DMatrix<f64>) {
-    for mut column in residuals.column_iter_mut() {
-        let bound = CLIPPED * libm::sqrt(column.norm_squared() / column.len() as f64);
-        column.iter_mut().for_each(|x| *x = x.clamp(-bound, bound));
-    }
-}
-
-fn shrink(covariance: &mut DMatrix<f64>, shrinkage: f64, nugget: f64) {
-    for i in 0..covariance.nrows() {
-        for j in 0..covariance.ncols() {
-            if i != j {
-                covariance[(i, j)] *= 1.0 - shrinkage;
-            }
-        }
-        covariance[(i, i)] += nugget.max(f64::EPSILON);
-    }
 }
 
 /// Orthonormal columns that span all rows but the first, which is what all causes have in common.
