@@ -1,7 +1,7 @@
 //! A trained model on disk, beside the rigs that it was learned from.
 //!
 //! ```text
-//! lugwheel model 1 <sha256 of the key of rigs and candidates> <sha256 of what follows>
+//! lugwheel model 2 <sha256 of the key of rigs and candidates> <sha256 of what follows>
 //! <the model, as postcard writes it>
 //! ```
 //!
@@ -13,7 +13,7 @@ use crate::whole_file;
 use std::io;
 use std::path::{Path, PathBuf};
 
-const HEADING: &str = "lugwheel model 1";
+const HEADING: &str = "lugwheel model 2";
 
 /// Where the model of so many rigs and of this key is.
 pub fn path(folder: &Path, rigs: usize, key: &str) -> PathBuf {
