@@ -147,9 +147,10 @@ impl Problem<'_> {
         let count = self.features * self.classes;
         let mut slope = DVector::zeros(count);
         let mut curvature = DMatrix::zeros(count, count);
-        for example in self.examples {
+        let mut expected = DMatrix::zeros(count, self.examples.len());
+        for (place, example) in self.examples.iter().enumerate() {
+            let root = libm::sqrt(example.weight);
             let probabilities = logistic.probabilities(&example.features);
-            let mut expected = DVector::zeros(count);
             for (class, (x, probability)) in example.features.iter().zip(&probabilities).enumerate()
             {
                 let x = DVector::from_column_slice(x);
@@ -157,15 +158,13 @@ impl Problem<'_> {
                 let is_own = if class == example.class { 1.0 } else { 0.0 };
                 let weight = example.weight * (is_own - probability);
                 slope.rows_mut(first, self.features).axpy(weight, &x, 1.0);
-                expected
-                    .rows_mut(first, self.features)
-                    .axpy(*probability, &x, 1.0);
-                let size = [self.features; 2].into();
-                let mut block = curvature.view_mut((first, first), size);
+                let mut own = expected.view_mut((first, place), (self.features, 1));
+                own.copy_from(&(&x * (root * probability)));
+                let mut block = curvature.view_mut((first, first), (self.features, self.features));
                 block.ger(example.weight * probability, &x, &x, 1.0);
             }
-            curvature.ger(-example.weight, &expected, &expected, 1.0);
         }
+        curvature -= &expected * expected.transpose();
         let of_weights = self.of_weights(weights.len());
         let mut slope = &of_weights * slope;
         let mut curvature = &of_weights * curvature * of_weights.transpose();
