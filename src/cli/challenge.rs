@@ -92,7 +92,7 @@ struct Run {
     #[arg(long, value_name = "N", default_value = "1")]
     jobs: NonZeroUsize,
     /// Driving that each diagnosis may simulate [s], as for `diagnose`
-    #[arg(long, value_name = "SECONDS", value_parser = super::positive)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = super::positive)]
     budget: Option<f64>,
     /// Folder of simulated statistics [default: DIR/bank]
     #[arg(long, value_name = "DIR")]

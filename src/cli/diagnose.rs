@@ -63,7 +63,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "DIR", default_value = "output/bank")]
     pub(super) bank: PathBuf,
     /// Driving of random rigs that may be simulated [s]: more rigs, surer answers
-    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, value_parser = super::positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, allow_negative_numbers = true, value_parser = super::positive)]
     pub(super) budget: f64,
     /// Time that the random rigs may take on this machine, for example 10min; sets --budget by an estimate
     #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "budget")]
@@ -73,10 +73,10 @@ pub struct Diagnose {
     pub(super) dry_run: bool,
     /// How far any rig differs from any simulator, in margins of equivalence (5 % of a mean, 1 dB); 0 where the runs are
     /// simulated
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true, value_parser = factor)]
     pub(super) discrepancy: f64,
     /// Longest part of a measured run that is compared [s]
-    #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, value_parser = super::positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, allow_negative_numbers = true, value_parser = super::positive)]
     pub(super) longest: f64,
     /// Seed of the simulations; the same seed gives the same answer
     #[arg(long, default_value_t = 1, value_name = "N")]

@@ -31,16 +31,16 @@ pub struct Recognize {
     #[arg(long, value_enum, default_value_t = MethodName::Improved)]
     method: MethodName,
     /// Length of the windows [s] [default: 15]
-    #[arg(long, value_name = "SECONDS", value_parser = super::positive)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = super::positive)]
     window: Option<f64>,
     /// Cut windows by the turn of the wheel, of this many lug passes each
-    #[arg(long, value_name = "N", value_parser = super::positive, conflicts_with = "window")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = super::positive, conflicts_with = "window")]
     window_passes: Option<f64>,
     /// Runs on flat hard ground (REF), measured on the same rig, to take features over
     #[arg(long, value_name = "REF.h5")]
     reference: Option<PathBuf>,
     /// Corner of the low-pass before features are taken [Hz] [default: 100]
-    #[arg(long, value_name = "HZ", value_parser = super::positive)]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = super::positive)]
     bandwidth: Option<f64>,
     /// Only this run; may be given several times
     #[arg(long, value_name = "ID")]
