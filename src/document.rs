@@ -145,6 +145,15 @@ impl<'t> Document<'t> {
             .is_none_or(|(table, _)| self.value(table).is_some())
     }
 
+    /// Whether a key in some table has this name.
+    pub(crate) fn has_key_ending_in(&self, name: &str) -> bool {
+        let mut is_there = false;
+        for_each_leaf("", &self.root, &mut |key, _| {
+            is_there |= last_key(key) == name
+        });
+        is_there
+    }
+
     /// Every dotted key that holds a value, for a message that lists those like `wanted`.
     pub(crate) fn keys_like(&self, wanted: &str) -> Vec<String> {
         let mut keys = Vec::new();

@@ -16,7 +16,8 @@
 //!
 //! # 1. Simulate
 //!
-//! A [`Scenario`](scenario::Scenario) is one experiment as a file. From it come the [`terrain`] along the track, the
+//! A [`Scenario`](scenario::Scenario) is one experiment as a file; some are part of the program
+//! ([`scenario::ready`]), and [`scenario::keys`] lists what a file can say. From it come the [`terrain`] along the track, the
 //! [`wheel`], and the rig that carries and drives it; [`simulation`] integrates the motion, state by state, with the
 //! equations of [`soil`] on sand. The kinematics of a rigid wheel are in [`vibration`]. [`quantity`] holds the typed
 //! numbers. A stream of random numbers belongs to seed, run and stage, so that results do not depend on threads.

@@ -2,6 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -56,6 +57,7 @@ impl RangeError {
             return Ok(value);
         }
         let range = match (low == f64::NEG_INFINITY, high == f64::INFINITY) {
+            _ if [low, high] == [f64::MIN, f64::MAX] => "finite".to_owned(),
             (false, true) => format!("{low} or more"),
             (true, false) => format!("{high} or less"),
             _ => format!("in [{low}, {high}]"),
@@ -88,7 +90,7 @@ impl RangeError {
 /// Slip ratio `s` [-]: `1 - v/(r ω)` when driving, `r ω/v - 1` when braking, `r` the rim radius.
 ///
 /// 1 spins in place, 0 rolls, -1 slides with a locked wheel.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "f64", into = "f64")]
 pub struct SlipRatio(f64);
 
@@ -145,7 +147,9 @@ impl From<SlipRatio> for f64 {
 }
 
 /// Rate of sampling or of stepping [Hz], a whole number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(try_from = "f64", into = "f64")]
 pub struct SampleRate(u32);
 

@@ -12,9 +12,11 @@
 //! ```
 
 pub mod experiment;
+pub mod keys;
 pub mod ready;
 pub mod recording;
 mod reference;
+pub mod schema;
 
 use crate::document::{Document, Fault, Misfit, check_version};
 use crate::effects::{Application, ApplicationTable, full_name};
@@ -26,6 +28,7 @@ use crate::terrain::TerrainSpec;
 use crate::trace::truth::PAPER_WINDOW;
 use crate::wheel::{Wheel, WheelTable};
 use ready::ReadyDocument;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
@@ -42,18 +45,21 @@ const MOST_STEPS: f64 = 1.0e9;
 const SLOWEST: f64 = 4_000.0;
 
 /// One experiment.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Scenario {
+    /// Version of the format: 1.
     version: i64,
     /// Duration of the run [s].
     pub duration: f64,
     /// Time [s] the wheel drives before the record begins: until it has sunk in and runs steadily.
     #[serde(skip_serializing_if = "is_zero")]
+    #[schemars(default)]
     pub lead_in: f64,
     /// Steps per second of the simulation [Hz]; the terrain's own rate if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub physics_rate: Option<SampleRate>,
-    /// Length [s] of the windows in which the run is labelled; see [`Scenario::window`].
+    /// Length [s] of the windows in which the run is labelled; if absent 15 s, or the whole of a shorter run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<f64>,
     /// The ground.
@@ -63,9 +69,11 @@ pub struct Scenario {
     /// What holds, loads and drives the wheel.
     pub rig: Rig,
     /// How the run is measured.
+    #[schemars(default)]
     pub sensors: Sensors,
     /// Departures from what stands above; see [`Scenario::experiment`].
     #[serde(rename = "effect", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(default, with = "Vec<ApplicationTable>")]
     pub effects: Vec<Application>,
     #[serde(skip)]
     source: Source,
@@ -180,9 +188,16 @@ impl Scenario {
         else {
             return error;
         };
-        let mut keys = assignments.iter().filter_map(|text| split_assignment(text));
-        match keys.find(|(key, _)| effect_name(key).is_none() && !document.has_table_of(key)) {
-            Some((key, _)) => fault.clone().with_hint(&document.keys_like(key)).into(),
+        let keys = assignments.iter().filter_map(|text| split_assignment(text));
+        let mut keys = keys
+            .map(|(key, _)| key)
+            .filter(|key| effect_name(key).is_none());
+        let is_short = |key: &str| {
+            let is_unknown = fault.message.starts_with(&format!("unknown field `{key}`"));
+            is_unknown && document.has_key_ending_in(key)
+        };
+        match keys.find(|key| !document.has_table_of(key) || is_short(key)) {
+            Some(key) => fault.clone().with_hint(&document.keys_like(key)).into(),
             None => error,
         }
     }

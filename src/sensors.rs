@@ -38,6 +38,7 @@ use drive_vibration::Vibrating;
 use encoder::Encoder;
 use fast_channel::{FastChannel, Signal};
 use force_torque::ForceTorque;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slow_channels::SlowChannels;
 use transducer::Transducer;
@@ -46,7 +47,7 @@ use vision::Vision;
 /// All sensors of a rig and how they are sampled.
 ///
 /// The default is ideal: 128 kHz down to 2 kHz, no error anywhere.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sensors {
     /// Rate [Hz] at which accelerometer and force sensor are sampled.

@@ -45,10 +45,11 @@ pub mod wheel_load;
 use crate::quantity::RangeError;
 use departures::Departures;
 use real::Real;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which distribution of stress over the contact arc the soil follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StressConvention {
     /// Wong-Reece: `σ = k_s rᴺ (cos θ - cos θ_1)ᴺ` ahead of `θ_m`, mirrored behind it.
@@ -61,7 +62,7 @@ pub enum StressConvention {
 ///
 /// What can be identified from a wheel's loads is of the type `T`, so that loads can be had with
 /// their derivatives by it ([`real::Dual`]).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Soil<T = f64> {
     /// Stress distribution over the contact arc.
@@ -218,7 +219,8 @@ fn not_in_kilopascal(quantity: &'static str, value: f64) -> Result<(), RangeErro
 /// # Errors
 /// `RangeError` for a `value` [°] too small for a soil unless it is in rad.
 fn not_in_radians(quantity: &'static str, value: f64) -> Result<(), RangeError> {
-    if value <= 0.0 || value >= LEAST_ANGLE {
+    let is_flatter = value > 0.0 && value < LEAST_ANGLE;
+    if !is_flatter {
         return Ok(());
     }
     let degrees = (10.0 * value.to_degrees()).round() / 10.0;

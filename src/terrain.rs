@@ -8,12 +8,13 @@ use crate::quantity::{RangeError, Seed};
 use crate::soil::Soil;
 use class::TerrainLabel;
 use profile::Profile;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Hunt-Crossley contact of lug edge or rim with stone: `F = F_0 (δ/δ_0)ⁿ (1 + d δ̇)`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardContact {
     /// Load `F_0` [N] at the reference indentation.
@@ -31,7 +32,7 @@ pub struct HardContact {
 }
 
 /// Self-affine roughness: spectral density `∝ q^-(1+2H)` between two wavelengths, flat above the longest.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Roughness {
     /// Root-mean-square height [m].
@@ -45,7 +46,7 @@ pub struct Roughness {
 }
 
 /// Joints between slates or bricks.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Joints {
     /// Mean length of a brick [m].
@@ -85,7 +86,7 @@ impl Joints {
 
 /// A step up, climbed by a face of 75°: no height over the track is vertical, and beyond 60° a wheel of the friction of
 /// metal on stone finds no hold.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ledge {
     /// Where its face begins, from the start of the track [m].
@@ -127,7 +128,7 @@ impl From<Joints> for Relief {
 }
 
 /// Free stones: clumps of spheres, see [`stones`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stones {
     /// Smallest and largest size [m] (mean diameter, log-uniform between them).
@@ -151,7 +152,7 @@ pub struct Stones {
 }
 
 /// Smallest and largest size [m].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SizeRange {
     /// Smallest [m].
@@ -163,7 +164,7 @@ pub struct SizeRange {
 /// The ground a scenario asks for.
 ///
 /// Reading one from a file settles its shape; [`TerrainSpec::check`] its values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TerrainSpec {
     /// REF: flat and hard.
@@ -227,7 +228,7 @@ pub enum TerrainSpec {
 }
 
 /// A stretch of a sequence.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
     /// Length [m].

@@ -8,11 +8,12 @@ pub mod flaws;
 
 use crate::quantity::RangeError;
 use flaws::Flaws;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Equally spaced lugs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lugs {
     /// Number of lugs `n_l` [-], at most 64.
@@ -37,8 +38,9 @@ impl Lugs {
 }
 
 /// A rigid wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "WheelTable")]
+#[schemars(!try_from, deny_unknown_fields)]
 pub struct Wheel {
     /// Rim radius `r` [m].
     pub radius: f64,
@@ -50,11 +52,12 @@ pub struct Wheel {
     pub inertia: f64,
     /// Friction coefficient [-] between lug or rim and stone.
     pub friction: f64,
-    /// The lugs; `None` on a smooth wheel.
+    /// The lugs; none on a smooth wheel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lugs: Option<Lugs>,
     /// Departures from the drawing.
     #[serde(skip_serializing_if = "Flaws::is_none")]
+    #[schemars(default)]
     pub flaws: Flaws,
 }
 
@@ -139,7 +142,6 @@ impl Wheel {
     /// # Errors
     /// `RangeError` for a size that is not positive, more than 64 lugs, or lugs that overlap.
     pub fn checked(self) -> Result<Self, RangeError> {
-        RangeError::positive("wheel radius", "m", self.radius)?;
         RangeError::check("wheel radius", "m", self.radius, [0.01, 2.0])?;
         RangeError::positive("wheel width", "m", self.width)?;
         RangeError::positive("wheel mass", "kg", self.mass)?;

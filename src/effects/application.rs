@@ -2,12 +2,13 @@
 
 use super::{Effect, EffectError, Seat, Seated, Setup, seated};
 use crate::quantity::RangeError;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
 /// Which law an effect follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
     /// The catalogue's own.
@@ -152,13 +153,17 @@ impl Serialize for Application {
     }
 }
 
-/// A `[[effect]]` before its checks.
-#[derive(Debug, Serialize, Deserialize)]
+/// A departure from the ideal rig.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ApplicationTable {
+    /// Name of the effect, with its channel where it has one; see `lugwheel effects`.
     name: String,
+    /// Magnitude in the effect's unit.
     magnitude: f64,
+    /// Which law it follows.
     #[serde(default, skip_serializing_if = "is_own")]
+    #[schemars(!skip_serializing_if)]
     form: Form,
 }
 

@@ -6,12 +6,13 @@ use super::transducer::{Transducer, corner, finite};
 use crate::quantity::GRAVITY;
 use crate::quantity::RangeError;
 use crate::simulation::WheelState;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Accelerometer on the axle, its axis up; reads m/s² with gravity removed.
 ///
 /// The default is ideal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Accelerometer {
     /// Angle [°] by which the axis leans from the vertical toward the direction of travel. The

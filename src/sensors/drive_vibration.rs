@@ -21,6 +21,7 @@ use super::transducer::not_negative;
 use crate::quantity::RangeError;
 use crate::simulation::WheelState;
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
@@ -31,7 +32,7 @@ pub(crate) const STATED_AT: f64 = 0.1;
 pub(crate) const CORNER: f64 = 100.0;
 
 /// Vibration of motor and gear on the axle; the default has none.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DriveVibration {
     /// Root mean square [m/s²] of the gear-mesh line at 0.1 rad/s of the wheel.

@@ -5,12 +5,13 @@ use super::sampling::Instants;
 use super::transducer::{Transducer, finite, not_negative, quantised};
 use crate::quantity::RangeError;
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What tells motion: the wheel's encoder and the carriage's speed signal.
 ///
 /// The default is ideal.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Encoder {
     /// Counter of the wheel angle, in rad, latched at the output rate.
@@ -22,7 +23,7 @@ pub struct Encoder {
 /// A counter of angle that is latched, not filtered.
 ///
 /// The default is ideal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Counter {
     /// Angle read over angle turned [-]; a wrong number of lines or gear ratio.

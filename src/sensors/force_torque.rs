@@ -3,12 +3,13 @@
 use super::transducer::{Transducer, finite};
 use crate::quantity::RangeError;
 use crate::simulation::Loads;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Force and torque sensor between wheel and axle.
 ///
 /// The default is ideal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ForceTorque {
     /// What each bridge sees of the loads: row by row for `F_N`, `F_DP` and `M_R`, column by

@@ -5,6 +5,7 @@ use super::second_order::SecondOrder;
 use super::single_pole::SinglePole;
 use crate::quantity::{RangeError, nearest_whole};
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -17,7 +18,7 @@ const MAINS: f64 = 50.0;
 /// One analogue channel from quantity to sample; `unit` is the channel's.
 ///
 /// The default is ideal: it changes nothing and draws no random numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Transducer {
     /// Corner [Hz], -3 dB, of a Butterworth low pass of second order; `inf` passes everything.
@@ -95,7 +96,7 @@ impl Transducer {
         finite("hum", unit, self.hum)?;
         finite("ripple", unit, self.ripple)?;
         for (quantity, range) in [("range", self.range), ("soft range", self.soft_range)] {
-            if range.is_finite() {
+            if range != f64::INFINITY {
                 RangeError::positive(quantity, unit, range)?;
             }
         }

@@ -5,13 +5,14 @@ use super::sampling::Instants;
 use super::transducer::{finite, not_negative, quantised};
 use crate::quantity::{RangeError, Seed, SlipRatio};
 use crate::simulation::WheelState;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Camera that watches the wheel.
 ///
 /// The default is ideal: ten frames a second without error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Vision {
     /// Frames per second [Hz].

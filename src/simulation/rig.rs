@@ -11,10 +11,11 @@ use carriage::{Carriage, CarriageDrive};
 use flaws::{DriveFlaws, FrameFlaws};
 use libm::{cos, sin};
 use motor::{Motor, MotorDrive};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How the carriage moves and the motor turns.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Drive {
     /// Forward speed `v` [m/s]; below 0 in reverse.
     pub forward_speed: f64,
@@ -37,11 +38,12 @@ pub struct Drive {
     pub carriage: Option<Carriage>,
     /// Departures from the motion commanded.
     #[serde(rename = "drive_flaws", skip_serializing_if = "DriveFlaws::is_none")]
+    #[schemars(default)]
     pub flaws: DriveFlaws,
 }
 
 /// The single-wheel test bed (Fig. 9).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct SingleWheel {
     /// Motion.
     #[serde(flatten)]
@@ -54,14 +56,16 @@ pub struct SingleWheel {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lifted: Option<f64>,
     /// Slope of the track [°], above 0 uphill.
+    #[schemars(default)]
     pub slope_deg: f64,
     /// Departures of guide and load.
     #[serde(rename = "frame_flaws", skip_serializing_if = "FrameFlaws::is_none")]
+    #[schemars(default)]
     pub flaws: FrameFlaws,
 }
 
 /// One leg of a rover (Fig. 1).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct RoverLeg {
     /// Motion.
     #[serde(flatten)]
@@ -73,9 +77,11 @@ pub struct RoverLeg {
     /// Damping `c_w` [N·s/m] between body and axle.
     pub damping: f64,
     /// Slope of the track [°], above 0 uphill.
+    #[schemars(default)]
     pub slope_deg: f64,
     /// Departures of guide and load.
     #[serde(rename = "frame_flaws", skip_serializing_if = "FrameFlaws::is_none")]
+    #[schemars(default)]
     pub flaws: FrameFlaws,
 }
 
@@ -100,8 +106,9 @@ impl Leg {
 ///
 /// Read from a `[rig.single_wheel]` or `[rig.rover_leg]` table, in which the keys of [`Drive`]
 /// stand beside those of the rig.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", try_from = "RigTable")]
+#[schemars(!try_from, deny_unknown_fields)]
 pub enum Rig {
     /// The single-wheel test bed.
     SingleWheel(SingleWheel),

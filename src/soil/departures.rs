@@ -21,10 +21,11 @@
 use crate::quantity::RangeError;
 use crate::soil::real::Real;
 use libm::expm1;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Departures of a soil from the ideal; all 0 on ideal soil.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Departures {
     /// Weight `w` [-] of the sinkage that slip adds by digging, beside `n_1`; 1 is Lyasko's.

@@ -2,13 +2,14 @@
 
 use crate::quantity::RangeError;
 use libm::cos;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The lug that is shorter than the others: it reaches the ground early in a run.
 const SHORT_LUG: u32 = 2;
 
 /// Departures of a wheel from its drawing; the default has none.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Flaws {
     /// Distance [m] of the rim's centre from the axle, on the side of lug 0.

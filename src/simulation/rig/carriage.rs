@@ -13,10 +13,11 @@
 
 use super::resolved;
 use crate::quantity::{RangeError, SampleRate};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A carriage and its drive.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Carriage {
     /// Mass [kg] that moves along the track and not vertically.

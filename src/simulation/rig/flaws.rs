@@ -3,6 +3,7 @@
 use super::Commanded;
 use crate::quantity::RangeError;
 use libm::{cos, sin};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -23,7 +24,7 @@ const FRAME_DAMPING: f64 = 0.03;
 const RIGID: f64 = 5.0e-8;
 
 /// Departures of carriage and motor from the motion commanded; the default has none.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DriveFlaws {
     /// Wheel speed over the one commanded [-].
@@ -112,7 +113,7 @@ impl DriveFlaws {
 }
 
 /// Departures of what guides and loads the wheel; the default has none.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FrameFlaws {
     /// Compliance [m/N] between the wheel and what rides on it; less than 5e-8 is rigid.

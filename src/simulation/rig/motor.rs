@@ -24,11 +24,12 @@
 
 use super::resolved;
 use crate::quantity::{RangeError, SampleRate};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// A geared motor with its speed loop.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
     /// Inertia [kg·m²] of rotor and gear at the output.
