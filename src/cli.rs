@@ -17,6 +17,8 @@ mod identify;
 mod import;
 mod inspect;
 mod interrupt;
+mod keys;
+mod new;
 mod output;
 mod plot;
 mod program;
@@ -24,7 +26,9 @@ mod progress;
 mod provenance;
 mod recognize;
 mod scenario_args;
+mod scenarios;
 mod series;
+mod shell;
 mod simulate;
 mod steady;
 mod study;
@@ -37,12 +41,12 @@ pub use interrupt::request as interrupt_calls;
 use output::Output;
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
 /// rig would.
 #[derive(Debug, Parser)]
-#[command(version, after_long_help = EXAMPLES)]
+#[command(version = VERSION.as_str(), after_long_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -50,12 +54,24 @@ struct Cli {
     output: Output,
 }
 
+/// The version, with the commit of a released build from a git checkout.
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let version = env!("CARGO_PKG_VERSION");
+    match option_env!("LUGWHEEL_COMMIT") {
+        Some(commit) => format!("{version} (commit {commit})"),
+        None => version.to_owned(),
+    }
+});
+
 const EXAMPLES: &str = "\
 Examples:
   lugwheel demo                                       all of it on small scenarios, in a report
+  lugwheel scenarios                                  what is ready to run
   lugwheel simulate single_wheel_st                   one run on sand
+  lugwheel new my_rig                                 a scenario to edit
+  lugwheel keys wheel.lugs                            what a scenario can say of it
   lugwheel dataset single_wheel_ht --runs 50          a labelled data set
-  lugwheel study scenarios/studies/quick.toml         sweeps and seeds, a row a run
+  lugwheel study quick                                sweeps and seeds, a row a run
   lugwheel import campaign.toml --out measured.h5     measured CSV files in a run file
   lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
@@ -71,6 +87,9 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Demo),
+    Scenarios(scenarios::Scenarios),
+    New(new::New),
+    Keys(keys::Keys),
     Simulate(simulate::Simulate),
     Dataset(dataset::Dataset),
     Study(study::StudyCommand),
@@ -82,6 +101,9 @@ enum Command {
     Effects(effects::Effects),
     Diagnose(diagnose::Diagnose),
     Challenge(challenge::Challenge),
+    Completions(shell::Completions),
+    #[command(name = "man")]
+    Manual(shell::Manual),
 }
 
 /// Runs the program in a terminal with the `arguments` behind its name: its exit code. `started_by` is the file
@@ -125,6 +147,9 @@ impl Command {
     fn run(&self, output: &Output) -> anyhow::Result<()> {
         match self {
             Self::Demo(command) => command.run(output),
+            Self::Scenarios(command) => command.run(output),
+            Self::New(command) => command.run(output),
+            Self::Keys(command) => command.run(output),
             Self::Simulate(command) => command.run(output),
             Self::Dataset(command) => command.run(output),
             Self::Study(command) => command.run(output),
@@ -136,6 +161,8 @@ impl Command {
             Self::Effects(command) => command.run(output),
             Self::Diagnose(command) => command.run(output),
             Self::Challenge(command) => command.run(output),
+            Self::Completions(command) => command.run(output),
+            Self::Manual(command) => command.run(output),
         }
     }
 }

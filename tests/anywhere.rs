@@ -1,6 +1,7 @@
 //! The program needs no file of the repository: every command works in an empty folder.
 
 use crate::cli::{done, run};
+use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -68,6 +69,58 @@ fn a_ready_study_goes_on_where_its_file_began_and_a_study_of_ones_own_names_read
     );
     let said = here.says("study mine --quiet");
     assert!(said.contains("2 runs, 0 failed"), "{said}");
+}
+
+#[test]
+fn a_new_scenario_runs_as_written_and_is_not_written_over() {
+    let here = Folder::new();
+    let listed = here.says("scenarios");
+    assert!(
+        listed.contains("rover_gt") && listed.contains("table3"),
+        "{listed}"
+    );
+    here.says("new my_rig --from rover_st");
+    let mine = String::from_utf8(here.read("my_rig.toml")).unwrap();
+    let ready = committed("scenarios/rover_st.toml");
+    let (first, rest) = ready.split_once('\n').unwrap();
+    assert!(mine.starts_with(first) && mine.ends_with(rest), "{mine}");
+    here.says("simulate my_rig --set duration=0.2 --quiet");
+    let refused = here.run("new my_rig");
+    assert_eq!(refused.status.code(), Some(1));
+    here.says("new my_study --from studies/quick");
+    let shown = here.says("scenarios --show studies/quick");
+    assert!(shown.contains("Six short runs"), "{shown}");
+}
+
+#[test]
+fn a_key_is_explained_and_an_unknown_one_is_answered_with_those_like_it() {
+    let here = Folder::new();
+    let line = here.says("keys rig.single_wheel.slip");
+    assert!(
+        line.contains("in [-1, 1]") && line.contains("Slip ratio"),
+        "{line}"
+    );
+    let found = here.says("keys noise_density");
+    assert_eq!(found.matches("noise_density ").count(), 5, "{found}");
+    let unknown = here.run("keys wheel.lugs.hight");
+    let message = String::from_utf8(unknown.stderr).unwrap();
+    assert!(message.contains("wheel.lugs.height"), "{message}");
+    let schema: Value = serde_json::from_str(&here.says("keys --json-schema")).unwrap();
+    assert_eq!(schema["properties"]["duration"]["type"], "number");
+}
+
+#[test]
+fn completions_and_manual_pages_know_every_command() {
+    let here = Folder::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = here.says(&format!("completions {shell}"));
+        assert!(script.contains("recognize"), "{script}");
+    }
+    assert!(here.says("man").contains("lugwheel\\-simulate"));
+    here.says("man --out pages");
+    let page = String::from_utf8(here.read("pages/lugwheel-challenge-make.1")).unwrap();
+    assert!(page.contains("\\-\\-cases"), "{page}");
+    assert!(here.says("--version").starts_with("lugwheel 0."));
 }
 
 #[test]

@@ -241,6 +241,8 @@ fn an_invalid_input_file_exits_with_3_and_the_message_shows_the_way() {
     let millimetres = "simulate quick --set wheel.radius=140";
     refuses(millimetres, 3, &["wheel.radius=140:", "[m]", "140"]);
     refuses("simulate quick --set slip", 3, &["write key=value"]);
+    let short = "keys like it in this scenario: `rig.single_wheel.load`";
+    refuses("simulate quick --set load=100N", 3, &[short]);
     refuses("inspect missing.h5", 3, &["cannot read missing.h5"]);
     refuses("inspect note.txt", 3, &["note.txt is not an HDF5 file"]);
     refuses("plot sub", 3, &["cannot read sub"]);
@@ -432,6 +434,11 @@ fn every_command_explains_itself() {
     let folder = folder();
     for command in [
         "demo",
+        "scenarios",
+        "new",
+        "keys",
+        "completions",
+        "man",
         "simulate",
         "dataset",
         "import",

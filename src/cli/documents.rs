@@ -53,7 +53,7 @@ pub enum NoDocument {
     /// Nothing has the name.
     #[error("there is no {noun} {}, as a file or in the program; {hint}", asked.display())]
     Missing {
-        /// `scenario` or `study`.
+        /// What it would be.
         noun: &'static str,
         asked: PathBuf,
         hint: String,
@@ -132,6 +132,29 @@ pub fn study(asked: &Path) -> Result<Source, NoDocument> {
     })
 }
 
+/// The scenario of the program with this name, or the study: `studies/NAME` where a scenario has its name.
+///
+/// # Errors
+/// `NoDocument` with the names like it.
+pub fn ready(name: &str) -> Result<&'static ReadyDocument, NoDocument> {
+    let file = with_ending(Path::new(name));
+    let found = SCENARIOS.ready(&file).or_else(|| STUDIES.ready(&file));
+    found.ok_or_else(|| {
+        let documents = ready::scenarios().iter().chain(ready::studies());
+        let names: Vec<&str> = documents.map(|document| document.name).collect();
+        NoDocument::Missing {
+            noun: "scenario or study",
+            hint: hint(Path::new(name), &names, &[]),
+            asked: name.into(),
+        }
+    })
+}
+
+/// Whether a document of the program is a study.
+pub fn is_study(document: &ReadyDocument) -> bool {
+    ready::studies().contains(document)
+}
+
 impl Kind {
     fn source(self, asked: &Path) -> Option<Source> {
         let named = with_ending(asked);
@@ -148,7 +171,10 @@ impl Kind {
 
     /// The document of the program that `NAME.toml` stands for, alone or in the folder of the repository.
     fn ready(self, file: &Path) -> Option<&'static ReadyDocument> {
-        let file = file.strip_prefix(self.folder).unwrap_or(file);
+        let folder = Path::new(self.folder);
+        let innermost = folder.file_name().unwrap_or_default();
+        let within = file.strip_prefix(folder).or(file.strip_prefix(innermost));
+        let file = within.unwrap_or(file);
         let name = file.to_str()?.strip_suffix(".toml")?;
         let mut documents = (self.ready)().iter();
         documents.find(|document| document.name == name)
@@ -165,7 +191,7 @@ impl Kind {
 }
 
 /// The path with the ending `.toml`.
-fn with_ending(asked: &Path) -> PathBuf {
+pub fn with_ending(asked: &Path) -> PathBuf {
     if asked.extension().is_some_and(|ending| ending == "toml") {
         return asked.to_owned();
     }
@@ -247,6 +273,7 @@ mod tests {
             "table3.toml",
             "scenarios/studies/table3.toml",
             "scenarios/studies/table3",
+            "studies/table3",
         ] {
             let found = STUDIES.ready(&with_ending(Path::new(name)));
             assert_eq!(

@@ -5,6 +5,7 @@ use super::documents::NoDocument;
 use super::identify::NothingIdentified;
 use super::inspect::Doubtful;
 use super::interrupt::Interrupted;
+use super::keys::NoKey;
 use super::recognize::Unfit;
 use super::study::{FailedRuns, UnansweredCampaigns};
 use crate::challenge::ChallengeError;
@@ -16,9 +17,13 @@ use crate::effects::EffectError;
 use crate::scenario::ScenarioError;
 use crate::study::StudyError;
 use crate::whole_file;
+use clap::builder::styling::{AnsiColor, Style};
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, Write};
+
+/// How the word `error` looks, as in wrong usage; plain where stderr is no terminal or `NO_COLOR` is set.
+const ERROR: Style = AnsiColor::Red.on_default().bold();
 
 /// The command did not do what it should.
 const FAILED: u8 = 1;
@@ -34,7 +39,8 @@ const INTERRUPTED: u8 = 130;
 /// which stays the only document.
 pub(super) fn report(error: &anyhow::Error, json: bool) -> u8 {
     // Nobody reads on if this fails.
-    let _ = write!(std::io::stderr(), "{}", message(error));
+    let message = message(error).replacen("error:", &format!("{ERROR}error:{ERROR:#}"), 1);
+    let _ = write!(anstream::stderr(), "{message}");
     let code = exit_code(error);
     if json && code != FAILED_RUNS && !error.is::<Doubtful>() {
         print(&Failure::of(error));
@@ -164,6 +170,7 @@ fn is_finished(cause: &(dyn Error + 'static)) -> bool {
 fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
     cause.is::<ScenarioError>()
         || cause.is::<NoDocument>()
+        || cause.is::<NoKey>()
         || cause.is::<EffectError>()
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()

@@ -2,10 +2,14 @@
 
 use super::console::Attached;
 use super::output::Output;
+use clap::builder::styling::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::sync::Once;
 use std::time::{Duration, Instant};
+
+/// How the word `warning` looks; plain where stderr is no terminal or `NO_COLOR` is set.
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
 /// What takes less needs no bar.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -87,7 +91,9 @@ impl Progress {
     pub fn warn(&self, text: &str) {
         match self.console.caller() {
             Some(console) => console.warning(text),
-            None => self.bar.suspend(|| eprintln!("warning: {text}")),
+            None => self
+                .bar
+                .suspend(|| anstream::eprintln!("{WARNING}warning:{WARNING:#} {text}")),
         }
     }
 
