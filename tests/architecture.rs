@@ -31,10 +31,14 @@ const ORDER: [&str; 24] = [
     "cli",
 ];
 
+/// Files of the library and the program; the Python package is a crate of its own.
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
+        if path.ends_with("src/python") {
+            continue;
+        }
         if path.is_dir() {
             found.extend(sources(&path));
         } else if path.extension().is_some_and(|extension| extension == "rs") {
