@@ -22,7 +22,7 @@ from .page import Page
 from .recognition import Recognition
 from .run import Channel, Run
 from .run_file import RunFile, import_campaign, read
-from .scenarios import Scenario, scenario, scenarios
+from .scenarios import Scenario, keys, scenario, scenarios
 
 __all__ = [
     "CLASSES",
@@ -49,6 +49,7 @@ __all__ = [
     "diagnose",
     "effects",
     "import_campaign",
+    "keys",
     "read",
     "scenario",
     "scenarios",

@@ -6,17 +6,33 @@ import json
 import os
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Union
 
 from . import _native, _toml
+from ._command import document
 from ._progress import Progress, listener
 from .errors import InvalidInput
 from .run import Run
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def scenarios() -> List[str]:
     """Names of the scenarios that are part of the package."""
     return [name for name, _ in _native.ready_scenarios()]
+
+
+def keys(prefix: Optional[str] = None) -> pd.DataFrame:
+    """Keys of scenarios: unit, range, default, meaning; those that begin with `prefix`, or have it anywhere.
+
+    Raises:
+        InvalidInput: no key has it; the message names those like it.
+    """
+    import pandas as pd
+
+    tables = document(["keys", *([] if prefix is None else [prefix])])
+    return pd.DataFrame([key for table in tables for key in table["keys"]]).set_index("path")
 
 
 def scenario(

@@ -107,3 +107,10 @@ def test_a_figure_has_an_axis_for_each_channel(run):
     assert [ax.get_ylabel() for ax in axes] == ["acceleration [m/s^2]", "drawbar pull $F_{DP}$ [N]"]
     single = run.plot(["sinkage"], ax=axes[0])
     assert single is axes[0]
+
+
+def test_the_page_of_a_run_is_one_document_that_a_notebook_shows(run, tmp_path):
+    page = run.animate()
+    text = page.save(tmp_path / "run.html").read_text(encoding="utf-8")
+    assert text.lstrip().lower().startswith("<!doctype html>") and "<script" in text
+    assert "src=\"http" not in text and page._repr_html_().startswith("<iframe")

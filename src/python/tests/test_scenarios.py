@@ -34,3 +34,11 @@ def test_effects_are_part_of_a_scenario(sand):
     pull, other = (scenario.run(seed=3)["drawbar_pull"] for scenario in (sand, biased))
     assert np.allclose(other, 1.05 * pull, rtol=1e-3, atol=1e-2)
     assert lw.effects().loc["gain_error.drawbar_pull", "unit"] == "-"
+
+
+def test_every_key_has_its_unit_and_meaning():
+    table = lw.keys()
+    assert table.loc["wheel.radius", "unit"] == "m" and table["meaning"].str.len().min() > 3
+    assert all("slip" in path for path in lw.keys("slip").index)
+    with pytest.raises(lw.InvalidInput, match="slip"):
+        lw.keys("slpi")
