@@ -1,41 +1,42 @@
-//! Terrain parameters from steady loads, slip and sinkage: laws of the [`soil`](crate::soil) run backward.
+//! Terrain parameters from steady loads, slip and sinkage: the inverse problem of the laws in
+//! [`soil`](crate::soil).
 //!
 //! Two laws give the loads of soil that lugs enter:
 //!
-//! - [`Law::Paper`]: the [closed forms](crate::soil::closed_form) (62)-(66), triangles of stress on a smooth
-//!   cylinder, whose parameters hold what lugs do;
-//! - [`Law::Own`]: the simulator's [quadrature](crate::soil::wheel_load) over rim and lugs, whose parameters are
-//!   the soil's as far as what it is told (stress distribution, `c_3`, density, lugs) holds.
+//! - [`Law::Paper`]: the [closed forms](crate::soil::closed_form) (62)-(66), triangular stress on a smooth
+//!   cylinder. The effect of the lugs is absorbed by the parameters.
+//! - [`Law::Own`]: the simulator's [quadrature](crate::soil::wheel_load) over rim and lugs. The parameters
+//!   are those of the soil, given the assumed stress distribution, `c_3`, density and lugs.
 //!
-//! Either is evaluated with its derivatives ([`crate::soil::real`]). On ground that lugs do not enter, (62)-(69)
-//! apply. True slip and sinkage of each row are unknowns of the row alone, eliminated at every trial of the
-//! parameters.
+//! Both are evaluated with their derivatives ([`crate::soil::real`]). On ground that lugs do not enter,
+//! (62)-(69) apply. True slip and sinkage of each row are nuisance parameters, eliminated at every evaluation
+//! (errors in variables).
 //!
-//! The class of wheel-terrain interaction switches the model (Table 4): `c = K = 0`, `E = 1` where
-//! all lugs touch (ALCT), `c = 0` where some do (SLCT), all parameters free where lugs enter the
-//! soil (LEIS); sinkage is [0.01 mm](RIGID_SINKAGE) unless they do. Three least-squares stages of the closed forms
-//! find `{c_1, c_2}` from Eq. (73), `{k_s, n_0, n_1}` from (74) and `{c, φ, K}` from (75), as in
-//! the paper; from there all rows and three channels are fitted at once by either law.
+//! The class of wheel-terrain interaction selects the model (Table 4): `c = K = 0`, `E = 1` where all lugs
+//! touch (ALCT); `c = 0` where some do (SLCT); all parameters free where lugs enter the soil (LEIS). Sinkage
+//! is [0.01 mm](RIGID_SINKAGE) in the first two. Three least-squares stages of the closed forms find `{c_1,
+//! c_2}` from Eq. (73), `{k_s, n_0, n_1}` from (74) and `{c, φ, K}` from (75), as in the paper; they start a
+//! joint fit of all rows and three channels by either law.
 //!
-//! Conventions of the closed forms, all stated and none fitted: stresses are the paper's triangles; radius is the
-//! rim's unless the [`Setting`] takes the [lugs' tips](Cylinder::LugTips); `c_3` is the setting's
-//! (0 unless given); `j(θ_m)` is Wong and Reece's with that radius as shear surface.
+//! Conventions of the closed forms, stated and not fitted: triangular stress; the rim's radius unless the
+//! [`Setting`] takes the [lugs' tips](Cylinder::LugTips); `c_3` of the setting (default 0); `j(θ_m)` of Wong
+//! and Reece with that radius as shear surface.
 //!
-//! Every interval presumes the model: where it misses the loads by more than their uncertainties, a
-//! [warning](Warning::Misfit) says so.
+//! All intervals are conditional on the model. Where the residuals exceed the stated uncertainties, the
+//! estimate carries a [misfit warning](Warning::Misfit).
 //!
-//! An [`Estimate`] says what the data fix and what they leave open: a parameter that ended at an end of its
-//! search, or whose interval is wider than is of use, is [not identifiable](Standing::NotIdentifiable)
-//! with the [reason](Open), and a
-//! [`Combination`] names what is known of it together with others. On hard ground, for example,
-//! `k_s` and `n_0` are not, `k_s z^n0` is. In soil under one load neither `k_s`, `n_0` and `n_1` nor `c` and `φ` are:
-//! of all values that explain the rows as well, those with an `n_0` nearest to that of soils are
-//! told, and a [warning](Warning::ExponentAssumed) says so.
+//! A parameter at a bound of the search, or with an interval wider than is informative, is [not
+//! identifiable](Standing::NotIdentifiable), with the [reason](Unidentifiable); identifiable functions of several
+//! parameters are given as [`Combination`]s. On hard ground, for example, `k_s` and `n_0` are not
+//! identifiable but `k_s z^n0` is. In soil under one load neither `k_s`, `n_0`, `n_1` nor `c`, `φ` are: along
+//! the ridge of equal likelihood the estimate takes the greatest posterior density under a wide normal prior
+//! for `n_0`, with a [warning](Warning::ExponentAssumed).
 
 mod combination;
 mod directions;
 mod drift;
 mod estimate;
+mod exponent_prior;
 mod fitted;
 mod force_error;
 mod forces;
@@ -61,13 +62,12 @@ mod scope;
 mod search;
 mod stages;
 mod steady;
-mod usual;
 mod warning;
 mod weight;
 
 pub use combination::Combination;
 pub use drift::{Drift, SteadyRow};
-pub use estimate::{Estimate, Identified, Open, Standing};
+pub use estimate::{Estimate, Identified, Standing, Unidentifiable};
 pub use force_error::ForceErrors;
 pub use forces::{Force, PredictedForce};
 pub use known::Known;
@@ -89,6 +89,7 @@ pub use warning::Warning;
 
 use crate::quantity::RangeError;
 use crate::terrain::class::Wtic;
+use combination::Resolution;
 use directions::Directions;
 use forces::Knowledge;
 use joint::Joint;
@@ -102,7 +103,7 @@ use search::Search;
 use std::cell::Cell;
 use weight::Scale;
 
-/// Why rows cannot be identified.
+/// Why parameters cannot be identified from the rows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
     /// A number of the setting is out of its range.
@@ -125,7 +126,7 @@ pub enum IdentifyError {
         class: Wtic,
         /// Rows needed.
         needed: usize,
-        /// Rows that count for the stage.
+        /// Rows usable in the stage.
         given: usize,
     },
     /// All rows have the same slip.
@@ -137,13 +138,13 @@ pub enum IdentifyError {
         /// The slip ratio [-].
         slip: f64,
     },
-    /// The class is unknown, so that no model belongs to it.
+    /// The class is unknown: no model applies.
     #[error(
         "class UWTIC has no model: Table 4 switches by ALCT, SLCT or LEIS only; give the class if \
          it is known otherwise"
     )]
     UnknownClass,
-    /// Not every row has a torque, and there are fewer loads and pulls than parameters.
+    /// Some rows have no torque, and loads and pulls are fewer than parameters.
     #[error(
         "where driving torque is missing {needed} rows or more are needed for class {class}, got {given}"
     )]
@@ -155,7 +156,7 @@ pub enum IdentifyError {
         /// Rows given.
         given: usize,
     },
-    /// The equations gave no finite number from any start.
+    /// The equations gave no finite loads from any start.
     #[error("the equations give no finite loads for these rows: check their units")]
     NotFinite,
 }
@@ -167,8 +168,8 @@ fn hint(class: &Wtic) -> String {
     }
 }
 
-/// Terrain parameters that best explain the rows (Eq. 76, then all equations at once), with both
-/// kinds of interval.
+/// Least-squares estimate of the terrain parameters (Eq. 76, then the joint fit), with covariance and
+/// profile-likelihood intervals.
 ///
 /// # Errors
 /// As [`Identification::new`] and [`Identification::estimate`].
@@ -183,14 +184,14 @@ pub fn identify(
     Ok(estimate)
 }
 
-/// Rows checked for one class and setting.
+/// Rows validated for one class and setting.
 #[derive(Debug, Clone)]
 pub struct Identification {
     model: Model,
     rows: Vec<SteadyLoad>,
 }
 
-/// Slips [-] closer than this are one.
+/// Slips [-] closer than this count as equal.
 const SAME_SLIP: f64 = 1.0e-3;
 
 impl Identification {
@@ -206,14 +207,14 @@ impl Identification {
             class,
             setting: *setting,
         };
-        let rows = row::seen(rows, class, setting)?;
+        let rows = row::on_cylinder(rows, class, setting)?;
         if rows.iter().all(SteadyLoad::has_torque) {
-            // Lugs in the soil count as the rim does.
-            let reaching = rows.iter().map(|row| SteadyLoad {
+            // A row counts if rim or lugs are in the soil.
+            let in_soil = rows.iter().map(|row| SteadyLoad {
                 sinkage: model.depth(row.sinkage),
                 ..*row
             });
-            enough_for_stages(&model, &reaching.collect::<Vec<_>>())?;
+            enough_for_stages(&model, &in_soil.collect::<Vec<_>>())?;
         } else {
             enough_without_torque(&model, &rows)?;
         }
@@ -230,8 +231,7 @@ impl Identification {
         Ok(Self { model, rows })
     }
 
-    /// The paper's three stages, one after the other, of the rows with a torque; `None` where
-    /// these are too few for one of them.
+    /// The paper's three stages in sequence, over the rows with a torque; `None` where a stage has too few.
     pub fn staged(&self) -> Option<Staged> {
         self.search().staged()
     }
@@ -243,7 +243,7 @@ impl Identification {
         }
     }
 
-    /// The stages, then all rows and channels at once, with intervals from the covariance.
+    /// The stages, then the joint fit of all rows and channels, with intervals from the covariance.
     ///
     /// # Errors
     /// `NotFinite` where the equations give no finite loads.
@@ -252,12 +252,13 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = self.search().best(&joint, staged.as_ref());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        let mut estimate = self.told(&self.around(joint, best), staged);
-        self.settle(&mut estimate);
+        let mut estimate = self.estimate_from(&self.local_model(joint, best), staged);
+        self.apply_exponent_prior(&mut estimate);
         Ok(estimate)
     }
 
-    /// An estimate sought from another one's parameters only: of rows most of which made that one.
+    /// An estimate whose search starts only from another one's parameters, for rows mostly in common
+    /// (resampling).
     ///
     /// # Errors
     /// `NotFinite` where the equations give no finite loads.
@@ -267,23 +268,23 @@ impl Identification {
         let joint = Joint::new(self.model, &self.rows);
         let best = minimise_from(&joint, [start], &self.model.moved());
         let best = best.ok_or(IdentifyError::NotFinite)?;
-        let mut estimate = self.told(&self.around(joint, best), None);
-        self.settle(&mut estimate);
+        let mut estimate = self.estimate_from(&self.local_model(joint, best), None);
+        self.apply_exponent_prior(&mut estimate);
         Ok(estimate)
     }
 
-    /// What a minimum says.
-    fn told(&self, around: &Around, staged: Option<Staged>) -> Estimate {
-        let Around {
+    /// The estimate at a minimum, with covariance intervals.
+    fn estimate_from(&self, local: &LocalModel, staged: Option<Staged>) -> Estimate {
+        let LocalModel {
             best,
             directions,
             precision,
             ..
-        } = around;
+        } = local;
         let mut estimate = Estimate {
             class: self.model.class,
             terrain: TerrainParameters::at(&best.at),
-            parameters: Parameter::ALL.map(|parameter| self.identified(parameter, around)),
+            parameters: Parameter::ALL.map(|parameter| self.identified(parameter, local)),
             correlation: correlation(directions),
             combinations: Vec::new(),
             staged,
@@ -294,26 +295,27 @@ impl Identification {
             warnings: warning::all(&self.model, &self.rows, best, (directions, *precision)),
             minimum: *best,
         };
-        self.demote(&mut estimate, around);
-        self.demote_under_one_load(&mut estimate);
-        self.open_held_peak(&mut estimate, &best.at);
-        self.combine(&mut estimate, around);
+        self.mark_at_bounds(&mut estimate, local);
+        self.mark_confounded_under_one_load(&mut estimate);
+        self.mark_peak_at_end(&mut estimate, &best.at);
+        self.add_combinations(&mut estimate, local);
         estimate
     }
 
-    /// Where the contact holds the peak at its end, identifies neither what places it nor `K`, which makes up for it.
-    fn open_held_peak(&self, estimate: &mut Estimate, at: &Coordinates) {
+    /// Marks `c_1`, `c_2` and `K` as not identifiable where the stress peak is at an end of the contact: its
+    /// position is then set by the bound, and `K` compensates for it.
+    fn mark_peak_at_end(&self, estimate: &mut Estimate, at: &Coordinates) {
         use Parameter as P;
         if self.model.peak_at_end(at, &self.rows).is_some() {
-            let held = [P::StressAngle, P::StressAngleSlip, P::ShearModulus];
-            estimate.open_identified(&held, Open::PeakAtEnd);
+            let bounded = [P::StressAngle, P::StressAngleSlip, P::ShearModulus];
+            estimate.mark_unidentifiable(&bounded, Unidentifiable::PeakAtEnd);
         }
     }
 
-    /// Under one load identifies no parameter of a pair or three that only counts together there,
-    /// unless another of them is known: what the shape of the stress over the contact says of them
-    /// apart from each other is the model's word, not the rows'.
-    fn demote_under_one_load(&self, estimate: &mut Estimate) {
+    /// Under one load, marks parameters that act only in combination as not identifiable, unless another of
+    /// the combination is given. The shape of the stress over the contact would separate them, but that is an
+    /// assumption of the model and not evidence from the rows.
+    fn mark_confounded_under_one_load(&self, estimate: &mut Estimate) {
         use Parameter as P;
         if self.model.class != Wtic::Leis || !Scope::is_one_load(&self.rows) {
             return;
@@ -322,16 +324,16 @@ impl Identification {
         let strength_is_split = is_given(P::Cohesion) || is_given(P::FrictionAngle);
         let pressure_is_split = is_given(P::SinkageModulus) || is_given(P::SinkageExponent);
         if !strength_is_split {
-            estimate.open_identified(&[P::Cohesion, P::FrictionAngle], Open::OneLoad);
+            estimate.mark_unidentifiable(&[P::Cohesion, P::FrictionAngle], Unidentifiable::OneLoad);
         }
         if !pressure_is_split {
-            estimate.open_identified(Stage::NormalStress.parameters(), Open::OneLoad);
+            estimate.mark_unidentifiable(Stage::NormalStress.parameters(), Unidentifiable::OneLoad);
         }
     }
 
-    /// Adds the intervals from the profile of the likelihood to an estimate from these rows. A
-    /// parameter whose profile says nothing useful is then no longer identified. Where the profile
-    /// meets a lower minimum, the estimate moves there first.
+    /// Adds profile-likelihood intervals to an estimate from these rows. A parameter with an uninformative
+    /// profile becomes not identifiable. If the profile finds a lower minimum, the estimate moves there
+    /// first.
     pub fn profile(&self, estimate: &mut Estimate) {
         const MOVES: u32 = 3;
         let mut moves = 0;
@@ -341,60 +343,62 @@ impl Identification {
             let joint = Joint::new(self.model, &self.rows);
             let moved = minimise_from(&joint, [lower.at], &self.model.moved());
             let moved = moved.unwrap_or(lower);
-            *estimate = self.told(&self.around(joint, moved), estimate.staged);
+            *estimate = self.estimate_from(&self.local_model(joint, moved), estimate.staged);
             moves += 1;
         }
-        self.settle(estimate);
+        self.apply_exponent_prior(estimate);
     }
 
-    /// Where the rows leave `n_0` open, tells the point with the most usual one of all that
-    /// explain them as well.
-    fn settle(&self, estimate: &mut Estimate) {
+    /// Where `n_0` is not identifiable, moves the estimate to the point of greatest posterior density along
+    /// the ridge ([`exponent_prior`]).
+    fn apply_exponent_prior(&self, estimate: &mut Estimate) {
         let exponent = estimate.of(Parameter::SinkageExponent);
         if exponent.standing != Standing::NotIdentifiable || !self.model.splits_pressure() {
             return;
         }
-        let Around {
+        let LocalModel {
             joint,
             best,
             precision,
             ..
-        } = self.around(Joint::new(self.model, &self.rows), estimate.minimum);
-        let Some(usual) = usual::point(&joint, &best, &self.model.moved(), precision) else {
+        } = self.local_model(Joint::new(self.model, &self.rows), estimate.minimum);
+        let Some(posterior) =
+            exponent_prior::maximum_a_posteriori(&joint, &best, &self.model.moved(), precision)
+        else {
             return;
         };
-        let around = self.around(joint, usual);
-        estimate.terrain = TerrainParameters::at(&usual.at);
+        let local = self.local_model(joint, posterior);
+        estimate.terrain = TerrainParameters::at(&posterior.at);
         for identified in &mut estimate.parameters {
             identified.value = estimate.terrain.get(identified.parameter);
             let of_pressure = Stage::of(identified.parameter) == Stage::NormalStress;
             if of_pressure && identified.standing == Standing::NotIdentifiable {
-                identified.open = Some(Open::Ridge);
+                identified.unidentifiable = Some(Unidentifiable::Ridge);
             }
         }
-        estimate.open_at_ends(&self.model.held_at(&usual.at));
-        self.open_held_peak(estimate, &usual.at);
-        estimate.force_errors = ForceErrors::new(&self.model, &usual.at, &self.rows);
-        estimate.chi_square = usual.chi_square;
-        estimate.termination = usual.termination;
-        let seen = (&around.directions, around.precision);
-        estimate.warnings = warning::all(&self.model, &self.rows, &usual, seen);
+        estimate.mark_at_bounds(&self.model.at_bounds(&posterior.at));
+        self.mark_peak_at_end(estimate, &posterior.at);
+        estimate.force_errors = ForceErrors::new(&self.model, &posterior.at, &self.rows);
+        estimate.chi_square = posterior.chi_square;
+        estimate.termination = posterior.termination;
+        let resolution = (&local.directions, local.precision);
+        estimate.warnings = warning::all(&self.model, &self.rows, &posterior, resolution);
         let value = estimate.terrain.sinkage_exponent;
         estimate.warnings.push(Warning::ExponentAssumed { value });
-        self.combine(estimate, &around);
+        self.add_combinations(estimate, &local);
     }
 
-    /// The same without moving; the lower minimum where it met one.
+    /// One pass of [`profile`](Self::profile) without moving; returns a lower minimum if one was found.
     fn profile_once(&self, estimate: &mut Estimate) -> Option<Minimum> {
-        let around = self.around(Joint::new(self.model, &self.rows), estimate.minimum);
+        let local = self.local_model(Joint::new(self.model, &self.rows), estimate.minimum);
         let moved = self.model.moved();
         let completed = |(identified, joint): (&mut Identified, Joint)| {
             let profile = Profile {
                 joint,
-                best: around.best,
-                directions: &around.directions,
+                best: local.best,
+                directions: &local.directions,
                 moved: &moved,
-                limit: around.precision.limit(),
+                limit: local.precision.limit(),
                 lower: Cell::new(None),
             };
             profile.complete(identified);
@@ -405,49 +409,53 @@ impl Identification {
             .iter_mut()
             .filter(|identified| self.model.standing(identified.parameter).is_none());
         let jobs: Vec<_> = free
-            .map(|identified| (identified, around.joint.clone()))
+            .map(|identified| (identified, local.joint.clone()))
             .collect();
         let lower: Vec<Minimum> = jobs.into_par_iter().filter_map(completed).collect();
-        self.combine(estimate, &around);
+        self.add_combinations(estimate, &local);
         lower
             .into_iter()
             .min_by(|one, other| one.chi_square.total_cmp(&other.chi_square))
     }
 
-    /// Identifies no parameter that the end of its range holds, nor one of the same stage or one
-    /// that goes with it: they would be elsewhere if that one could go on.
-    fn demote(&self, estimate: &mut Estimate, around: &Around) {
-        const TOGETHER: f64 = 0.9;
-        let held = self.model.held_at(&around.best.at);
-        let free = around.directions.free();
+    /// Marks as not identifiable the parameters at a bound, and those of the same stage or strongly
+    /// correlated with them: their estimates are conditional on the bound.
+    fn mark_at_bounds(&self, estimate: &mut Estimate, local: &LocalModel) {
+        const CONFOUNDED: f64 = 0.9;
+        let at_bounds = self.model.at_bounds(&local.best.at);
+        let free = local.directions.free();
         let place = |of: Parameter| free.iter().position(|p| *p == of);
         let correlated = |one: Parameter, other: Parameter| {
             let places = place(one).zip(place(other));
             let correlation = places.map(|(row, column)| estimate.correlation[row][column]);
-            correlation.is_some_and(|known| known.is_none_or(|c| c.abs() > TOGETHER))
+            correlation.is_some_and(|known| known.is_none_or(|c| c.abs() > CONFOUNDED))
         };
-        let leans = |parameter: Parameter| {
-            let on = |held: &Parameter| {
-                Stage::of(parameter) == Stage::of(*held) || correlated(parameter, *held)
+        let confounded_with = |parameter: Parameter| {
+            let on = |bounded: &Parameter| {
+                Stage::of(parameter) == Stage::of(*bounded) || correlated(parameter, *bounded)
             };
-            let held = held.iter().map(|(held, _)| *held).find(on)?;
-            Some((parameter, held))
+            let bounded = at_bounds.iter().map(|(bounded, _)| *bounded).find(on)?;
+            Some((parameter, bounded))
         };
-        let leaning: Vec<_> = self.model.free().into_iter().filter_map(leans).collect();
-        for (parameter, held) in leaning {
+        let confounded: Vec<_> = self
+            .model
+            .free()
+            .into_iter()
+            .filter_map(confounded_with)
+            .collect();
+        for (parameter, bounded) in confounded {
             let identified = &mut estimate.parameters[parameter as usize];
-            identified.open_by(Open::With(held));
+            identified.mark_unidentifiable(Unidentifiable::With(bounded));
             identified.interval = [None; 2];
         }
-        estimate.open_at_ends(&held);
+        estimate.mark_at_bounds(&at_bounds);
     }
 
-    /// The forces of `rows` as an estimate from this identification's rows predicts them from slip
-    /// and sinkage, with 95 % intervals for what is measured, row by row.
+    /// Forces of `rows` predicted by an estimate from slip and sinkage, with 95 % prediction intervals.
     ///
-    /// An interval holds the estimate's own error and the row's scatter about the model, taken to
-    /// be as large, over its stated uncertainties, as that of the rows fitted. Pull and torque of
-    /// a wheel that static friction holds on hard ground are not predicted.
+    /// An interval covers the uncertainty of the estimate and the scatter of the row about the model; the
+    /// ratio of scatter to stated uncertainty is that of the rows fitted. Pull and torque of a wheel held by
+    /// static friction on hard ground are not predicted.
     ///
     /// # Errors
     /// `Row` for the first number of `rows` out of its range.
@@ -459,7 +467,7 @@ impl Identification {
         self.predict_on(&self.model.setting, estimate, rows)
     }
 
-    /// The same of rows of another wheel, whose `setting` may have other lugs.
+    /// As [`predict`](Self::predict), for rows of another wheel, whose `setting` may have other lugs.
     ///
     /// # Errors
     /// `Row` for the first number of `rows` out of its range.
@@ -473,12 +481,12 @@ impl Identification {
             setting: *setting,
             ..self.model
         };
-        let Around {
+        let LocalModel {
             best,
             directions,
             precision,
             ..
-        } = self.around_estimate(estimate);
+        } = self.local_model_of(estimate);
         let knowledge = Knowledge {
             model: &model,
             at: best.at,
@@ -486,28 +494,28 @@ impl Identification {
             precision,
             scale: Scale::of(&self.rows),
         };
-        let rows = row::seen(rows, model.class, &model.setting)?;
+        let rows = row::on_cylinder(rows, model.class, &model.setting)?;
         let forces = rows.iter().flat_map(|row| knowledge.forces(row));
         Ok(forces.collect())
     }
 
-    /// How the rows see an estimate made of them.
-    fn around_estimate(&self, estimate: &Estimate) -> Around {
+    /// The local linear model at an estimate.
+    fn local_model_of(&self, estimate: &Estimate) -> LocalModel {
         let best = Minimum {
             at: estimate.terrain.coordinates(),
             chi_square: estimate.chi_square,
             termination: estimate.termination,
         };
-        self.around(Joint::new(self.model, &self.rows), best)
+        self.local_model(Joint::new(self.model, &self.rows), best)
     }
 
-    /// How the rows see a minimum.
-    fn around(&self, joint: Joint, best: Minimum) -> Around {
-        let directions = Directions::new(&joint, &best.at, &self.model.seen_in(&best.at));
+    /// The local linear model at a minimum: Jacobian, rank and scatter.
+    fn local_model(&self, joint: Joint, best: Minimum) -> LocalModel {
+        let directions = Directions::new(&joint, &best.at, &self.model.sensitive_at(&best.at));
         let freedom = joint.forces().saturating_sub(directions.rank());
         let known = Scale::of(&self.rows).known;
         let precision = Precision::new(known, best.chi_square, freedom);
-        Around {
+        LocalModel {
             joint,
             best,
             directions,
@@ -515,8 +523,8 @@ impl Identification {
         }
     }
 
-    /// Names what is known of the parameters that are not identified.
-    fn combine(&self, estimate: &mut Estimate, around: &Around) {
+    /// Adds the identifiable combinations of the parameters that are not identifiable alone.
+    fn add_combinations(&self, estimate: &mut Estimate, local: &LocalModel) {
         let identified = |of: &&Identified| of.is_identifiable();
         let known: Vec<Parameter> = estimate
             .parameters
@@ -524,61 +532,65 @@ impl Identification {
             .filter(identified)
             .map(|identified| identified.parameter)
             .collect();
-        let told = (&known[..], around.precision.reach());
-        let (at, directions) = (&around.best.at, &around.directions);
-        estimate.combinations = combination::fixed(&self.model, at, &self.rows, directions, told);
+        let resolution = Resolution {
+            identified: &known,
+            half_width: local.precision.half_width(),
+        };
+        let (at, directions) = (&local.best.at, &local.directions);
+        estimate.combinations =
+            combination::fixed(&self.model, at, &self.rows, directions, resolution);
     }
 
-    /// What the data say of one parameter.
-    fn identified(&self, parameter: Parameter, around: &Around) -> Identified {
-        let Around {
+    /// Value, standing and covariance interval of one parameter.
+    fn identified(&self, parameter: Parameter, local: &LocalModel) -> Identified {
+        let LocalModel {
             best,
             directions,
             precision,
             ..
-        } = around;
+        } = local;
         let coordinate = best.at[parameter as usize];
         let value = parameter.value(coordinate);
-        let told = |standing, standard_error, interval| Identified {
+        let with = |standing, standard_error, interval| Identified {
             parameter,
             value,
             standing,
-            open: None,
+            unidentifiable: None,
             standard_error,
             interval,
             profile: None,
         };
         if let Some(standing) = self.model.standing(parameter) {
-            return told(standing, 0.0, [Some(value); 2]);
+            return with(standing, 0.0, [Some(value); 2]);
         }
         let open = |reason, standard_error, interval| Identified {
-            open: Some(reason),
-            ..told(Standing::NotIdentifiable, standard_error, interval)
+            unidentifiable: Some(reason),
+            ..with(Standing::NotIdentifiable, standard_error, interval)
         };
         if parameter.is_as_good_as_zero(coordinate) {
             let end = parameter.range()[0];
-            return open(Open::AtEnd(end), f64::INFINITY, [Some(0.0), None]);
+            return open(Unidentifiable::AtEnd(end), f64::INFINITY, [Some(0.0), None]);
         }
         let unit = directions.function(unit(parameter));
         let deviation = directions
             .covariance(&unit, &unit)
             .map_or(f64::INFINITY, libm::sqrt);
-        let half = precision.reach() * deviation;
+        let half = precision.half_width() * deviation;
         let standard_error = precision.sigma * deviation;
         if half <= parameter.uninformative() {
             let ends = [coordinate - half, coordinate + half];
             let interval = ends.map(|end| Some(parameter.value(end)));
-            told(Standing::Identified, standard_error, interval)
+            with(Standing::Identified, standard_error, interval)
         } else if half.is_finite() {
-            open(Open::Wide, standard_error, [None; 2])
+            open(Unidentifiable::Wide, standard_error, [None; 2])
         } else {
-            open(Open::Unbounded, standard_error, [None; 2])
+            open(Unidentifiable::Unbounded, standard_error, [None; 2])
         }
     }
 }
 
-/// A minimum as the rows it was found for see it.
-struct Around {
+/// Linearisation of the fit at a minimum.
+struct LocalModel {
     joint: Joint,
     best: Minimum,
     directions: Directions,
@@ -613,7 +625,7 @@ fn enough_without_torque(model: &Model, rows: &[SteadyLoad]) -> Result<(), Ident
     })
 }
 
-/// The linear function that is one parameter itself.
+/// The linear function that selects one parameter.
 fn unit(parameter: Parameter) -> impl Fn(Parameter) -> f64 {
     move |other| f64::from(u8::from(other == parameter))
 }
@@ -665,7 +677,7 @@ mod tests {
         pairs.map(|(slip, load)| row(slip, load)).collect()
     }
 
-    /// Rows on ground that lugs do not enter, whose sinkage nobody measures.
+    /// Rows on ground that lugs do not enter, without measured sinkage.
     fn rigid(soil: &Soil, rim: Rim, slips: &[f64]) -> Vec<SteadyLoad> {
         let row = |&slip: &f64| {
             let loads = closed_form::loads(rim, soil, RIGID_SINKAGE, slip);
@@ -679,7 +691,7 @@ mod tests {
     }
 
     #[test]
-    fn one_load_tells_a_usual_exponent_that_explains_the_rows_as_well() {
+    fn under_one_load_the_prior_selects_an_exponent_that_fits_as_well() {
         let measured = |loads: &[f64]| {
             let mut rows = rows(&table_6::sand(), &SLIPS, loads);
             for (index, row) in rows.iter_mut().enumerate() {
@@ -735,7 +747,7 @@ mod tests {
         assert!(agree >= 95, "{agree} of 100");
     }
 
-    /// Uncertainties of 2 % of every force, which the rows do not have.
+    /// Adds standard uncertainties of 2 % to every force; no noise is added.
     fn stated(rows: Vec<SteadyLoad>) -> Vec<SteadyLoad> {
         let uncertain = |row: SteadyLoad| SteadyLoad {
             uncertainty: Some(Uncertainty {
@@ -811,7 +823,7 @@ mod tests {
     }
 
     #[test]
-    fn one_slip_tells_nothing_of_slip() {
+    fn one_slip_cannot_identify_the_parameters_of_slip() {
         let message = message(&sand(&[0.2], &[60.0, 109.0, 200.0]), Wtic::Leis);
         assert!(
             message.starts_with("all rows have slip 0.2: c2, n1 and K"),
@@ -825,7 +837,7 @@ mod tests {
         // Nine forces, eight parameters: one degree of freedom.
         let scattered = identify(&rows, Wtic::Leis, &setting()).unwrap();
         assert_eq!(scattered.degrees_of_freedom, 1);
-        // Six forces and, k_s and n0 counted once, six parameters.
+        // Six forces and six identifiable directions: k_s and n0 count once.
         let two = rigid(&table_6::gravel(), setting().rim, &[0.1, 0.3]);
         let free = identify(&two, Wtic::Slct, &setting()).unwrap();
         assert_eq!(free.warnings, [Warning::NoFreedom]);
@@ -835,7 +847,7 @@ mod tests {
     }
 
     #[test]
-    fn one_load_leaves_all_open_but_the_pressure_and_the_strength_together() {
+    fn under_one_load_only_pressure_and_strength_are_identifiable() {
         let rows = stated(sand(&SLIPS, &[109.0]));
         let estimate = identify(&rows, Wtic::Leis, &setting()).unwrap();
         let open: Vec<&str> = estimate
@@ -884,7 +896,7 @@ mod tests {
         let soil = table_6::hard();
         let mut rows = rigid(&soil, tips.surface(), &[0.02, 0.1, 0.3, 0.6]);
         for row in &mut rows {
-            // The same motion by the rim's radius: the travel per turn is (r + l)/r longer.
+            // The same motion in terms of the rim's radius: the travel per turn is (r + l)/r longer.
             let ratio = (1.0 - row.slip) * tips.surface().radius / setting().rim.radius;
             row.slip = if ratio < 1.0 {
                 1.0 - ratio
@@ -903,7 +915,7 @@ mod tests {
                 ..tips
             },
         );
-        // The rim's torque per pull is l/r = 6.5 % short: pull and torque cannot both be met.
+        // The rim's torque per pull is l/r = 6.5 % too small: pull and torque cannot both be fitted.
         assert!(at_rim.unwrap().chi_square > 1e6 * at_tips.chi_square);
     }
 
@@ -930,13 +942,13 @@ mod tests {
                 "{low}, {high}"
             );
         }
-        // Forces are straight in c, so in ln c the lower end lies farther out.
+        // Forces are linear in c, so the interval in ln c is longer below.
         let [low, high] = relative(Parameter::Cohesion);
         assert!(low > 1.1 && high < 0.95, "{low}, {high}");
     }
 
     #[test]
-    fn uncertainties_of_some_rows_are_ignored_and_that_is_told() {
+    fn uncertainties_of_only_some_rows_are_ignored_with_a_warning() {
         let mut rows = stated(sand(&SLIPS, &[109.0]));
         rows[3].uncertainty = None;
         let identification = Identification::new(&rows, Wtic::Leis, &setting()).unwrap();
@@ -968,7 +980,7 @@ mod tests {
         ));
     }
 
-    /// The rover's lugged wheel on a sand by Wong and Reece's stresses.
+    /// The rover's lugged wheel on a sand with Wong and Reece's stresses.
     fn own() -> (Setting, Soil) {
         let soil = Soil {
             convention: crate::soil::StressConvention::WongReece,
@@ -990,7 +1002,7 @@ mod tests {
         (setting, soil)
     }
 
-    /// What the quadrature gives under loads, with the usual uncertainties.
+    /// Loads by the quadrature, with typical uncertainties.
     fn own_rows(soil: &Soil, loads: &[f64]) -> Vec<SteadyLoad> {
         let wheel = Wheel::rover();
         let pairs = loads

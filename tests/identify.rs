@@ -268,7 +268,7 @@ fn forces_that_the_model_does_not_describe_are_warned_of_by_misfit() {
     );
     let said = done(identify(&folder, ""));
     assert!(
-        said.contains("WARNING, before any number is used"),
+        said.contains("WARNING, read before using any number"),
         "{said}"
     );
 }

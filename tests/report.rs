@@ -518,7 +518,7 @@ fn parameters_are_drawn_as_what_they_are_fixed_open_or_set() {
             Parameter::SinkageModulus => Standing::NotIdentifiable,
             _ => Standing::Identified,
         },
-        open: None,
+        unidentifiable: None,
         standard_error: 0.1,
         interval: [Some(0.9 * value), Some(1.1 * value)],
         // The profile of K never ends.

@@ -17,7 +17,7 @@ use crate::quantity::SlipRatio;
 use crate::report::force_curves;
 use crate::terrain::class::Wtic;
 use clap::{Args, ValueEnum};
-use class::Teller;
+use class::Classifier;
 use group::{Fit, Groups, Run, Unused};
 use law::{LawName, StressName};
 use std::fmt;
@@ -28,25 +28,25 @@ use summary::{Report, Summary};
 
 /// Find the terrain's parameters from steady loads, slip and sinkage
 ///
-/// Every run gives a row for each stretch of steady slip, from time series or means of
-/// drawbar_pull, driving_torque, normal_force (or the commanded load), slip_ratio (or the commanded
-/// one) and, where lugs enter soil, sinkage. Runs of one class and wheel are fitted together; slip
-/// has to differ among them. Simulated and measured runs alike. Runs of a plate in place of a wheel
-/// give k and n of p = k z^n.
+/// Every stretch of steady slip in a run gives a row, from time series or means of drawbar_pull,
+/// driving_torque, normal_force (or the commanded load), slip_ratio (or the commanded one) and, where lugs
+/// enter soil, sinkage. Runs of one class and wheel are fitted together; slip has to differ among them.
+/// Simulated and measured runs are treated alike. Runs of a plate in place of a wheel give k and n of p = k
+/// z^n.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Identify {
     /// Run files, simulated or measured; runs of several are fitted together
     #[arg(value_name = "FILE.h5", required = true)]
     files: Vec<PathBuf>,
-    /// How the lugs met the ground, which chooses the model; auto recognises it run by run, or
-    /// takes the run's label where that fails
+    /// How the lugs met the ground, which selects the model; auto recognises it run by run, or takes the
+    /// run's label where that fails
     #[arg(long, value_enum, default_value_t = ClassName::Auto, ignore_case = true)]
     class: ClassName,
     /// Only this run of every file; may be given several times
     #[arg(long, value_name = "ID")]
     run: Vec<String>,
-    /// Only rows with a slip ratio from LOW to HIGH, for example 0:1 without a wheel that brakes
+    /// Only rows with a slip ratio from LOW to HIGH, for example 0:1 to exclude a braking wheel
     #[arg(long, value_name = "LOW:HIGH", default_value_t = SlipRange::ALL, allow_negative_numbers = true)]
     slip: SlipRange,
     #[command(flatten)]
@@ -56,7 +56,7 @@ pub struct Identify {
     out: Option<PathBuf>,
 }
 
-/// Slip ratios [-] of the rows that count.
+/// Range of slip ratios [-] of the rows to use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipRange {
     low: f64,
@@ -64,14 +64,15 @@ pub struct SlipRange {
 }
 
 impl SlipRange {
-    /// All of them.
+    /// The whole range.
     const ALL: Self = Self {
         low: -1.0,
         high: 1.0,
     };
 
-    /// Whether rows at a `slip` count; without a range given, those out of it are refused later with their reason.
-    fn holds(&self, slip: f64) -> bool {
+    /// Whether rows at `slip` are used; in the default range, slips out of range are rejected later with a
+    /// reason.
+    fn contains(&self, slip: f64) -> bool {
         *self == Self::ALL || (self.low..=self.high).contains(&slip)
     }
 }
@@ -98,21 +99,22 @@ impl FromStr for SlipRange {
             Ok::<f64, String>(slip.get())
         };
         let (low, high) = (end(ends.0)?, end(ends.1)?);
-        match low <= high {
-            true => Ok(Self { low, high }),
-            false => Err(format!("{low} is above {high}; write LOW:HIGH")),
+        if low <= high {
+            Ok(Self { low, high })
+        } else {
+            Err(format!("{low} is above {high}; write LOW:HIGH"))
         }
     }
 }
 
-/// How wheel and contact are taken.
+/// Conventions of wheel and contact.
 #[derive(Debug, Clone, Args)]
 pub struct Convention {
-    /// Equations of soil that lugs enter; unless given, own for a wheel whose lugs are known, if it has
-    /// any or the loads differ, else and with --cylinder paper
+    /// Equations of soil that lugs enter; default: own for a wheel with known lugs, and for a smooth wheel
+    /// under several loads; otherwise, and with --cylinder, paper
     #[arg(long, value_enum)]
     law: Option<LawName>,
-    /// Distribution of stress that --law own presumes
+    /// Stress distribution assumed by --law own
     #[arg(long, value_enum, default_value_t = StressName::WongReece)]
     stress: StressName,
     /// Bulk density of the soil that pushes lugs, for --law own [default: 1600, dry sand]
@@ -121,26 +123,26 @@ pub struct Convention {
     /// Thickness of a lug along the circumference, for --law own [default: the run file's, else 0.003]
     #[arg(long, value_name = "M", value_parser = lug_thickness)]
     lug_thickness: Option<f64>,
-    /// Cylinder that stands for the lugged wheel in the paper's equations
+    /// Cylinder equivalent to the lugged wheel in the paper's equations
     #[arg(long, value_enum, default_value_t = CylinderName::Rim)]
     cylinder: CylinderName,
-    /// Exit angle coefficient c3 [-], from -1 to 0, which is stated and not fitted [default: -0.2 by
-    /// --law own, as of dry sand; 0 by --law paper]
+    /// Exit angle coefficient c3 [-], from -1 to 0, given and not fitted [default: -0.2 by --law own, as of
+    /// dry sand; 0 by --law paper]
     #[arg(long, value_name = "C3", allow_negative_numbers = true, value_parser = exit_angle)]
     exit_angle: Option<f64>,
-    /// A parameter measured otherwise, which is not fitted: k_s, n0, n1, c1, c2, c, phi or K in the
-    /// unit of the result; may be given several times
+    /// A parameter known from another measurement, which is not fitted: k_s, n0, n1, c1, c2, c, phi or K in
+    /// the unit of the result; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = known)]
     known: Vec<(Parameter, f64)>,
 }
 
 impl Convention {
-    /// Whether something is asked that only the paper's equations have.
+    /// Whether an option applies only to the paper's equations.
     fn is_of_paper(&self) -> bool {
         self.cylinder != CylinderName::Rim
     }
 
-    /// The parameters that are not fitted.
+    /// The given parameters, which are not fitted.
     fn known(&self) -> Known {
         let none = Known::default();
         let known = self.known.iter();
@@ -162,10 +164,11 @@ Examples:
   lugwheel identify runs.h5 --law own --bulk-density 1500 --lug-thickness 0.002
 
 Classes: ALCT (all lugs touch: c = K = 0), SLCT (some do: c = 0), LEIS (lugs enter soil: all
-parameters). Laws of soil that lugs enter: own integrates the stress over rim and lugs, as the simulation does;
-paper is (62)-(66), whose parameters hold what lugs do. Rows of one load give c + sigma tan(phi) and
-k_s z^N, and neither phi nor c nor n0. Every interval presumes the model: read the warnings first. Forces count by their stated
-uncertainties and by 1 % for calibration; means without a stated sd by that 1 % alone.";
+parameters). Laws of soil that lugs enter: own integrates the stress over rim and lugs, as the simulation
+does; paper is (62)-(66), whose parameters absorb the effect of the lugs. Rows of one load identify
+c + sigma tan(phi) and k_s z^N, and neither phi nor c nor n0. All intervals are conditional on the model: read
+the warnings first. Forces are weighted by their stated uncertainties and 1 % for calibration; means without
+a stated sd by that 1 % alone.";
 
 /// Which class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -227,9 +230,10 @@ fn lug_thickness(text: &str) -> Result<f64, String> {
 /// A number in a range.
 fn within(text: &str, [low, high]: [f64; 2]) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "give a number".to_owned())?;
-    match (low..=high).contains(&value) {
-        true => Ok(value),
-        false => Err(format!("it has to be in [{low}, {high}]")),
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("it has to be in [{low}, {high}]"))
     }
 }
 
@@ -252,7 +256,7 @@ fn known(text: &str) -> Result<(Parameter, f64), String> {
         .map_err(|error| error.to_string())
 }
 
-/// Files none of whose runs gives parameters.
+/// No run of the files gives parameters.
 #[derive(Debug, thiserror::Error)]
 #[error("no terrain parameters from {files}; {}", text::reasons(unused))]
 pub struct NothingIdentified {
@@ -261,16 +265,16 @@ pub struct NothingIdentified {
 }
 
 impl Identify {
-    /// Identifies the parameters and says what they are.
+    /// Identifies the parameters and prints them.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let runs = self.runs()?;
         self.claim(output, runs.len())?;
-        let mut teller = Teller::new(self.class.given())?;
+        let mut classifier = Classifier::new(self.class.given())?;
         let mut groups = Groups::default();
         let progress = Progress::of_runs(output, "identify", runs.len());
         for run in &runs {
             interrupt::check()?;
-            groups.add(run, &mut teller, self.slip);
+            groups.add(run, &mut classifier, self.slip);
             progress.advance(1.0);
         }
         let (fits, plates, unused) = groups.fit(&self.convention);
@@ -289,7 +293,7 @@ impl Identify {
         output.print(&Summary::new(self.file_names(), reports, plates, unused))
     }
 
-    /// Claims the folder of figures, and all figures that so many runs may give.
+    /// Claims the folder of figures, and every figure that this number of runs may give.
     fn claim(&self, output: &Output, runs: usize) -> anyhow::Result<()> {
         let Some(folder) = &self.out else {
             return Ok(());
@@ -302,7 +306,7 @@ impl Identify {
         claim.files_in(folder, (1..=runs).flat_map(names))
     }
 
-    /// The runs asked for, file after file.
+    /// The selected runs, file after file.
     fn runs(&self) -> anyhow::Result<Vec<Run>> {
         let mut runs = Vec::new();
         for path in &self.files {

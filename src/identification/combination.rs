@@ -1,4 +1,4 @@
-//! Combinations of parameters that data fix where they do not fix the parameters one by one.
+//! Identifiable combinations of parameters that are not identifiable one by one.
 
 use super::directions::Directions;
 use super::model::Model;
@@ -8,12 +8,12 @@ use crate::soil::closed_form::Rim;
 use crate::soil::contact::entry_angle;
 use std::f64::consts::LN_2;
 
-/// A combination that the data fix.
+/// A combination identified by the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combination {
-    /// What it is, in the project's symbols, for example `k_s z^n0`.
+    /// Its formula in the project's symbols, for example `k_s z^n0`.
     pub name: &'static str,
-    /// Where it was taken, for example `z = 1e-5 m`; empty where that does not matter.
+    /// Where it is evaluated, for example `z = 1e-5 m`; empty where it does not depend on that.
     pub place: String,
     /// Its unit.
     pub unit: &'static str,
@@ -23,74 +23,105 @@ pub struct Combination {
     pub interval: [f64; 2],
 }
 
-/// A combination that may be fixed: a function of the coordinates and its slopes.
+/// A function of the coordinates and its derivatives, to be tested for identifiability.
 struct Candidate {
     name: &'static str,
     place: String,
     unit: &'static str,
-    /// The function; its logarithm where it is a positive quantity.
+    /// The function; its logarithm for a positive quantity.
     value: f64,
     logarithmic: bool,
     slopes: Vec<(Parameter, f64)>,
 }
 
-/// The combinations that hold a parameter which is not `identified`, and that the data fix to
-/// better than a factor of two (or 0.2 where they are angles' shares).
-///
-/// `reach` is the half-width of a 95 % interval in standard deviations of weighted errors.
+/// What the rows resolve: parameters identified one by one, and the width of intervals.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Resolution<'a> {
+    /// The parameters that are identified one by one.
+    pub identified: &'a [Parameter],
+    /// Half-width of a 95 % interval in standard deviations for unit residuals.
+    pub half_width: f64,
+}
+
+/// Combinations with at least one parameter that is not identifiable alone, known to better than a factor of
+/// two (0.2 for shares of an angle).
 pub(super) fn fixed(
     model: &Model,
     at: &Coordinates,
     rows: &[SteadyLoad],
     directions: &Directions,
-    (identified, reach): (&[Parameter], f64),
+    resolution: Resolution,
 ) -> Vec<Combination> {
-    let open = |candidate: &Candidate| {
+    let is_open = |candidate: &Candidate| {
         let parameters = candidate.slopes.iter().map(|(parameter, _)| parameter);
         let free = |parameter: &&Parameter| directions.free().contains(parameter);
         let mut free = parameters.filter(free);
-        free.any(|parameter| !identified.contains(parameter))
+        free.any(|parameter| !resolution.identified.contains(parameter))
     };
-    let told = candidates(model, at, rows).into_iter().filter(open);
-    told.filter_map(|candidate| candidate.with_interval(directions, reach))
+    let open = candidates(model, at, rows).into_iter().filter(is_open);
+    open.filter_map(|candidate| candidate.with_interval(directions, resolution.half_width))
         .collect()
 }
 
 impl Candidate {
-    fn with_interval(self, directions: &Directions, reach: f64) -> Option<Combination> {
+    fn with_interval(self, directions: &Directions, half_width: f64) -> Option<Combination> {
         let function = directions.function(|parameter| {
             let known = self.slopes.iter().find(|(of, _)| *of == parameter);
             known.map_or(0.0, |(_, slope)| *slope)
         });
-        let half = reach * libm::sqrt(directions.covariance(&function, &function)?);
+        let half = half_width * libm::sqrt(directions.covariance(&function, &function)?);
         let widest = if self.logarithmic { LN_2 } else { 0.2 };
-        let told = |x: f64| if self.logarithmic { libm::exp(x) } else { x };
+        let to_value = |x: f64| if self.logarithmic { libm::exp(x) } else { x };
         (half <= widest).then(|| Combination {
             name: self.name,
             place: self.place,
             unit: self.unit,
-            value: told(self.value),
-            interval: [told(self.value - half), told(self.value + half)],
+            value: to_value(self.value),
+            interval: [to_value(self.value - half), to_value(self.value + half)],
         })
     }
 }
 
+/// The combinations to test, at the mean sinkage (of the logarithms) and mean absolute slip of the rows.
 fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candidate> {
-    let of = |parameter: Parameter| at[parameter as usize];
     let count = rows.len() as f64;
     let sunk = rows.iter().filter(|row| row.sinkage > 0.0);
     let log_sinkage =
         sunk.clone().map(|row| libm::log(row.sinkage)).sum::<f64>() / sunk.count().max(1) as f64;
     let slip = rows.iter().map(|row| row.slip.abs()).sum::<f64>() / count;
+    let [at_rest, slipping] = pressures(at, log_sinkage, slip);
+    let log_pressure = slipping.value;
+    let mut candidates = vec![at_rest, slipping];
+    // A peak at an end of the contact carries no information on c1, c2.
+    let is_free = model.peak_at_end(at, rows).is_none();
+    if is_free {
+        candidates.push(peak_share(at, slip));
+    }
+    if Parameter::Cohesion.is_free(model.class) {
+        let pressure = match model.own() {
+            Some(_) => mean_pressure(model, rows),
+            None => libm::exp(log_pressure),
+        };
+        candidates.push(strength(model, at, pressure));
+    }
+    let is_ahead = at[Parameter::StressAngle as usize] < 1.0;
+    if is_free && Parameter::ShearModulus.is_free(model.class) && is_ahead {
+        candidates.push(shear_over_peak(at));
+    }
+    candidates
+}
+
+/// Pressure without slip, and at this slip [-], at a log sinkage [m].
+fn pressures(at: &Coordinates, log_sinkage: f64, slip: f64) -> [Candidate; 2] {
+    let of = |parameter: Parameter| at[parameter as usize];
     let at_rest = of(Parameter::SinkageModulus) + of(Parameter::SinkageExponent) * log_sinkage;
-    let log_pressure = at_rest + of(Parameter::SinkageExponentSlip) * slip * log_sinkage;
     let sinkage = format!("z = {:.3e} m", libm::exp(log_sinkage));
-    let slipping = format!("s = {slip:.3}");
     let modulus = [
         (Parameter::SinkageModulus, 1.0),
         (Parameter::SinkageExponent, log_sinkage),
     ];
-    let mut candidates = vec![
+    let growth = [(Parameter::SinkageExponentSlip, slip * log_sinkage)];
+    [
         Candidate {
             name: "k_s z^n0",
             place: sinkage.clone(),
@@ -101,58 +132,54 @@ fn candidates(model: &Model, at: &Coordinates, rows: &[SteadyLoad]) -> Vec<Candi
         },
         Candidate {
             name: "k_s z^(n0 + n1 s)",
-            place: format!("{sinkage}, {slipping}"),
+            place: format!("{sinkage}, {}", slip_text(slip)),
             unit: "Pa",
-            value: log_pressure,
+            value: at_rest + of(Parameter::SinkageExponentSlip) * slip * log_sinkage,
             logarithmic: true,
-            slopes: [
-                &modulus[..],
-                &[(Parameter::SinkageExponentSlip, slip * log_sinkage)],
-            ]
-            .concat(),
+            slopes: [&modulus[..], &growth].concat(),
         },
-    ];
-    // Held by the contact, shares say nothing of the rows.
-    let is_free = model.peak_at_end(at, rows).is_none();
-    if is_free {
-        candidates.push(Candidate {
-            name: "c1 + c2 s",
-            place: slipping,
-            unit: "1",
-            value: of(Parameter::StressAngle) + of(Parameter::StressAngleSlip) * slip,
-            logarithmic: false,
-            slopes: vec![
-                (Parameter::StressAngle, 1.0),
-                (Parameter::StressAngleSlip, slip),
-            ],
-        });
-    }
-    if Parameter::Cohesion.is_free(model.class) {
-        let pressure = match model.own() {
-            Some(_) => mean_pressure(model, rows),
-            None => libm::exp(log_pressure),
-        };
-        candidates.push(strength(model, at, pressure));
-    }
-    if is_free && Parameter::ShearModulus.is_free(model.class) && of(Parameter::StressAngle) < 1.0 {
-        let ahead = 1.0 - of(Parameter::StressAngle);
-        candidates.push(Candidate {
-            // To first order of a short contact, j(θ_m) = r s θ_1 (1 - c_1).
-            name: "K/(1 - c1)",
-            place: String::new(),
-            unit: "m",
-            value: of(Parameter::ShearModulus) - libm::log(ahead),
-            logarithmic: true,
-            slopes: vec![
-                (Parameter::ShearModulus, 1.0),
-                (Parameter::StressAngle, 1.0 / ahead),
-            ],
-        });
-    }
-    candidates
+    ]
 }
 
-/// Mean of the loads over the area [m²] of the rim's contact, between entry and exit [Pa].
+/// `θ_m/θ_1` at a slip [-].
+fn peak_share(at: &Coordinates, slip: f64) -> Candidate {
+    let of = |parameter: Parameter| at[parameter as usize];
+    Candidate {
+        name: "c1 + c2 s",
+        place: slip_text(slip),
+        unit: "1",
+        value: of(Parameter::StressAngle) + of(Parameter::StressAngleSlip) * slip,
+        logarithmic: false,
+        slopes: vec![
+            (Parameter::StressAngle, 1.0),
+            (Parameter::StressAngleSlip, slip),
+        ],
+    }
+}
+
+/// `K` over the part of the contact ahead of the peak: to first order of a short contact,
+/// `j(θ_m) = r s θ_1 (1 - c_1)`.
+fn shear_over_peak(at: &Coordinates) -> Candidate {
+    let of = |parameter: Parameter| at[parameter as usize];
+    let ahead = 1.0 - of(Parameter::StressAngle);
+    Candidate {
+        name: "K/(1 - c1)",
+        place: String::new(),
+        unit: "m",
+        value: of(Parameter::ShearModulus) - libm::log(ahead),
+        logarithmic: true,
+        slopes: vec![
+            (Parameter::ShearModulus, 1.0),
+            (Parameter::StressAngle, 1.0 / ahead),
+        ],
+    }
+}
+
+fn slip_text(slip: f64) -> String {
+    format!("s = {slip:.3}")
+}
+
+/// Mean pressure [Pa]: load over the area of the rim's contact between entry and exit.
 fn mean_pressure(model: &Model, rows: &[SteadyLoad]) -> f64 {
     let Rim { radius, width } = model.surface();
     let pressures = rows.iter().filter_map(|row| {

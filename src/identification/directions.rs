@@ -1,4 +1,4 @@
-//! How well the data fix each direction of the parameters: the weighted Jacobian's singular values.
+//! Precision of each direction in parameter space: singular values of the weighted Jacobian.
 
 use super::least_squares::Residuals;
 use super::parameter::{Coordinates, Parameter};
@@ -18,7 +18,7 @@ pub(super) struct Directions {
 impl Directions {
     pub fn new(residuals: &impl Residuals, at: &Coordinates, free: &[Parameter]) -> Self {
         let gradient = residuals.gradient(at);
-        // No fewer rows than columns, so that directions without data appear too.
+        // At least as many rows as columns, so that directions without data appear too.
         let rows = gradient.len().max(free.len());
         let jacobian = DMatrix::from_fn(rows, free.len(), |row, column| {
             gradient
@@ -27,8 +27,8 @@ impl Directions {
         });
         let svd = jacobian.svd(false, true);
         let singular: Vec<f64> = svd.singular_values.iter().copied().collect();
-        // Two columns that are multiples of each other differ by rounding, about 1e-16 of the
-        // largest singular value; a direction that real data fix stays above 1e-6 of it.
+        // Two proportional columns differ by rounding, about 1e-16 of the largest singular value; directions
+        // identified by real data are above 1e-6 of it.
         let floor = 1e-10 * singular.iter().copied().fold(0.0, f64::max);
         let size = free.len();
         let directions = svd.v_t.unwrap_or_else(|| DMatrix::identity(size, size));
@@ -45,14 +45,14 @@ impl Directions {
         &self.free
     }
 
-    /// Number of directions that the data fix.
+    /// Number of identified directions.
     pub fn rank(&self) -> usize {
         let fixed = self.singular.iter().filter(|&&s| s > self.floor);
         fixed.count()
     }
 
-    /// Covariance of two linear functions of the free parameters, errors having a standard
-    /// deviation of 1; `None` where one of them has a part that the data do not fix.
+    /// Covariance of two linear functions of the free parameters for unit standard deviation of the
+    /// residuals; `None` where one has a component in a direction that is not identified.
     pub fn covariance(&self, one: &[f64], other: &[f64]) -> Option<f64> {
         let mut sum = 0.0;
         for (index, &singular) in self.singular.iter().enumerate() {
@@ -70,7 +70,7 @@ impl Directions {
         Some(sum)
     }
 
-    /// A linear function of the free parameters from its slope in each.
+    /// A linear function of the free parameters from its derivative by each.
     pub fn function(&self, slope: impl Fn(Parameter) -> f64) -> Vec<f64> {
         self.free
             .iter()
@@ -79,7 +79,7 @@ impl Directions {
     }
 }
 
-/// Part of a function's length below which it counts as none: rounding of the directions.
+/// Relative length below which a component counts as zero: rounding of the directions.
 fn part(function: &[f64]) -> f64 {
     let square: f64 = function.iter().map(|g| g * g).sum();
     1e-6 * libm::sqrt(square)

@@ -1,4 +1,4 @@
-//! What still changes in the interval of a row, and what that does to its uncertainty.
+//! Drift within the interval of a row and its contribution to the uncertainty.
 
 use super::row::SteadyLoad;
 use crate::trace::{Trace, unit_of};
@@ -12,11 +12,11 @@ pub struct SteadyRow {
     pub load: SteadyLoad,
     /// From when to when [s]; from and to 0 in a run of means.
     pub interval: [f64; 2],
-    /// What still changes there.
+    /// Channels that drift.
     pub drifts: Vec<Drift>,
 }
 
-/// A quantity that still changes within the interval of a row.
+/// A quantity that drifts within the interval of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Drift {
     /// Its channel.
@@ -26,13 +26,13 @@ pub struct Drift {
 }
 
 impl SteadyRow {
-    /// Whether nothing of it changes.
+    /// Whether no channel drifts.
     pub fn is_steady(&self) -> bool {
         self.drifts.is_empty()
     }
 
-    /// Adds every change over the interval to the uncertainty, where that is known: a mean that still changes lies
-    /// about so far off its steady value at least; how much farther, the interval cannot show.
+    /// Adds every change over the interval to the uncertainty, where that is known: the mean of a drifting
+    /// quantity is off its steady value by at least about so much. The interval cannot show by how much more.
     pub fn widen(&mut self) {
         let Some(uncertainty) = &mut self.load.uncertainty else {
             return;
@@ -51,10 +51,10 @@ impl SteadyRow {
 }
 
 impl Drift {
-    /// Channels of a row that are tested.
+    /// Channels tested for drift.
     pub const CHANNELS: [&str; 4] = ["drawbar_pull", "normal_force", "driving_torque", "sinkage"];
 
-    /// Those of the channels of a row.
+    /// Drifts of the channels of a run within an interval.
     pub(super) fn within(trace: &Trace, interval: [f64; 2]) -> Vec<Self> {
         let drift = |channel| {
             let steadiness = trace.steadiness_between(channel, interval)?;

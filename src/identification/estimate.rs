@@ -1,4 +1,4 @@
-//! What an identification says: values, how sure they are, and what the data leave open.
+//! Result of an identification: values, intervals and identifiability.
 
 use super::combination::Combination;
 use super::force_error::ForceErrors;
@@ -9,12 +9,12 @@ use super::warning::Warning;
 use crate::terrain::class::Wtic;
 use std::fmt;
 
-/// How a parameter came by its value.
+/// How a parameter got its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// The data fix it.
+    /// Identified by the data.
     Identified,
-    /// The data do not: its value only serves to predict loads together with the others.
+    /// Not identifiable: the value serves only for predictions together with the others.
     NotIdentifiable,
     /// The class sets it (Table 4).
     SetByClass,
@@ -22,37 +22,41 @@ pub enum Standing {
     Given,
 }
 
-/// Why the data do not fix a parameter.
+/// Why a parameter is not identifiable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Open {
-    /// What explains the rows as well has no end, or one of the search only.
+pub enum Unidentifiable {
+    /// No bound other than that of the search is found at equal goodness of fit.
     Unbounded,
-    /// Its 95 % interval has ends, but is [wider](Parameter::uninformative) than is of use.
+    /// Its 95 % interval is bounded but too wide to be [informative](Parameter::uninformative).
     Wide,
     /// The search ended at this end of its range, in the parameter's unit.
     AtEnd(f64),
-    /// It goes with a parameter that ended at an end of its range.
+    /// It is confounded with a parameter that ended at a bound.
     With(Parameter),
-    /// The rows leave `k_s`, `n_0` and `n_1` open together: the value is that of the most usual `n_0`.
+    /// `k_s`, `n_0` and `n_1` are confounded: the value is that of greatest posterior density.
     Ridge,
-    /// The fit has the maximum stress at an end of the contact, which holds it there.
+    /// The stress peak is at an end of the contact, which bounds it.
     PeakAtEnd,
-    /// The rows are of one load, under which it only counts together with others.
+    /// All rows have one load, under which it acts only in combination with others.
     OneLoad,
 }
 
-impl fmt::Display for Open {
+impl fmt::Display for Unidentifiable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unbounded => f.write_str("the rows set it no limits"),
-            Self::Wide => f.write_str("its interval is too wide to be of use"),
-            Self::AtEnd(end) => write!(f, "the search ended at {end}, an end of its range"),
-            Self::With(other) => write!(f, "goes with {}, which ended at its end", other.name()),
-            Self::Ridge => f.write_str("k_s, n0 and n1 make up for each other"),
+            Self::Unbounded => f.write_str("the rows do not bound it"),
+            Self::Wide => f.write_str("its interval is too wide to be informative"),
+            Self::AtEnd(end) => write!(f, "the search ended at {end}, a bound of its range"),
+            Self::With(other) => write!(
+                f,
+                "confounded with {}, which ended at a bound",
+                other.name()
+            ),
+            Self::Ridge => f.write_str("k_s, n0 and n1 are confounded"),
             Self::PeakAtEnd => {
-                f.write_str("the maximum stress stands at an end of the contact, which holds it")
+                f.write_str("the maximum stress is at an end of the contact, which bounds it")
             }
-            Self::OneLoad => f.write_str("one load tells it only together with others"),
+            Self::OneLoad => f.write_str("under one load it is confounded with others"),
         }
     }
 }
@@ -64,48 +68,48 @@ pub struct Identified {
     pub parameter: Parameter,
     /// Its value, in its [`unit`](Parameter::unit).
     pub value: f64,
-    /// How it came by it.
+    /// How it got its value.
     pub standing: Standing,
-    /// Why the data do not fix it, where they do not.
-    pub open: Option<Open>,
-    /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` [rad]);
-    /// infinite where the data do not fix the parameter at all, 0 where the class does.
+    /// Why it is not identifiable; `None` where it is identified or not fitted.
+    pub unidentifiable: Option<Unidentifiable>,
+    /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` [rad]); infinite where the
+    /// parameter is unbounded, 0 where it is not fitted.
     pub standard_error: f64,
-    /// 95 % interval from the covariance, in its unit; `None` where it is unbounded.
+    /// 95 % interval from the covariance, in its unit; `None` where unbounded.
     pub interval: [Option<f64>; 2],
-    /// 95 % interval from the profile of the likelihood, in its unit, an end `None` where the
-    /// profile stays below its limit as far as the parameter's range goes; `None` where it was
-    /// not asked for or the parameter is not free.
+    /// 95 % interval from the profile likelihood, in its unit; an end is `None` where the profile stays below
+    /// its limit up to the bound of the search. `None` where no profile was computed or the parameter is not
+    /// free.
     pub profile: Option<[Option<f64>; 2]>,
 }
 
 impl Identified {
-    /// Whether the data fix it.
+    /// Whether the data identify it.
     pub fn is_identifiable(&self) -> bool {
         self.standing == Standing::Identified
     }
 
-    /// The 95 % interval to report, in its unit: the profile's where there is one, which holds where
-    /// the model bends too. Of a parameter that the data do not fix, its ends where it is merely too wide,
-    /// and how much cohesion there may be where the fit found none; else without ends.
+    /// The 95 % interval to report, in its unit: from the profile where there is one, since that remains
+    /// valid for a nonlinear model. For a parameter that is not identifiable: its ends where it is merely
+    /// wide, the upper limit of a cohesion estimated as zero, otherwise unbounded.
     pub fn ci95(&self) -> [Option<f64>; 2] {
         let ends = self.profile.unwrap_or(self.interval);
-        match self.open {
+        match self.unidentifiable {
             None => ends,
-            Some(Open::Wide) if ends.iter().all(Option::is_some) => ends,
-            Some(Open::AtEnd(_)) if ends[0] == Some(0.0) => ends,
+            Some(Unidentifiable::Wide) if ends.iter().all(Option::is_some) => ends,
+            Some(Unidentifiable::AtEnd(_)) if ends[0] == Some(0.0) => ends,
             Some(_) => [None; 2],
         }
     }
 
-    /// Takes the parameter for one that the data do not fix.
-    pub(super) fn open_by(&mut self, reason: Open) {
+    /// Marks the parameter as not identifiable.
+    pub(super) fn mark_unidentifiable(&mut self, reason: Unidentifiable) {
         self.standing = Standing::NotIdentifiable;
-        self.open = Some(reason);
+        self.unidentifiable = Some(reason);
     }
 }
 
-/// Terrain parameters that best explain the rows, and how well the rows fix them.
+/// Least-squares estimate of the terrain parameters with their uncertainties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// The class whose model was fitted.
@@ -114,42 +118,41 @@ pub struct Estimate {
     pub terrain: TerrainParameters,
     /// The parameters one by one, in the order of [`Parameter::ALL`].
     pub parameters: [Identified; 8],
-    /// Correlation of the estimates of the free parameters, in their order; `None` with a
-    /// parameter that the data do not fix at all.
+    /// Correlation of the estimates of the free parameters, in their order; `None` with an unbounded
+    /// parameter.
     pub correlation: Vec<Vec<Option<f64>>>,
-    /// What the rows fix of the parameters that they do not fix one by one.
+    /// Identifiable combinations of parameters that are not identifiable alone.
     pub combinations: Vec<Combination>,
-    /// The paper's result from three stages, from which this one began; `None` without torques,
-    /// which all three need.
+    /// The paper's three-stage result, which starts the joint fit; `None` without torques.
     pub staged: Option<Staged>,
-    /// Errors of the loads predicted.
+    /// Relative errors of the fitted loads.
     pub force_errors: ForceErrors,
     /// Sum of squared weighted residuals [-].
     pub chi_square: f64,
-    /// Measured forces less directions that they fix.
+    /// Number of measured forces minus number of identified directions.
     pub degrees_of_freedom: usize,
     /// Why the fit stopped.
     pub termination: Termination,
-    /// What else to know.
+    /// Warnings.
     pub warnings: Vec<Warning>,
-    /// The least sum of squares: where the values stand unless the rows leave `n_0` open.
+    /// The least-squares minimum; the values are taken from it unless `n_0` is not identifiable.
     pub(super) minimum: Minimum,
 }
 
 impl Estimate {
-    /// Identifies none of the parameters that an end of their range holds.
-    pub(super) fn open_at_ends(&mut self, held: &[(Parameter, f64)]) {
+    /// Marks the parameters at a bound as not identifiable.
+    pub(super) fn mark_at_bounds(&mut self, held: &[(Parameter, f64)]) {
         for (parameter, end) in held {
-            self.parameters[*parameter as usize].open_by(Open::AtEnd(*end));
+            self.parameters[*parameter as usize].mark_unidentifiable(Unidentifiable::AtEnd(*end));
         }
     }
 
-    /// Takes those of `parameters` that are identified for ones that the data do not fix.
-    pub(super) fn open_identified(&mut self, parameters: &[Parameter], reason: Open) {
+    /// Marks those of `parameters` that are identified as not identifiable.
+    pub(super) fn mark_unidentifiable(&mut self, parameters: &[Parameter], reason: Unidentifiable) {
         for &parameter in parameters {
             let identified = &mut self.parameters[parameter as usize];
             if identified.is_identifiable() {
-                identified.open_by(reason);
+                identified.mark_unidentifiable(reason);
                 identified.interval = [None; 2];
             }
         }
@@ -160,7 +163,7 @@ impl Estimate {
         self.chi_square / self.degrees_of_freedom as f64
     }
 
-    /// What is known of one parameter.
+    /// The estimate of one parameter.
     pub fn of(&self, parameter: Parameter) -> &Identified {
         &self.parameters[parameter as usize]
     }

@@ -1,4 +1,4 @@
-//! Relative errors of the loads predicted (Table 7).
+//! Relative errors of the fitted loads (Table 7).
 
 use super::forces::{Force, PredictedForce, forces};
 use super::model::Model;
@@ -7,12 +7,12 @@ use super::row::SteadyLoad;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Relative errors [%] of the loads that Eq. (62)-(64) predict from sinkage and slip.
+/// Relative errors [%] of the loads by Eq. (62)-(64) at the measured sinkage and slip.
 ///
-/// The paper does not say how it computes Table 7. Here it is the mean size of the error over the
-/// mean size of the measured values, which a value near 0 does not upset; on hard ground (ALCT)
-/// without the rows at slip 0 for pull and torque, as in the paper's Fig. 25b. `None` where no
-/// row is left, all its values are 0, or the channel was not measured.
+/// The paper does not define the error of Table 7. Here it is the mean absolute error over the mean absolute
+/// measured value, which is robust to values near 0; on hard ground (ALCT) rows at slip 0 are excluded for
+/// pull and torque, as in the paper's Fig. 25b. `None` where no row remains, all values are 0, or the channel
+/// was not measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ForceErrors {
     /// Of the drawbar pull.
@@ -24,24 +24,28 @@ pub struct ForceErrors {
 }
 
 impl ForceErrors {
-    /// The errors of some predictions.
+    /// Errors of a set of predictions.
     pub fn of(predicted: &[PredictedForce]) -> Self {
-        Self::by(predicted, |told| {
-            Some((told.predicted - told.measured).abs())
+        Self::by(predicted, |force| {
+            Some((force.predicted - force.measured).abs())
         })
     }
 
-    /// The errors that the right model would leave, of rows that scatter as their uncertainties
-    /// say: `√(2/π)` of these. `None` where a row states none.
+    /// Expected errors of a correct model given the stated uncertainties: `√(2/π)` times these. `None` where
+    /// a row states none.
     pub fn of_scatter(predicted: &[PredictedForce]) -> Self {
         let mean_size = libm::sqrt(2.0 / PI);
-        Self::by(predicted, |told| Some(mean_size * told.uncertainty?))
+        Self::by(predicted, |force| Some(mean_size * force.uncertainty?))
     }
 
     fn by(predicted: &[PredictedForce], missed: impl Fn(&PredictedForce) -> Option<f64>) -> Self {
         let error = |force: Force| {
-            let of_force = || predicted.iter().filter(move |told| told.force == force);
-            let size: f64 = of_force().map(|told| told.measured.abs()).sum();
+            let of_force = || {
+                predicted
+                    .iter()
+                    .filter(move |predicted| predicted.force == force)
+            };
+            let size: f64 = of_force().map(|force| force.measured.abs()).sum();
             let missed: Option<f64> = of_force().map(&missed).sum();
             missed
                 .filter(|_| size > 0.0)
@@ -91,7 +95,7 @@ mod tests {
         ];
         let errors = ForceErrors::of(&predicted);
         assert_eq!((errors.load, errors.drawbar_pull), (Some(25.0), None));
-        // The mean size of a normal error is 0.798 of its standard deviation.
+        // The mean absolute value of a normal error is 0.798 of its standard deviation.
         let scatter = ForceErrors::of_scatter(&predicted).load.unwrap();
         assert!((scatter - 7.98).abs() < 0.01, "{scatter}");
         let unstated = [load(125.0, 100.0, None), predicted[1]];

@@ -1,4 +1,4 @@
-//! Forces that an estimate predicts from slip and sinkage, on rows it need not have seen.
+//! Forces predicted by an estimate from slip and sinkage, also for rows not used in the fit.
 
 use super::directions::Directions;
 use super::model::Model;
@@ -51,7 +51,7 @@ impl Force {
     }
 }
 
-/// A force of a row as it was measured, and as an estimate predicts it [N; torque N·m].
+/// A force of a row, measured and predicted [N; torque N·m].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictedForce {
     /// Which force.
@@ -62,26 +62,28 @@ pub struct PredictedForce {
     pub predicted: f64,
     /// Standard uncertainty of the measured value, where the row states it.
     pub uncertainty: Option<f64>,
-    /// Half-width of the 95 % interval for the measured value; `None` where the rows fitted do
-    /// not fix what the force depends on.
+    /// Half-width of the 95 % prediction interval; `None` where a parameter it depends on is not identified.
     pub half_width: Option<f64>,
 }
 
 impl PredictedForce {
-    /// The mean of each force over several rows, without intervals; uncertainties are taken for
-    /// independent.
+    /// Mean of each force over several rows, without intervals; uncertainties are treated as independent.
     pub fn means(predicted: &[Self]) -> Vec<Self> {
         let mean = |force: Force| {
-            let of_force = || predicted.iter().filter(move |told| told.force == force);
+            let of_force = || {
+                predicted
+                    .iter()
+                    .filter(move |predicted| predicted.force == force)
+            };
             let count = of_force().count() as f64;
             let mean = |value: fn(&Self) -> f64| of_force().map(value).sum::<f64>() / count;
             let squares: Option<f64> = of_force()
-                .map(|told| told.uncertainty.map(|sd| sd * sd))
+                .map(|force| force.uncertainty.map(|sd| sd * sd))
                 .sum();
             (count > 0.0).then(|| Self {
                 force,
-                measured: mean(|told| told.measured),
-                predicted: mean(|told| told.predicted),
+                measured: mean(|force| force.measured),
+                predicted: mean(|force| force.predicted),
                 uncertainty: squares.map(|squares| libm::sqrt(squares) / count),
                 half_width: None,
             })
@@ -89,16 +91,15 @@ impl PredictedForce {
         Force::ALL.into_iter().filter_map(mean).collect()
     }
 
-    /// Whether the interval holds the measured value; none where there is no interval.
+    /// Whether the interval covers the measured value; `None` without an interval.
     pub fn is_covered(&self) -> Option<bool> {
         let miss = (self.predicted - self.measured).abs();
         self.half_width.map(|half_width| miss <= half_width)
     }
 }
 
-/// The forces of a row that the class' model speaks of, by Eq. (62)-(64) as they were fitted,
-/// without intervals: all that were measured, but on hard ground the load only where static
-/// friction holds the wheel.
+/// The forces of a row described by the model of the class (Eq. 62-64), without intervals: all that were
+/// measured; on hard ground only the load where static friction holds the wheel.
 pub(super) fn forces(
     model: &Model,
     at: &Coordinates,
@@ -107,9 +108,10 @@ pub(super) fn forces(
     let predicted = model.loads(&Point::of(at, row));
     let measured = measured(row);
     let uncertainty = row.uncertainty;
-    let slips = !model.setting.holds(row, model.class);
-    let told = Force::ALL.into_iter();
-    told.filter(move |force| slips || *force == Force::Load)
+    let slips = !model.setting.holds_by_friction(row, model.class);
+    let forces = Force::ALL.into_iter();
+    forces
+        .filter(move |force| slips || *force == Force::Load)
         .filter(move |force| !force.of(&measured).is_nan())
         .map(move |force| PredictedForce {
             force,
@@ -120,7 +122,7 @@ pub(super) fn forces(
         })
 }
 
-/// What an estimate is known to, for the intervals of its predictions.
+/// Local model of an estimate, for the intervals of its predictions.
 pub(super) struct Knowledge<'a> {
     pub model: &'a Model,
     pub at: Coordinates,
@@ -130,8 +132,8 @@ pub(super) struct Knowledge<'a> {
 }
 
 impl Knowledge<'_> {
-    /// The forces of a row with intervals: the estimate's own error, and the row's scatter about
-    /// the model as that of the rows fitted.
+    /// The forces of a row with intervals from the uncertainty of the estimate and the scatter of the rows
+    /// fitted.
     pub fn forces(&self, row: &SteadyLoad) -> impl Iterator<Item = PredictedForce> {
         let derivatives = self.model.derivatives(Point::of(&self.at, row));
         let scatter = variances(self.model, &self.at, row, self.scale.of_row(row));
@@ -142,7 +144,7 @@ impl Knowledge<'_> {
                 .function(|p| force.of(&by(&derivatives, p as usize)));
             let own = self.directions.covariance(&function, &function);
             let half_width =
-                own.map(|own| self.precision.reach() * libm::sqrt(own + force.of(&scatter)));
+                own.map(|own| self.precision.half_width() * libm::sqrt(own + force.of(&scatter)));
             PredictedForce {
                 half_width: half_width.filter(|half_width| half_width.is_finite()),
                 ..predicted

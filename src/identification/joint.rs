@@ -1,4 +1,4 @@
-//! All rows and channels at once (Eq. 62-64).
+//! Joint fit of all rows and channels (Eq. 62-64).
 
 use super::least_squares::Residuals;
 use super::model::Model;
@@ -7,7 +7,7 @@ use super::parameter::Coordinates;
 use super::row::SteadyLoad;
 use super::weight::Scale;
 
-/// The rows' loads, slip and sinkage against Eq. (62)-(64).
+/// Residuals of loads, slip and sinkage against Eq. (62)-(64).
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
     model: Model,
@@ -24,7 +24,7 @@ impl Joint {
         }
     }
 
-    /// Number of measured forces that count.
+    /// Number of measured forces used.
     pub fn forces(&self) -> usize {
         self.rows.iter().map(Observation::forces).sum()
     }

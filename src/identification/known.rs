@@ -1,21 +1,21 @@
-//! Parameters that are measured otherwise than by the rows.
+//! Parameters given from other measurements.
 
 use super::parameter::{Coordinates, Parameter};
 use crate::quantity::RangeError;
 
-/// Values of parameters that are not fitted: from plates, a shear box, or another wheel.
+/// Given values of parameters that are not fitted: from plate tests, a shear box, or another wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Known([Option<f64>; Parameter::ALL.len()]);
 
 impl Known {
-    /// These and `parameter` at `value`, in its [`unit`](Parameter::unit).
+    /// Adds `parameter` at `value`, in its [`unit`](Parameter::unit).
     #[must_use]
     pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
         self.0[parameter as usize] = Some(value);
         self
     }
 
-    /// The value of `parameter`, in its [`unit`](Parameter::unit), where it is known.
+    /// The value of `parameter`, in its [`unit`](Parameter::unit), if given.
     pub fn get(&self, parameter: Parameter) -> Option<f64> {
         self.0[parameter as usize]
     }
@@ -32,7 +32,7 @@ impl Known {
         Ok(())
     }
 
-    /// Puts the known values at their coordinates.
+    /// Sets the given values among the coordinates.
     pub(super) fn put(&self, at: &mut Coordinates) {
         for parameter in Parameter::ALL {
             if let Some(value) = self.get(parameter) {

@@ -1,21 +1,21 @@
-//! Which equations the loads are fitted with.
+//! The equations fitted to the loads.
 
 use crate::quantity::RangeError;
 use crate::soil::StressConvention;
 use crate::wheel::Lugs;
 use std::f64::consts::TAU;
 
-/// The equations of soil that lugs enter; on ground that lugs do not enter, Eq. (62)-(69) apply.
+/// Equations of soil that lugs enter; on ground that lugs do not enter, Eq. (62)-(69) apply.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Law {
-    /// Eq. (62)-(66): triangles of stress on a smooth cylinder.
+    /// Eq. (62)-(66): triangular stress on a smooth cylinder.
     #[default]
     Paper,
     /// The simulator's quadrature of stress over rim and lugs ([`crate::soil::wheel_load`]).
     Own(Own),
 }
 
-/// What the quadrature has to be told besides the rim.
+/// Inputs of the quadrature besides the rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Own {
     /// The wheel's lugs.
@@ -27,13 +27,14 @@ pub struct Own {
 }
 
 impl Own {
-    /// By how much lugs reach deeper than the rim [m].
+    /// Depth of the lug tips below the rim [m].
     pub(super) fn lug_height(&self) -> f64 {
         self.lugs.map_or(0.0, |lugs| lugs.height)
     }
 
     /// # Errors
-    /// `RangeError` for lugs or a density outside their ranges, and for lugs that have no room on a rim of `radius` [m].
+    /// `RangeError` for lugs or a density outside their ranges, and for lugs that do not fit on a rim of
+    /// `radius` [m].
     pub(super) fn checked(&self, radius: f64) -> Result<(), RangeError> {
         RangeError::positive("bulk density", "kg/m³", self.bulk_density)?;
         let Some(lugs) = self.lugs else {

@@ -9,11 +9,11 @@ use std::fmt;
 /// Why a fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
-    /// The sum of squares or the parameters change no more, or the gradient is 0.
+    /// The sum of squares or the parameters no longer change, or the gradient is 0.
     Converged,
-    /// No change that double precision can hold lowers the sum of squares.
+    /// No change representable in double precision lowers the sum of squares.
     PrecisionReached,
-    /// The evaluations allowed were used up.
+    /// The limit of evaluations was reached.
     OutOfPatience,
     /// The equations gave a number that is not finite.
     NotFinite,
@@ -31,7 +31,7 @@ impl fmt::Display for Termination {
 }
 
 impl Termination {
-    /// Whether the fit stands at a minimum as far as it can tell.
+    /// Whether the fit ended at a minimum within precision.
     pub fn is_minimum(self) -> bool {
         matches!(self, Self::Converged | Self::PrecisionReached)
     }
@@ -46,7 +46,7 @@ impl Termination {
     }
 }
 
-/// Differences between measured and predicted, each in units of its uncertainty.
+/// Differences between measured and predicted, normalised by their standard uncertainties.
 pub(super) trait Residuals {
     /// The differences.
     fn residuals(&self, at: &Coordinates) -> Vec<f64>;
@@ -54,7 +54,7 @@ pub(super) trait Residuals {
     fn gradient(&self, at: &Coordinates) -> Vec<Coordinates>;
 }
 
-/// Where a fit ended.
+/// End point of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Minimum {
     pub at: Coordinates,
@@ -63,8 +63,7 @@ pub(super) struct Minimum {
     pub termination: Termination,
 }
 
-/// The least sum of squares that a fit of the `free` coordinates reaches from `start`, the others
-/// kept.
+/// Least squares over the `free` coordinates from `start`, the others fixed.
 pub(super) fn minimise<R: Residuals>(
     residuals: &R,
     start: Coordinates,
@@ -75,7 +74,7 @@ pub(super) fn minimise<R: Residuals>(
     minimise_to(1e-12, residuals, start, free)
 }
 
-/// The same to a relative `tolerance` of the sum of squares.
+/// As [`minimise`], to a relative `tolerance` of the sum of squares.
 pub(super) fn minimise_to<R: Residuals>(
     tolerance: f64,
     residuals: &R,
@@ -93,7 +92,7 @@ pub(super) fn minimise_to<R: Residuals>(
     if minimum.termination.is_minimum() {
         return minimum;
     }
-    // What crawls along a bound keeps the others from their minimum: it stays there.
+    // A coordinate moving along its bound slows the others down: it is fixed there.
     let inside: Vec<Parameter> = free
         .iter()
         .copied()
@@ -106,7 +105,7 @@ pub(super) fn minimise_to<R: Residuals>(
     }
 }
 
-/// One descent.
+/// One run of Levenberg-Marquardt.
 fn descend<R: Residuals>(
     tolerance: f64,
     residuals: &R,
@@ -118,8 +117,8 @@ fn descend<R: Residuals>(
         .with_xtol(tolerance)
         .with_gtol(1e-12)
         .with_patience(50)
-        // A third of the start's distance from the middles of the ranges: longer first steps
-        // from far starts lead 6 in 100 astray.
+        // A third of the start's distance from the middles of the ranges: with longer first steps, 6 of 100
+        // far starts diverge.
         .with_stepbound(0.3)
         .minimize(Problem::new(residuals, start, free));
     Minimum {
@@ -160,7 +159,7 @@ impl<'a, R: Residuals> Problem<'a, R> {
         let unbounded = free.iter().map(|&parameter| {
             let [low, high] = parameter.bounds();
             let part = 2.0 * (start[parameter as usize] - low) / (high - low) - 1.0;
-            // A start on a bound would never leave it: its derivative is 0 there.
+            // At a bound the derivative is 0, so a start there would never move.
             libm::asin(part.clamp(-0.999, 0.999))
         });
         let unbounded = DVector::from_iterator(free.len(), unbounded);

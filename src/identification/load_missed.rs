@@ -1,4 +1,4 @@
-//! Whether the parameters carry the loads of the rows that they were fitted to.
+//! Consistency of the fitted load with the measured load.
 
 use super::forces::{Force, forces};
 use super::model::Model;
@@ -9,18 +9,18 @@ use super::row::SteadyLoad;
 use super::weight::Scale;
 use std::fmt;
 
-/// Mean error [%] of the load above which it is missed also where errors of slip and sinkage would explain it: the
-/// largest that the closed form leaves on the paper's grounds (Table 7).
+/// Mean error [%] of the load above which it counts as missed even if errors of slip and sinkage could
+/// explain it: the largest error of the closed form on the paper's grounds (Table 7).
 const LARGEST_PUBLISHED: f64 = 11.68;
 
-/// By how much the loads that parameters carry differ from those measured.
+/// Difference between fitted and measured loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadMissed {
-    /// Mean size of the difference over the mean load [%].
+    /// Mean absolute difference over the mean load [%].
     pub percent: f64,
     /// Standard uncertainty of a load over the mean load [%], as root mean square.
     pub own_percent: f64,
-    /// The same with what the errors of slip and sinkage add to it [%].
+    /// As `own_percent`, with the propagated errors of slip and sinkage [%].
     pub carried_percent: f64,
     /// Slip ratio [-] of the row with the largest difference.
     pub worst_slip: f64,
@@ -32,18 +32,18 @@ pub struct LoadMissed {
 struct Load {
     slip: f64,
     measured: f64,
-    /// Predicted less measured [N].
+    /// Predicted minus measured [N].
     difference: f64,
-    /// Standard uncertainty of the load measured [N].
+    /// Standard uncertainty of the measured load [N].
     own: f64,
-    /// The same with what the errors of slip and sinkage add to it [N].
+    /// As `own`, with the propagated errors of slip and sinkage [N].
     carried: f64,
 }
 
 impl LoadMissed {
-    /// `None` where rows state no uncertainties, and where chance explains the differences more often than once in a
-    /// thousand: by the uncertainties of the loads alone, or by those of slip and sinkage too if the mean
-    /// error is no larger than any published.
+    /// `None` where rows state no uncertainties or the differences are not significant (p > 0.001): given the
+    /// uncertainties of the loads alone, or also given those of slip and sinkage if the mean error does not
+    /// exceed any published one.
     pub(super) fn of(model: &Model, rows: &[SteadyLoad], at: &Coordinates) -> Option<Self> {
         let scale = Scale::of(rows);
         let loads: Vec<Load> = rows

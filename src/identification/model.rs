@@ -23,8 +23,8 @@ pub(super) struct Model {
     pub setting: Setting,
 }
 
-/// Panels of the quadrature on either side of the peak: of a driven wheel a load changes by less than 1e-4 of
-/// the normal force with more, a hundredth of what a force sensor's calibration leaves open.
+/// Panels of the quadrature on either side of the peak: for a driven wheel more panels change a load by less
+/// than 1e-4 of the normal force, a hundredth of a force sensor's calibration uncertainty.
 const FINE_ENOUGH: u32 = 1;
 
 impl Model {
@@ -33,14 +33,13 @@ impl Model {
         self.setting.surface()
     }
 
-    /// The parameters that are fitted: neither set by the class nor known.
+    /// The fitted parameters: neither set by the class nor given.
     pub fn free(&self) -> Vec<Parameter> {
         self.free_among(&Parameter::ALL)
     }
 
-    /// The parameters whose neighbourhood the forces show at `at`: not that of a cohesion which
-    /// is as good as zero.
-    pub fn seen_in(&self, at: &Coordinates) -> Vec<Parameter> {
+    /// The free parameters with a nonzero derivative at `at`: without a cohesion that is effectively zero.
+    pub fn sensitive_at(&self, at: &Coordinates) -> Vec<Parameter> {
         let mut free = self.free();
         free.retain(|parameter| !parameter.is_as_good_as_zero(at[*parameter as usize]));
         free
@@ -52,8 +51,7 @@ impl Model {
             .collect()
     }
 
-    /// How a parameter that is not fitted came by its value; what the class sets comes before what
-    /// is known otherwise.
+    /// Standing of a parameter that is not fitted; the class takes precedence over given values.
     pub fn standing(&self, parameter: Parameter) -> Option<Standing> {
         if !parameter.is_free(self.class) {
             return Some(Standing::SetByClass);
@@ -62,7 +60,7 @@ impl Model {
         known.map(|_| Standing::Given)
     }
 
-    /// Sets what is known otherwise, and what the class sets (Table 4): `c` and `K` to 0.
+    /// Sets the given values and those of the class (Table 4): `c` and `K` to 0.
     pub fn switch(&self, at: &mut Coordinates) {
         self.setting.known.put(at);
         for parameter in Parameter::ALL {
@@ -72,20 +70,19 @@ impl Model {
         }
     }
 
-    /// Whether rows differ in sinkage, so that `k_s` and `n_0` differ in what they do.
+    /// Whether sinkage differs between rows, so that `k_s` and `n_0` have distinct effects.
     pub fn splits_pressure(&self) -> bool {
         self.class == Wtic::Leis
     }
 
-    /// The parameters that a fit moves: `n_0` stays where it is if the class sets the sinkage,
-    /// for then it does what `k_s` does.
+    /// The parameters varied in a fit: `n_0` is fixed if the class sets the sinkage, where it is confounded
+    /// with `k_s`.
     pub fn moved(&self) -> Vec<Parameter> {
         self.moved_among(&Parameter::ALL)
     }
 
-    /// The parameters that a fit moved to an end of their range which holds them there, with that
-    /// end in their unit.
-    pub fn held_at(&self, at: &Coordinates) -> Vec<(Parameter, f64)> {
+    /// The parameters that ended at a bound, with that bound in their unit.
+    pub fn at_bounds(&self, at: &Coordinates) -> Vec<(Parameter, f64)> {
         let held = |parameter: Parameter| {
             let coordinate = at[parameter as usize];
             let holds = !parameter.is_as_good_as_zero(coordinate);
@@ -95,24 +92,24 @@ impl Model {
         self.moved().into_iter().filter_map(held).collect()
     }
 
-    /// Those of `parameters` that a fit moves.
+    /// Those of `parameters` that are varied in a fit.
     pub fn moved_among(&self, parameters: &[Parameter]) -> Vec<Parameter> {
         let mut moved = self.free_among(parameters);
         moved.retain(|p| *p != Parameter::SinkageExponent || self.splits_pressure());
         moved
     }
 
-    /// The rows that say something to a stage: those of a sunken rim with a torque, which all three need; on hard
-    /// ground, one held by static friction is not that of Eq. (75).
+    /// The rows used in a stage: those with torque and a rim below the surface; on hard ground, rows held by
+    /// static friction do not follow Eq. (75).
     pub fn rows_of(&self, stage: Stage, rows: &[SteadyLoad]) -> Vec<SteadyLoad> {
-        let slips = |row: &SteadyLoad| !self.setting.holds(row, self.class);
-        // A rim that lugs hold above the soil has no arc in it.
+        let slips = |row: &SteadyLoad| !self.setting.holds_by_friction(row, self.class);
+        // A rim held above the soil by its lugs has no contact arc.
         let sunk = |row: &SteadyLoad| row.has_torque() && row.sinkage > 0.0;
         let used = |row: &&SteadyLoad| sunk(row) && (stage != Stage::ShearStress || slips(row));
         rows.iter().filter(used).copied().collect()
     }
 
-    /// The first stage with fewer rows than it has parameters to find, how many it needs and has.
+    /// The first stage with fewer rows than parameters, with the number needed and given.
     pub fn stage_without_rows(&self, rows: &[SteadyLoad]) -> Option<(Stage, [usize; 2])> {
         Stage::ALL.into_iter().find_map(|stage| {
             let given = self.rows_of(stage, rows).len();
@@ -121,7 +118,7 @@ impl Model {
         })
     }
 
-    /// `row` with the torque that its pull and load leave, the peak being at `at` (Eq. 73).
+    /// `row` with the torque that follows from its pull and load for the peak at `at` (Eq. 73).
     pub fn with_torque(&self, at: &Coordinates, row: &SteadyLoad) -> SteadyLoad {
         let arc = ArcCoefficients::from(self.contact(&Point::of(at, row)).angles);
         SteadyLoad {
@@ -132,7 +129,7 @@ impl Model {
 
     /// The soil at `at`.
     ///
-    /// `k_s` is all frictional: one wheel width does not tell `k_c` from `k_φ`.
+    /// `k_s` is taken as frictional: one wheel width cannot separate `k_c` from `k_φ`.
     pub fn soil<T: Real>(&self, at: &[T; 8]) -> Soil<T> {
         let of = |parameter: Parameter| at[parameter as usize];
         let own = self.own();
@@ -150,14 +147,14 @@ impl Model {
             exit_angle: self.setting.exit_angle,
             bulk_density: own.map_or(1.0, |own| own.bulk_density),
             departures: Departures::NONE,
-            // What no steady load depends on: any physical number does.
+            // Steady loads do not depend on it: any admissible value serves.
             unloading_stiffness: 1.0,
             damping: 0.0,
             repose_angle_deg: 30.0,
         }
     }
 
-    /// What the quadrature is told, where it gives the loads: in soil that lugs enter.
+    /// Inputs of the quadrature, where it gives the loads: in soil that lugs enter.
     pub fn own(&self) -> Option<&Own> {
         match &self.setting.law {
             Law::Own(own) if self.class == Wtic::Leis => Some(own),
@@ -165,7 +162,7 @@ impl Model {
         }
     }
 
-    /// By how much lugs reach deeper than the sinkage that the equations are in [m].
+    /// Depth of the lug tips below the sinkage used in the equations [m].
     fn lug_depth(&self) -> f64 {
         self.own().map_or(0.0, Own::lug_height)
     }
@@ -175,12 +172,12 @@ impl Model {
         sinkage + self.lug_depth()
     }
 
-    /// The sinkage [m] that goes with a [`depth`](Self::depth) [m].
+    /// The sinkage [m] for a [`depth`](Self::depth) [m].
     pub fn sinkage(&self, depth: f64) -> f64 {
         depth - self.lug_depth()
     }
 
-    /// The slip [-] of a row whose peak the quadrature holds at an end of the contact.
+    /// The slip [-] of a row whose stress peak is at an end of the contact in the quadrature.
     pub fn peak_at_end(&self, at: &Coordinates, rows: &[SteadyLoad]) -> Option<f64> {
         const NEAR: f64 = 1e-3;
         self.own()?;
@@ -212,10 +209,10 @@ impl Model {
         self.loads(&point.by_all(self.depth(point.sinkage)))
     }
 
-    /// The contact of a row by the paper's equations, its peak where `c_1` and `c_2` put it.
+    /// The contact of a row by the paper's equations, with the peak at `c_1 + c_2 s`.
     ///
-    /// Unlike [`ContactAngles::new`] it may leave the contact, where Eq. (65) goes on smoothly: a
-    /// fit that stops at the border would push every other parameter off.
+    /// Unlike in [`ContactAngles::new`] the peak may lie outside the contact, where Eq. (65) continues
+    /// smoothly: a fit stopped at the border would bias every other parameter.
     pub fn contact<T: Real>(&self, point: &Point<T>) -> RimContact<T> {
         let rim = self.surface();
         let entry = entry_angle(T::constant(rim.radius), point.sinkage);

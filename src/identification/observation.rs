@@ -1,12 +1,11 @@
-//! One row against the model, its true slip and sinkage taken where they explain the row best.
+//! Residuals of one row, with its true slip and sinkage as nuisance parameters.
 //!
-//! Slip and sinkage are measured like the forces. Their errors could be carried over to the forces
-//! by the model's slopes at the measured point, which makes one linear step of what follows; but a
-//! tenth of the sinkage is far from linear, and the slopes then depend on where the fit began. So
-//! the row's true slip and sinkage are unknowns of the row alone (functional errors in variables:
-//! Fuller, *Measurement Error Models*, 1987, chapter 3), found anew for every trial of the
-//! parameters, and the fit goes on in what is left (variable projection: Golub and Pereyra, *SIAM
-//! J. Numer. Anal.* 10:413, 1973).
+//! Slip and sinkage have measurement errors like the forces. First-order propagation to the forces would
+//! linearise at the measured point, but at a relative error of 0.1 in sinkage the model is far from linear,
+//! and the weights would depend on the start of the fit. So true slip and sinkage are nuisance parameters of
+//! the row (functional errors in variables: Fuller, *Measurement Error Models*, 1987, chapter 3), solved for
+//! at every evaluation of the parameters, and the fit minimises the remaining residuals (variable projection:
+//! Golub and Pereyra, *SIAM J. Numer. Anal.* 10:413, 1973).
 
 use super::model::Model;
 use super::parameter::Coordinates;
@@ -16,38 +15,38 @@ use crate::soil::real::{Dual, Real};
 use crate::soil::wheel_load::WheelLoad;
 use std::cell::Cell;
 
-/// Most residuals of a row: load, pull, torque, sinkage and slip.
+/// Maximum number of residuals of a row: load, pull, torque, sinkage and slip.
 const MOST: usize = 5;
 
-/// Residuals of a row, of which the first few count.
+/// Residuals of a row; only the first few are used.
 type Column = [f64; MOST];
 
-/// A row with its uncertainties.
+/// A row with its standard uncertainties.
 #[derive(Debug, Clone)]
 pub(super) struct Observation {
     row: SteadyLoad,
     sd: Uncertainty,
-    /// Forces that count: the load; the pull too; the torque too.
+    /// Number of forces used: load; load and pull; or load, pull and torque.
     forces: usize,
-    /// What the parameters tried last made of it, near which the next lies.
+    /// Solution for the parameters of the last evaluation, which starts the next.
     last: Cell<Tried>,
 }
 
-/// Deviations of the true from the measured values: depth in logarithms, slip as it is.
+/// Deviations of true from measured values: of depth in logarithm, of slip in absolute terms.
 #[derive(Debug, Clone, Copy, Default)]
 struct Truth {
     log_depth: f64,
     slip: f64,
 }
 
-/// Parameters and the truth that goes with them.
+/// Parameters with the nuisance parameters solved for them.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tried {
     at: Option<Coordinates>,
     truth: Truth,
 }
 
-/// One of the two.
+/// A nuisance parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Latent {
     Sinkage,
@@ -57,7 +56,7 @@ enum Latent {
 impl Observation {
     pub fn new(model: &Model, row: &SteadyLoad, sd: Uncertainty) -> Self {
         let forces = match row.has_torque() {
-            _ if model.setting.holds(row, model.class) => 1,
+            _ if model.setting.holds_by_friction(row, model.class) => 1,
             false => 2,
             true => 3,
         };
@@ -69,7 +68,7 @@ impl Observation {
         }
     }
 
-    /// Number of measured forces that count.
+    /// Number of measured forces used.
     pub fn forces(&self) -> usize {
         self.forces
     }
@@ -79,21 +78,22 @@ impl Observation {
         self.forces + self.latent().count()
     }
 
-    /// Differences between predicted and measured, in units of their uncertainties.
+    /// Predicted minus measured, normalised by the standard uncertainties.
     pub fn residuals(&self, model: &Model, at: &Coordinates) -> impl Iterator<Item = f64> {
         let residuals = self.explained(model, at).residuals;
         residuals.into_iter().take(self.residual_count())
     }
 
-    /// Derivatives of the residuals by every coordinate, the true slip and sinkage following.
+    /// Total derivatives of the residuals by every coordinate, with true slip and sinkage re-solved.
     pub fn gradient(&self, model: &Model, at: &Coordinates) -> Vec<Coordinates> {
         let last = self.last.get();
-        let truth = match last.at == Some(*at) {
-            true => last.truth,
-            false => self.explained(model, at).truth,
+        let truth = if last.at == Some(*at) {
+            last.truth
+        } else {
+            self.explained(model, at).truth
         };
-        let seen = self.seen(model, at, truth);
-        let residuals = self.residuals_at(model, &seen.by_all(model.depth(seen.sinkage)));
+        let point = self.point(model, at, truth);
+        let residuals = self.residuals_at(model, &point.by_all(model.depth(point.sinkage)));
         let column = |variable: usize| residuals.map(|residual| residual.slopes[variable]);
         let directions = orthonormal(self.latent_columns(column, [DEPTH, SLIP]));
         let mut gradient = vec![[0.0; 8]; self.residual_count()];
@@ -112,14 +112,14 @@ impl Observation {
         gradient
     }
 
-    /// What is not exact of slip and sinkage, in the order of the residuals.
+    /// The nuisance parameters, in the order of the residuals.
     fn latent(&self) -> impl Iterator<Item = Latent> {
         let sinkage = (self.sd.sinkage > 0.0).then_some(Latent::Sinkage);
         let slip = (self.sd.slip > 0.0).then_some(Latent::Slip);
         sinkage.into_iter().chain(slip)
     }
 
-    /// The columns that belong to what is latent; `[depth, slip]` are their places.
+    /// The columns of the nuisance parameters; `[depth, slip]` are their indices.
     fn latent_columns(
         &self,
         column: impl Fn(usize) -> Column,
@@ -132,8 +132,8 @@ impl Observation {
         [columns.next(), columns.next()]
     }
 
-    /// The model's parameters under the true slip and sinkage.
-    fn seen(&self, model: &Model, at: &Coordinates, truth: Truth) -> Point<f64> {
+    /// The evaluation point at the true slip and sinkage.
+    fn point(&self, model: &Model, at: &Coordinates, truth: Truth) -> Point<f64> {
         let depth = model.depth(self.row.sinkage) * libm::exp(truth.log_depth);
         Point {
             at: *at,
@@ -142,8 +142,8 @@ impl Observation {
         }
     }
 
-    fn residuals_at<T: Real>(&self, model: &Model, seen: &Point<T>) -> [T; MOST] {
-        let predicted = model.loads(seen);
+    fn residuals_at<T: Real>(&self, model: &Model, point: &Point<T>) -> [T; MOST] {
+        let predicted = model.loads(point);
         let forces = [
             (predicted.normal_force - self.row.load) / self.sd.load,
             (predicted.drawbar_pull - self.row.drawbar_pull) / self.sd.drawbar_pull,
@@ -153,18 +153,18 @@ impl Observation {
         residuals[..self.forces].copy_from_slice(&forces[..self.forces]);
         for (index, latent) in self.latent().enumerate() {
             residuals[self.forces + index] = match latent {
-                Latent::Sinkage => (seen.sinkage - self.row.sinkage) / self.sd.sinkage,
-                Latent::Slip => (seen.slip - self.row.slip) / self.sd.slip,
+                Latent::Sinkage => (point.sinkage - self.row.sinkage) / self.sd.sinkage,
+                Latent::Slip => (point.slip - self.row.slip) / self.sd.slip,
             };
         }
         residuals
     }
 
-    /// Residuals and their derivatives by what is latent.
+    /// Residuals and their derivatives by the nuisance parameters.
     fn linear(&self, model: &Model, at: &Coordinates, truth: Truth) -> Linear {
-        let seen = self.seen(model, at, truth);
+        let point = self.point(model, at, truth);
         let residuals: [Dual<2>; MOST] =
-            self.residuals_at(model, &seen.by_motion(model.depth(seen.sinkage), [0, 1]));
+            self.residuals_at(model, &point.by_motion(model.depth(point.sinkage), [0, 1]));
         let column = |variable: usize| residuals.map(|residual| residual.slopes[variable]);
         Linear {
             residuals: residuals.map(|residual| residual.value),
@@ -172,8 +172,7 @@ impl Observation {
         }
     }
 
-    /// The true slip and sinkage that explain the row best, and what they leave: Gauss and Newton's
-    /// steps from those found last, halved while they do not help.
+    /// Solves for the true slip and sinkage by damped Gauss-Newton from the last solution.
     fn explained(&self, model: &Model, at: &Coordinates) -> Explained {
         const STEPS: u32 = 15;
         const HALVINGS: u32 = 12;
@@ -181,7 +180,7 @@ impl Observation {
         let mut here = self.linear(model, at, truth);
         for _ in 0..STEPS {
             let step = solved(here.slopes, &here.residuals);
-            // Below what the outer fit can tell of the sum.
+            // Below the resolution of the outer fit.
             if here.gain(step) < 1e-12 * (1.0 + here.squares()) {
                 break;
             }
@@ -205,7 +204,7 @@ impl Observation {
         }
     }
 
-    /// `truth` moved by `part` of a step of what is latent; by no more than a factor e of depth.
+    /// `truth` moved by `part` of a step; by no more than a factor e of depth.
     fn moved(&self, mut truth: Truth, step: [f64; 2], part: f64) -> Truth {
         for (latent, step) in self.latent().zip(step) {
             match latent {
@@ -223,7 +222,7 @@ struct Explained {
     residuals: Column,
 }
 
-/// Residuals about a point of what is latent.
+/// Linearised residuals in the nuisance parameters.
 struct Linear {
     residuals: Column,
     slopes: [Option<Column>; 2],
@@ -234,7 +233,7 @@ impl Linear {
         dot(&self.residuals, &self.residuals)
     }
 
-    /// What a step of Gauss and Newton takes off the sum of squares where the model is straight.
+    /// Predicted decrease of the sum of squares by a Gauss-Newton step in the linear model.
     fn gain(&self, step: [f64; 2]) -> f64 {
         let slopes = self.slopes.iter().zip(step);
         slopes
@@ -252,8 +251,8 @@ pub(super) fn measured(row: &SteadyLoad) -> WheelLoad {
     }
 }
 
-/// Variances [N²; torque N²·m²] of a row's forces, errors of slip and sinkage included to first
-/// order.
+/// Variances [N²; torque N²·m²] of a row's forces with first-order propagation of the errors of slip and
+/// sinkage.
 pub(super) fn variances(
     model: &Model,
     at: &Coordinates,
@@ -278,7 +277,7 @@ fn dot(one: &Column, other: &Column) -> f64 {
     one.iter().zip(other).map(|(a, b)| a * b).sum()
 }
 
-/// Orthonormal columns that span the same (Gram and Schmidt).
+/// Orthonormal basis of the columns (Gram-Schmidt).
 fn orthonormal([first, second]: [Option<Column>; 2]) -> [Option<Column>; 2] {
     let first = first.and_then(unit);
     let second = second.and_then(|mut column| {
@@ -298,7 +297,7 @@ fn unit(column: Column) -> Option<Column> {
     (length > 0.0).then(|| column.map(|c| c / length))
 }
 
-/// The step that least squares takes along the columns from `residuals`.
+/// The least-squares step along the columns for `residuals`.
 fn solved([first, second]: [Option<Column>; 2], residuals: &Column) -> [f64; 2] {
     let Some(first) = first else {
         return [0.0; 2];
@@ -337,7 +336,7 @@ mod tests {
         TerrainParameters::of(&table_6::sand(), model().surface().width).coordinates()
     }
 
-    /// What the sand carries at 12 mm and slip 0.3, read at another sinkage and slip.
+    /// Loads of the sand at 12 mm and slip 0.3, with another sinkage and slip as measured.
     fn read(sinkage: f64, slip: f64) -> Observation {
         let loads = closed_form::loads(model().surface(), &table_6::sand(), 0.012, 0.3);
         let row = SteadyLoad::new(slip, sinkage, loads);
@@ -357,12 +356,12 @@ mod tests {
 
     #[test]
     fn forces_measured_well_put_slip_and_sinkage_right() {
-        // One sd of sinkage and one and a half of slip off.
+        // Errors of one sd of sinkage and one and a half of slip.
         let observation = read(0.014, 0.27);
         let truth = observation.explained(&model(), &at()).truth;
-        let seen = observation.seen(&model(), &at(), truth);
-        assert!((seen.sinkage - 0.012).abs() < 2e-5, "{}", seen.sinkage);
-        assert!((seen.slip - 0.3).abs() < 2e-3, "{}", seen.slip);
+        let point = observation.point(&model(), &at(), truth);
+        assert!((point.sinkage - 0.012).abs() < 2e-5, "{}", point.sinkage);
+        assert!((point.slip - 0.3).abs() < 2e-3, "{}", point.slip);
         assert!((squares(&observation, &at()) - 3.25).abs() < 0.1);
     }
 

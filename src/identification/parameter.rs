@@ -1,4 +1,4 @@
-//! The terrain parameters, the coordinates in which they are fitted, and what a class fixes.
+//! The terrain parameters, the coordinates of the fit, and which parameters a class sets.
 
 use crate::quantity::RangeError;
 use crate::soil::{Soil, StressConvention};
@@ -61,11 +61,11 @@ impl Parameter {
         ["1", "1", "N/m^(N+2)", "1", "1", "Pa", "deg", "m"][self as usize]
     }
 
-    /// Values, in [`unit`](Self::unit), among which the fit searches.
+    /// Bounds of the search, in [`unit`](Self::unit).
     ///
-    /// Wider than any soil, so that an estimate near a natural limit (`n_1 = 0`) is not pushed
-    /// off it; of `c_1` and `c_2` so wide that hard ground, which says next to nothing of them,
-    /// does not push `φ` off by holding them at an end.
+    /// Wider than for any soil, so that an estimate near a natural limit (`n_1 = 0`) is not biased; for `c_1`
+    /// and `c_2` so wide that hard ground, which carries almost no information on them, does not bias `φ`
+    /// through a bound.
     pub fn range(self) -> [f64; 2] {
         match self {
             Self::StressAngle => [-10.0, 10.0],
@@ -79,10 +79,10 @@ impl Parameter {
         }
     }
 
-    /// Half-width of a 95 % interval, in the fitted coordinate, beyond which data say nothing
-    /// useful of the parameter: an interval whose ends differ by a factor of ten for `k_s`, `c` and `K`, as
-    /// the published values of one kind of soil do; 15° for `φ`, half of the contact for `c_1`, half a
-    /// unit of slip's part in it for `c_2`, and 0.5 and 1 for `n_0` and `n_1`.
+    /// Half-width of a 95 % interval, in the coordinate of the fit, above which it is uninformative: ends a
+    /// factor of ten apart for `k_s`, `c` and `K`, the spread of published values of one kind of soil; 15°
+    /// for `φ`, half of the contact for `c_1`, half of the contact per unit of slip for `c_2`, and 0.5 and 1
+    /// for `n_0` and `n_1`.
     pub fn uninformative(self) -> f64 {
         match self {
             Self::StressAngle | Self::SinkageExponent => 0.5,
@@ -112,8 +112,7 @@ impl Parameter {
         }
     }
 
-    /// A value in its [`range`](Self::range), or 0 where a soil may have none of it: cohesion, and
-    /// the deformation that shear needs.
+    /// A value within [`range`](Self::range), or 0 for cohesion and the shear deformation modulus.
     ///
     /// # Errors
     /// `RangeError` for any other.
@@ -125,7 +124,7 @@ impl Parameter {
         RangeError::check(self.name(), self.unit(), value, self.range())
     }
 
-    /// Whether a fit ended where the soil has no cohesion: a natural end, not one that holds it.
+    /// Whether a fit ended at zero cohesion: a natural limit and not a bound of the search.
     pub(super) fn is_as_good_as_zero(self, coordinate: f64) -> bool {
         let [low, high] = self.bounds();
         self == Self::Cohesion && coordinate - low < 1e-3 * (high - low)
@@ -136,12 +135,12 @@ impl Parameter {
         self.range().map(|value| self.coordinate(value))
     }
 
-    /// Whether a coordinate is so near an end of the range that the end, not the data, holds it.
+    /// Whether a coordinate is at a bound of the search.
     pub(super) fn is_at_bound(self, coordinate: f64) -> bool {
         self.bound_at(coordinate).is_some()
     }
 
-    /// The end of the range, in its unit, that holds a coordinate so near to it.
+    /// The bound, in its unit, at which a coordinate is.
     pub(super) fn bound_at(self, coordinate: f64) -> Option<f64> {
         let [low, high] = self.bounds();
         let [least, most] = self.range();
@@ -152,8 +151,8 @@ impl Parameter {
             .map(|(_, end)| end)
     }
 
-    /// Whether a terrain of this class has its own value, or the switched model sets it
-    /// (Table 4): `c = K = 0` where all lugs touch, `c = 0` where some do.
+    /// Whether the parameter is fitted for this class or set by it (Table 4): `c = K = 0` where all lugs
+    /// touch, `c = 0` where some do.
     pub fn is_free(self, class: Wtic) -> bool {
         match class {
             Wtic::Alct => !matches!(self, Self::Cohesion | Self::ShearModulus),
@@ -185,7 +184,7 @@ pub struct TerrainParameters {
 }
 
 impl TerrainParameters {
-    /// Those of a `soil` under a wheel of `width` [m].
+    /// The parameters of a `soil` under a wheel of `width` [m].
     pub fn of(soil: &Soil, width: f64) -> Self {
         Self {
             stress_angle: soil.stress_angle,
@@ -199,14 +198,14 @@ impl TerrainParameters {
         }
     }
 
-    /// The value of one of them, in its [`unit`](Parameter::unit).
+    /// The value of a parameter, in its [`unit`](Parameter::unit).
     pub fn get(&self, parameter: Parameter) -> f64 {
         self.values()[parameter as usize]
     }
 
-    /// `base` with these parameters and the paper's triangles of stress, which they belong to.
+    /// `base` with these parameters and the paper's triangular stress.
     ///
-    /// `k_s` is all frictional: one wheel width does not tell `k_c` from `k_φ`.
+    /// `k_s` is taken as frictional: one wheel width cannot separate `k_c` from `k_φ`.
     pub fn on(&self, base: &Soil) -> Soil {
         Soil {
             convention: StressConvention::Triangular,
@@ -289,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn the_class_frees_what_table_4_leaves_without_setting_value() {
+    fn the_class_frees_the_parameters_that_table_4_does_not_set() {
         let free = |class| Parameter::ALL.map(|p| p.is_free(class)).map(u8::from);
         assert_eq!(free(Wtic::Alct), [1, 1, 1, 1, 1, 0, 1, 0]);
         assert_eq!(free(Wtic::Slct), [1, 1, 1, 1, 1, 0, 1, 1]);

@@ -1,4 +1,4 @@
-//! Modulus and exponent of pressure and sinkage from points under plates.
+//! Pressure-sinkage modulus and exponent from plate tests.
 
 use crate::quantity::RangeError;
 
@@ -9,7 +9,7 @@ pub struct PlateFit {
     pub modulus: f64,
     /// Sinkage exponent `n` [-].
     pub exponent: f64,
-    /// Points that counted.
+    /// Number of points used.
     pub points: usize,
 }
 
@@ -20,9 +20,9 @@ pub enum PlateError {
     #[error("the run has no plate: state plate_diameter_m, or plate_length_m and plate_width_m")]
     NoPlate,
     /// A quantity is neither a channel nor a mean.
-    #[error("{0} is missing or holds no number: a plate test needs sinkage and normal_force")]
+    #[error("{0} is missing or has no finite value: a plate test needs sinkage and normal_force")]
     Missing(&'static str),
-    /// A number is no sinkage or no pressure.
+    /// A sinkage or pressure is out of range.
     #[error("point {point}: {reason}")]
     Point {
         /// The point, from 1.
@@ -30,7 +30,7 @@ pub enum PlateError {
         /// Quantity, range and value.
         reason: RangeError,
     },
-    /// Fewer than two sinkages under pressure.
+    /// Fewer than two distinct sinkages under pressure.
     #[error(
         "points at two sinkages or more are needed, each with sinkage and pressure above 0: check the signs of \
          sinkage and normal_force"
@@ -39,11 +39,11 @@ pub enum PlateError {
 }
 
 impl PlateFit {
-    /// The law that best explains `points` of sinkage [m] and pressure [Pa], as the plate goes
-    /// down; those above the surface or without pressure do not count.
+    /// Least-squares fit to `points` of sinkage [m] and pressure [Pa] during loading; points above the
+    /// surface or without pressure are excluded.
     ///
-    /// Least squares of the logarithms, each point weighed by its pressure, so that errors count
-    /// as they do in pressure: Wong (1980), *J. Terramechanics* 17:13-41.
+    /// Fitted in logarithms with weights in proportion to pressure squared, so that errors are weighted as in
+    /// pressure: Wong (1980), *J. Terramechanics* 17:13-41.
     ///
     /// # Errors
     /// `Point` for a number that is not finite, `TooFew`.
@@ -58,15 +58,15 @@ impl PlateFit {
     }
 }
 
-/// Weighted sums over the logarithms of points, from which laws follow.
+/// Weighted sums over the logarithms of points (sufficient statistics of the fit).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct LogSums {
-    /// Points that count.
+    /// Number of points used.
     pub points: usize,
     weight: f64,
-    /// Of the logarithms of sinkage and pressure.
+    /// Sums of the logarithms of sinkage and pressure.
     sums: [f64; 2],
-    /// Of squares of the sinkage's, and of products of both.
+    /// Sums of squares of the log sinkage, and of products of both.
     products: [f64; 2],
 }
 
@@ -104,7 +104,7 @@ impl LogSums {
         }
     }
 
-    /// With the points of another.
+    /// Sums of both sets.
     pub fn and(&self, other: &Self) -> Self {
         let sum = |one: [f64; 2], other: [f64; 2]| [one[0] + other[0], one[1] + other[1]];
         Self {
@@ -120,15 +120,15 @@ impl LogSums {
         self.sums.map(|sum| sum / self.weight)
     }
 
-    /// Modulus of the law of this exponent through the points' mean.
+    /// Modulus for this exponent through the mean of the points.
     pub fn modulus(&self, exponent: f64) -> f64 {
         let [x, y] = self.means();
         libm::exp(y - exponent * x)
     }
 }
 
-/// The exponent that points of several sizes share, each with a modulus of its own; `None` where no size has
-/// points at two sinkages.
+/// The common exponent of several plate sizes, each with its own modulus; `None` where no size has points at
+/// two sinkages.
 pub(super) fn common_exponent<'a>(sizes: impl IntoIterator<Item = &'a LogSums>) -> Option<f64> {
     let mut spread = [0.0; 2];
     let mut weight = 0.0;
@@ -138,7 +138,7 @@ pub(super) fn common_exponent<'a>(sizes: impl IntoIterator<Item = &'a LogSums>) 
         spread[1] += size.products[1] - size.weight * x * y;
         weight += size.weight;
     }
-    // Rounding alone leaves 1e-14 of the logarithms' squares at one sinkage.
+    // At one sinkage rounding leaves about 1e-14 of the squared logarithms.
     (spread[0] > 1e-12 * weight).then(|| spread[1] / spread[0])
 }
 

@@ -1,4 +1,4 @@
-//! Where the model is evaluated: parameters, slip and sinkage, with the derivatives asked for.
+//! Evaluation point of the model: parameters, slip and sinkage, with derivatives.
 
 use super::parameter::{Coordinates, Parameter};
 use super::row::SteadyLoad;
@@ -7,14 +7,14 @@ use crate::soil::wheel_load::WheelLoad;
 
 /// Number of parameters.
 const PARAMETERS: usize = Parameter::ALL.len();
-/// Place of the logarithm of the depth among the variables of [`Point::by_all`].
+/// Index of the log depth among the variables of [`Point::by_all`].
 pub(super) const DEPTH: usize = PARAMETERS;
-/// Place of the slip among them.
+/// Index of the slip.
 pub(super) const SLIP: usize = PARAMETERS + 1;
-/// Number of those variables.
+/// Number of variables.
 pub(super) const ALL: usize = PARAMETERS + 2;
 
-/// Parameters and a wheel's motion.
+/// Parameters and motion of the wheel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Point<T> {
     /// The parameters in the coordinates of the fit.
@@ -26,7 +26,7 @@ pub(super) struct Point<T> {
 }
 
 impl Point<f64> {
-    /// Parameters `at` under the motion of a row.
+    /// Parameters `at` with the slip and sinkage of a row.
     pub fn of(at: &Coordinates, row: &SteadyLoad) -> Self {
         Self {
             at: *at,
@@ -35,8 +35,7 @@ impl Point<f64> {
         }
     }
 
-    /// Varied in every parameter, in the logarithm of the `depth` [m] that goes with the sinkage,
-    /// and in slip.
+    /// Differentiated by every parameter, the logarithm of the `depth` [m] for this sinkage, and slip.
     pub fn by_all(self, depth: f64) -> Point<Dual<ALL>> {
         let mut at = self.at.map(Dual::constant);
         for (place, coordinate) in at.iter_mut().enumerate() {
@@ -48,8 +47,7 @@ impl Point<f64> {
         }
     }
 
-    /// Varied in the logarithm of the `depth` [m] that goes with the sinkage and in slip, the
-    /// variables of these places.
+    /// Differentiated by the logarithm of the `depth` [m] and by slip, at these indices.
     pub fn by_motion<const N: usize>(
         self,
         depth: f64,

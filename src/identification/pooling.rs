@@ -1,21 +1,21 @@
-//! One uncertainty for rows of one kind.
+//! Pooled uncertainties of similar rows.
 
 use super::row::{SteadyLoad, Uncertainty};
 
-/// Gives rows cut from time series the uncertainties they have in common: of slip and sinkage the
-/// root mean square, of the forces that of their parts of the load.
+/// Pools the uncertainties of rows cut from time series: root mean square for slip and sinkage; for the
+/// forces the root mean square of their ratios to the load.
 ///
-/// A spread told by eight blocks is itself uncertain by a quarter. On loose stones it also goes
-/// with the value: a stretch in which few stones resist pulls less and scatters less, and rows
-/// weighed by their own spread would draw every fit towards such stretches. Rows without
-/// uncertainties stay as they are.
+/// A spread from eight blocks is itself uncertain by a quarter. On loose stones it is also correlated with
+/// the value: an interval with few resisting stones has less pull and less scatter, so weights from
+/// individual spreads would bias every fit towards such intervals. Rows without uncertainties are not
+/// changed.
 pub fn pool(rows: &mut [&mut SteadyLoad]) {
     let own: Option<Vec<[f64; 5]>> = rows.iter().map(|row| parts(row)).collect();
     let Some(own) = own.filter(|own| !own.is_empty()) else {
         return;
     };
     let pooled: [f64; 5] = std::array::from_fn(|channel| {
-        // A row without a torque has none of its uncertainty.
+        // A row without torque has no uncertainty of it.
         let known = own.iter().map(|parts| parts[channel]);
         let known = known.filter(|part| !part.is_nan());
         let squares: f64 = known.clone().map(|part| part * part).sum();
@@ -33,7 +33,7 @@ pub fn pool(rows: &mut [&mut SteadyLoad]) {
     }
 }
 
-/// Uncertainties of a row, those of the forces over its load.
+/// Uncertainties of a row; those of forces divided by its load.
 fn parts(row: &SteadyLoad) -> Option<[f64; 5]> {
     let sd = row.uncertainty?;
     let forces = [sd.drawbar_pull, sd.load, sd.driving_torque].map(|sd| sd / row.load);
@@ -67,7 +67,7 @@ mod tests {
         let mut rows = [row(100.0, 3.0), row(100.0, 1.0), row(200.0, 4.0)];
         pool(&mut rows.iter_mut().collect::<Vec<_>>());
         let sd = |row: &SteadyLoad| row.uncertainty.unwrap().drawbar_pull;
-        // Parts of the load: 3, 1 and 2 %.
+        // Ratios to the load: 3, 1 and 2 %.
         let part = (14.0e-4f64 / 3.0).sqrt();
         assert!((sd(&rows[0]) - 100.0 * part).abs() < 1e-12);
         assert_eq!(sd(&rows[0]), sd(&rows[1]));

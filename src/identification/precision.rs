@@ -1,26 +1,26 @@
-//! How far intervals reach, from stated uncertainties or from the scatter about the model.
+//! Widths of intervals, from stated uncertainties or from the residual scatter.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-/// Probability below which chance is no explanation of a scatter.
+/// Significance level below which a scatter is not attributed to chance.
 pub(super) const UNLIKELY: f64 = 1e-3;
 
-/// Scatter of the weighted residuals and the quantile that goes with it.
+/// Residual scatter and the quantile for its intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Precision {
-    /// Standard deviation of a weighted residual: 1 where the uncertainties stated hold.
+    /// Standard deviation of a weighted residual: 1 where the stated uncertainties are consistent.
     pub sigma: f64,
-    /// 97.5 % quantile of an estimate's error over its standard error.
+    /// 97.5 % quantile of the standardised error of an estimate.
     quantile: f64,
     /// Degrees of freedom.
     pub freedom: usize,
-    /// Reduced chi square, where it is more than the stated uncertainties explain.
+    /// Reduced chi square, where it exceeds what the stated uncertainties explain.
     pub misfit: Option<f64>,
 }
 
 impl Precision {
-    /// With uncertainties `known`: theirs and the normal distribution's, unless chance gives such
-    /// a scatter less often than once in a thousand. Else the scatter's, and Student's t.
+    /// With `known` uncertainties consistent with the scatter (p >= 0.001): these and the normal
+    /// distribution. Otherwise the residual scatter and Student's t.
     pub fn new(known: bool, chi_square: f64, freedom: usize) -> Self {
         let reduced = chi_square / freedom as f64;
         let misfit =
@@ -38,18 +38,18 @@ impl Precision {
         }
     }
 
-    /// Half-width of a 95 % interval over the deviation that residuals of 1 would give.
-    pub fn reach(&self) -> f64 {
+    /// Half-width of a 95 % interval in standard deviations for unit residuals.
+    pub fn half_width(&self) -> f64 {
         self.sigma * self.quantile
     }
 
-    /// Rise of the sum of squares at the ends of a 95 % interval; not below rounding's share.
+    /// Rise of the sum of squares at the ends of a 95 % interval; not below rounding.
     pub fn limit(&self) -> f64 {
-        (self.reach() * self.reach()).max(1e-20)
+        (self.half_width() * self.half_width()).max(1e-20)
     }
 }
 
-/// Probability of a sum of squares as large as this.
+/// Probability of a sum of squares at least this large (chi-square survival function).
 pub(super) fn by_chance(chi_square: f64, freedom: usize) -> f64 {
     let distribution = ChiSquared::new(freedom as f64);
     distribution.map_or(1.0, |distribution| distribution.sf(chi_square))
@@ -68,13 +68,13 @@ mod tests {
     #[test]
     fn quantiles_are_those_of_the_tables() {
         let stated = Precision::new(true, 19.0, 19);
-        assert!((stated.reach() - 1.959_964).abs() < 1e-6 && stated.misfit.is_none());
+        assert!((stated.half_width() - 1.959_964).abs() < 1e-6 && stated.misfit.is_none());
         let scattered = Precision::new(false, 4.0 * 19.0, 19);
-        assert!((scattered.reach() / 2.0 - 2.093_024).abs() < 1e-5);
+        assert!((scattered.half_width() / 2.0 - 2.093_024).abs() < 1e-5);
     }
 
     #[test]
-    fn a_scatter_beyond_chance_widens_the_intervals_and_is_told() {
+    fn a_significant_scatter_widens_the_intervals_and_is_reported() {
         // 99.9 % quantile of chi square with 19 degrees of freedom: 43.82.
         assert!(Precision::new(true, 43.7, 19).misfit.is_none());
         let misfit = Precision::new(true, 43.9, 19);
@@ -84,6 +84,6 @@ mod tests {
 
     #[test]
     fn without_a_degree_of_freedom_intervals_are_infinite() {
-        assert_eq!(Precision::new(false, 0.0, 0).reach(), f64::INFINITY);
+        assert_eq!(Precision::new(false, 0.0, 0).half_width(), f64::INFINITY);
     }
 }

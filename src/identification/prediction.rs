@@ -1,4 +1,4 @@
-//! What a wheel would sink, pull and need at a load and slip that were not measured.
+//! Sinkage, pull and torque predicted at a given load and slip.
 
 use super::directions::Directions;
 use super::estimate::Estimate;
@@ -7,7 +7,7 @@ use super::parameter::Coordinates;
 use super::point::{DEPTH, Point, by, values};
 use super::precision::student;
 use super::row::{RIGID_SINKAGE, Setting, SteadyLoad};
-use super::{Around, Identification};
+use super::{Identification, LocalModel};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
 
@@ -16,18 +16,18 @@ use crate::terrain::class::Wtic;
 pub struct Predicted {
     /// Its value.
     pub value: f64,
-    /// Half-width of the interval that holds 95 % of new measurements; infinite where the rows
-    /// do not fix the quantity or leave no scatter to judge it by.
+    /// Half-width of the 95 % prediction interval; infinite where the quantity is not identified or there is
+    /// no degree of freedom for its scatter.
     pub half_width: f64,
 }
 
 impl Predicted {
-    /// The interval that holds 95 % of new measurements.
+    /// The 95 % prediction interval.
     pub fn interval(&self) -> [f64; 2] {
         [self.value - self.half_width, self.value + self.half_width]
     }
 
-    /// Whether the interval holds `value`.
+    /// Whether the interval covers `value`.
     pub fn covers(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.half_width
     }
@@ -44,12 +44,11 @@ pub struct Prediction {
     pub driving_torque: Predicted,
 }
 
-/// Predicts from an estimate and the rows it was made of.
+/// Predicts from an estimate and the rows it was fitted to.
 ///
-/// The load's equation is solved for the sinkage that carries it, those of pull and torque then
-/// give these; where the class sets the sinkage, pull and torque are in proportion to the load. An
-/// interval is made of two parts: the parameters' covariance, and the scatter of the rows
-/// themselves about what would have been predicted for them.
+/// The sinkage is solved from the vertical equilibrium, then pull and torque follow; where the class sets the
+/// sinkage, pull and torque are in proportion to the load. The variance of a prediction is the sum of the
+/// propagated covariance of the parameters and the residual variance of the rows.
 #[derive(Debug, Clone)]
 pub struct Predictor {
     model: Model,
@@ -57,35 +56,35 @@ pub struct Predictor {
     directions: Directions,
     /// Standard deviation of a weighted residual [-].
     sigma: f64,
-    /// Quantile of a new measurement's error over its standard deviation [-].
+    /// Quantile of the standardised error of a new measurement [-].
     quantile: f64,
     /// Scatter of sinkage [m], pull [N] and torque [N·m] about predictions.
     scatter: [f64; 3],
 }
 
-/// Sinkage, pull and torque at a load, with their slopes in every coordinate.
+/// Sinkage, pull and torque at a load, with their derivatives by every coordinate.
 struct Solution {
     values: [f64; 3],
     slopes: [[f64; 3]; 8],
 }
 
 impl Predictor {
-    /// `estimate` was made by `identification`.
+    /// `estimate` has to come from `identification`.
     pub fn new(identification: &Identification, estimate: &Estimate) -> Self {
         let model = identification.model;
         let rows = &identification.rows;
         let at = estimate.terrain.coordinates();
-        let Around {
+        let LocalModel {
             directions,
             precision,
             ..
-        } = identification.around_estimate(estimate);
+        } = identification.local_model_of(estimate);
         let rows: Vec<SteadyLoad> = rows
             .iter()
-            .filter(|row| !model.setting.holds(row, model.class))
+            .filter(|row| !model.setting.holds_by_friction(row, model.class))
             .copied()
             .collect();
-        // The parameters take their share of freedom from each force.
+        // The degrees of freedom used by the parameters are shared equally by the forces.
         let torques = rows.iter().filter(|row| row.has_torque()).count() as f64;
         let forces = 2.0 + torques / rows.len().max(1) as f64;
         let taken = directions.rank() as f64 / forces;
@@ -105,15 +104,15 @@ impl Predictor {
         self.model.class
     }
 
-    /// What the equations are told besides.
+    /// The setting of the fit.
     pub fn setting(&self) -> &Setting {
         &self.model.setting
     }
 
-    /// At a `load` [N] and `slip` [-] by the rim's radius; `None` where the soil does not carry
+    /// Prediction at a `load` [N] and `slip` [-] by the rim's radius; `None` where the soil does not carry
     /// the load.
     pub fn at(&self, load: f64, slip: f64) -> Option<Prediction> {
-        let slip = self.model.setting.slip_seen(slip);
+        let slip = self.model.setting.slip_on_cylinder(slip);
         let solution = solve(&self.model, &self.at, load, slip)?;
         let predicted = |channel: usize| {
             let function = self
@@ -138,8 +137,8 @@ impl Predictor {
     }
 }
 
-/// Root mean square, per degree of freedom, of the rows' errors about what is predicted for them; of the
-/// freedom of each quantity the parameters have `taken` a part.
+/// Root mean square residual of predictions per degree of freedom; the parameters use up the fraction `taken`
+/// of the degrees of freedom of each quantity.
 fn scatter(model: &Model, at: &Coordinates, rows: &[SteadyLoad], taken: f64) -> [f64; 3] {
     let mut squares = [0.0; 3];
     let mut counts = [0.0; 3];
@@ -157,14 +156,14 @@ fn scatter(model: &Model, at: &Coordinates, rows: &[SteadyLoad], taken: f64) -> 
         }
     }
     std::array::from_fn(|channel| match counts[channel] {
-        // Not measured: no more is known than the parameters say.
+        // Not measured: no residual variance is added.
         0.0 if !rows.is_empty() => 0.0,
         count if count <= taken => f64::INFINITY,
         count => libm::sqrt(squares[channel] / (count - taken)),
     })
 }
 
-/// Loads under a wheel sunk to what carries `load`, and how they follow the parameters.
+/// Loads at the sinkage that carries `load`, and their derivatives by the parameters.
 fn solve(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solution> {
     match model.class {
         Wtic::Leis => sunk(model, at, load, slip),
@@ -182,7 +181,7 @@ fn sunk(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Option<Solutio
     let log_depth = first_root(surplus, model.depth(model.surface().radius))?;
     let derivatives = model.derivatives(point(log_depth));
     let (here, by_depth) = (values(&derivatives), by(&derivatives, DEPTH));
-    // The load stays: what a parameter adds to it, the depth takes away.
+    // At constant load, a change of a parameter is compensated by the depth.
     let slopes = std::array::from_fn(|parameter| {
         let by = by(&derivatives, parameter);
         let part = -by.normal_force / by_depth.normal_force;
@@ -227,8 +226,7 @@ fn on_top(model: &Model, at: &Coordinates, load: f64, slip: f64) -> Solution {
     }
 }
 
-/// The least depth, as a logarithm, at which `surplus` passes from below 0; `None` where it does
-/// not up to the `deepest` [m].
+/// The least log depth at which `surplus` turns positive; `None` if it does not up to `deepest` [m].
 fn first_root(surplus: impl Fn(f64) -> f64, deepest: f64) -> Option<f64> {
     const PARTS: u32 = 80;
     let [from, to] = [libm::log(RIGID_SINKAGE), libm::log(deepest)];
@@ -292,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn loads_without_noise_foretell_a_load_and_a_slip_that_were_left_out() {
+    fn noiseless_loads_predict_a_held_out_load_and_slip() {
         let predictor = predictor(&rows(&[60.0, 200.0]), &setting());
         let found = predictor.at(109.0, 0.25).unwrap();
         let truth = row(109.0, 0.25);
@@ -340,7 +338,7 @@ mod tests {
             row.driving_torque = f64::NAN;
         }
         let errors = predictor.errors(&off);
-        // The truth over 1.25 of it, and over its negative.
+        // Truth over 1.25 times the truth, and over its negative.
         assert!((errors.sinkage.unwrap() - 20.0).abs() < 0.02, "{errors:?}");
         assert!((errors.drawbar_pull.unwrap() - 200.0).abs() < 0.1);
         assert_eq!(errors.driving_torque, None);

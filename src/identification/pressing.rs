@@ -1,14 +1,14 @@
-//! Points of pressure and sinkage from a plate pressed into the soil.
+//! Pressure-sinkage points of a plate test.
 
 use super::plates::PlateError;
 use crate::trace::wheel::Plate;
 use crate::trace::{Channel, Trace};
 
-/// Part of the deepest sinkage [-] by which a plate may lie above where it was before and still press
-/// undisturbed soil: the noise of its sensor.
+/// Fraction of the greatest sinkage [-] by which a plate may rise and still count as first loading: sensor
+/// noise.
 const NOISE: f64 = 0.01;
 
-/// One plate, and what it met as it went down.
+/// One plate with its loading curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pressing {
     /// The plate.
@@ -18,9 +18,8 @@ pub struct Pressing {
 }
 
 impl Pressing {
-    /// The points of a run: of time series of `sinkage` and `normal_force` those as the plate goes down for the first
-    /// time, up to the greatest force; of means one point. Unloading and loading again are left out, and samples
-    /// that are no numbers.
+    /// The points of a run: from time series of `sinkage` and `normal_force` those of first loading up to the
+    /// greatest force; from means one point. Unloading, reloading and non-finite samples are excluded.
     ///
     /// # Errors
     /// `NoPlate` for a run of a wheel, `Missing` without sinkage or force.
@@ -44,18 +43,19 @@ impl Pressing {
     }
 }
 
-/// Sinkages [m] with the forces [N] of the same times, interpolated where the channels differ in their samples.
+/// Sinkages [m] with the forces [N] at the same times, interpolated where sample times differ.
 fn paired(sinkage: &Channel, force: &Channel) -> Vec<[f64; 2]> {
     let at = |time: f64| {
         let place = (time - force.start) * force.sample_rate;
-        // Times are whole multiples of the period up to rounding.
+        // Times are integer multiples of the period up to rounding.
         let before = libm::floor(place + 1.0e-6);
         let part = (place - before).max(0.0);
         let sample = |place: f64| force.samples.get(place as usize).copied();
         let low = (before >= 0.0).then(|| sample(before)).flatten()?;
-        match part < 1.0e-6 {
-            true => Some(low),
-            false => Some(low + part * (sample(before + 1.0)? - low)),
+        if part < 1.0e-6 {
+            Some(low)
+        } else {
+            Some(low + part * (sample(before + 1.0)? - low))
         }
     };
     let points = sinkage.samples.iter().enumerate();
@@ -65,7 +65,7 @@ fn paired(sinkage: &Channel, force: &Channel) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The points up to the greatest force at which the plate lies as deep as ever before.
+/// The points up to the greatest force at which the plate is as deep as ever before.
 fn first_loading(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let peak = (0..points.len()).max_by(|a, b| points[*a][1].total_cmp(&points[*b][1]));
     let down = &points[..peak.map_or(0, |peak| peak + 1)];

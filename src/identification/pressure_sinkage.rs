@@ -1,12 +1,13 @@
-//! Pressure and sinkage of a soil from plates of one or several sizes.
+//! Pressure-sinkage law of a soil from plates of one or several sizes.
 //!
 //! ```text
 //! p = k_i zⁿ under plates of size i,    k_i = k_c/b_i + k_φ
 //! ```
 //!
-//! All sizes share one exponent. Intervals are those of a jackknife that leaves out one plate test at a time, for
-//! the points of one test all lie on the same curve and say nothing of the next place; of a single test of a size it
-//! leaves out an eighth of the points at a time, and the interval does not hold the scatter between places.
+//! All sizes share one exponent. Intervals are by the delete-one jackknife over plate tests, since points of
+//! one test lie on one curve and carry no information on the scatter between places. With a single test of a
+//! size an eighth of its points is deleted at a time, and the interval does not cover the scatter between
+//! places.
 
 use super::plates::{LogSums, PlateError, common_exponent, is_pressed};
 use super::precision::student;
@@ -14,7 +15,7 @@ use super::pressing::Pressing;
 use crate::trace::wheel::Plate;
 use std::fmt;
 
-/// Parts into which the points of a single test are cut.
+/// Number of groups of points of a single test.
 const PARTS: usize = 8;
 
 /// A value and its 95 % interval.
@@ -22,7 +23,7 @@ const PARTS: usize = 8;
 pub struct Interval {
     /// The value.
     pub value: f64,
-    /// Its 95 % interval; `None` where the tests do not bound it.
+    /// Its 95 % interval; `None` where unbounded.
     pub ci95: Option<[f64; 2]>,
 }
 
@@ -33,7 +34,7 @@ pub struct PlateSize {
     pub plate: Plate,
     /// Tests.
     pub tests: usize,
-    /// Points that counted.
+    /// Number of points used.
     pub points: usize,
     /// `k = k_c/b + k_φ` [N·m⁻⁽ⁿ⁺²⁾] under it.
     pub modulus: Interval,
@@ -48,12 +49,12 @@ pub struct Moduli {
     pub frictional: Interval,
 }
 
-/// What the intervals are made of.
+/// Resampling unit of the jackknife.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Resampled {
     /// Whole tests.
     Tests,
-    /// Parts of a test: the scatter between places is not in the intervals.
+    /// Groups of points of a test: the intervals do not cover the scatter between places.
     Parts,
 }
 
@@ -66,25 +67,25 @@ impl fmt::Display for Resampled {
     }
 }
 
-/// The law of a soil under plates.
+/// Pressure-sinkage law from plate tests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressureSinkage {
     /// Sinkage exponent `n` [-].
     pub exponent: Interval,
     /// Each size, the smallest `b` first.
     pub sizes: Vec<PlateSize>,
-    /// `k_c` and `k_φ`, which one size does not part.
+    /// `k_c` and `k_φ`; `None` for one size, which cannot separate them.
     pub moduli: Option<Moduli>,
-    /// Sinkages [m] between which the law was fitted: pressures count by their squares, and shallower than the first
-    /// lies a twentieth of their weight. The second is the deepest.
+    /// Range of sinkage [m] of the fit: points are weighted by squared pressure, and those shallower than the
+    /// first have a twentieth of the weight. The second is the deepest.
     pub sinkages: [f64; 2],
-    /// What was left out in turn for the intervals.
+    /// Resampling unit of the intervals.
     pub resampled: Resampled,
     /// Degrees of freedom of the intervals.
     pub freedom: usize,
 }
 
-/// The sinkage [m] above which a twentieth of the points' weight lies, and the deepest.
+/// The sinkage [m] above which a twentieth of the weight lies, and the deepest.
 fn weighed(pressings: &[Pressing]) -> [f64; 2] {
     const SHALLOW: f64 = 0.05;
     let points = pressings.iter().flat_map(|pressing| &pressing.points);
@@ -101,7 +102,7 @@ fn weighed(pressings: &[Pressing]) -> [f64; 2] {
     [sinkage(first), sinkage(points.last())]
 }
 
-/// Tests of plates of one size, cut into what the jackknife leaves out.
+/// Tests of plates of one size in jackknife units.
 struct Size {
     plate: Plate,
     tests: usize,
@@ -112,15 +113,16 @@ struct Size {
 type Values = Vec<f64>;
 
 impl PressureSinkage {
-    /// The law that best explains plate tests.
+    /// Least-squares law of plate tests.
     ///
     /// # Errors
     /// `Point` for a number that is not finite; `TooFew` where no size has points at two sinkages, and of none.
     pub fn of(pressings: &[Pressing]) -> Result<Self, PlateError> {
         let by_size = sizes_of(pressings);
-        let resampled = match by_size.iter().all(|(_, tests)| tests.len() > 1) {
-            true => Resampled::Tests,
-            false => Resampled::Parts,
+        let resampled = if by_size.iter().all(|(_, tests)| tests.len() > 1) {
+            Resampled::Tests
+        } else {
+            Resampled::Parts
         };
         let mut sizes = Vec::new();
         for (plate, tests) in by_size {
@@ -153,8 +155,8 @@ impl PressureSinkage {
         })
     }
 
-    /// `k_s` [N·m⁻⁽ⁿ⁺²⁾] under a wheel of `width` [m]: `k_c/b + k_φ`; `None` where one size does not
-    /// part the two.
+    /// `k_s` [N·m⁻⁽ⁿ⁺²⁾] under a wheel of `width` [m]: `k_c/b + k_φ`; `None` where one size cannot separate
+    /// the two.
     pub fn modulus_under(&self, width: f64) -> Option<f64> {
         let Moduli {
             cohesive,
@@ -164,14 +166,14 @@ impl PressureSinkage {
     }
 }
 
-/// Values with the half-widths of their intervals, where there are any.
+/// Values with the half-widths of their intervals, if any.
 struct Fitted {
     values: Values,
     halves: Option<Vec<f64>>,
 }
 
 impl Fitted {
-    /// A value that is itself the coordinate of its interval.
+    /// A value whose interval is symmetric.
     fn straight(&self, index: usize) -> Interval {
         let value = self.values[index];
         let half = self.halves.as_ref().map(|halves| halves[index]);
@@ -183,7 +185,7 @@ impl Fitted {
         }
     }
 
-    /// A value whose logarithm is the coordinate.
+    /// A value whose interval is symmetric in its logarithm.
     fn positive(&self, index: usize) -> Interval {
         let Interval { value, ci95 } = self.straight(index);
         Interval {
@@ -217,21 +219,21 @@ fn sizes_of(pressings: &[Pressing]) -> Vec<(Plate, Vec<&Pressing>)> {
     sizes
 }
 
-/// The points of all tests of one size in parts, from the shallowest to the deepest.
+/// The points of all tests of one size in groups by sinkage.
 fn parts(tests: &[&Pressing]) -> Vec<Result<LogSums, PlateError>> {
     let points: Vec<[f64; 2]> = tests.iter().flat_map(|test| test.points.clone()).collect();
     let part = points.len().div_ceil(PARTS).max(1);
     points.chunks(part).map(LogSums::of).collect()
 }
 
-/// The units with points that count.
+/// The units that contain usable points.
 fn pressed(units: Vec<Result<LogSums, PlateError>>) -> Result<Vec<LogSums>, PlateError> {
     let mut units = units.into_iter().collect::<Result<Vec<_>, _>>()?;
     units.retain(|unit| unit.points > 0);
     Ok(units)
 }
 
-/// The values that explain all points best but those of a unit of a size; `None` where the rest fixes none.
+/// The least-squares values with one unit of a size deleted; `None` where they are not determined.
 fn values(sizes: &[Size], without: Option<[usize; 2]>) -> Option<Values> {
     let sums = |(number, size): (usize, &Size)| {
         let units = size.units.iter().enumerate();
@@ -255,7 +257,7 @@ fn values(sizes: &[Size], without: Option<[usize; 2]>) -> Option<Values> {
     Some(values)
 }
 
-/// Slope and intercept of the line through points, their errors in proportion to their ordinates.
+/// Slope and intercept of a line, with errors in proportion to the ordinates.
 fn line(points: impl Iterator<Item = (f64, f64)>) -> [f64; 2] {
     let points: Vec<(f64, f64)> = points.collect();
     let sum = |of: fn(f64, f64) -> f64| {
@@ -317,7 +319,7 @@ mod tests {
         Plate::Disc { diameter }
     }
 
-    /// A test whose place is `loose` times as soft as the mean.
+    /// A test at a place that is `loose` times as soft as the mean.
     fn pressing(plate: Plate, loose: f64) -> Pressing {
         let modulus = loose * (COHESIVE / plate.smaller_dimension() + FRICTIONAL);
         let point = |i: i32| {
@@ -363,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_of_several_tests_hold_the_scatter_between_places_in_19_of_20_campaigns() {
+    fn intervals_of_several_tests_cover_the_scatter_between_places_in_19_of_20_campaigns() {
         let mut rng = Seed(3).rng("plates", 0);
         let scatter = Normal::new(0.0, 0.1).unwrap();
         let plate = disc(0.08);

@@ -1,41 +1,40 @@
-//! Intervals from the profile of the likelihood: how far a parameter can go while the others make
-//! up for it.
+//! Profile-likelihood intervals.
 
 use super::directions::Directions;
-use super::estimate::{Identified, Open};
+use super::estimate::{Identified, Unidentifiable};
 use super::joint::Joint;
 use super::least_squares::{Minimum, minimise_to};
 use super::parameter::{Coordinates, Parameter};
 use std::cell::Cell;
 
-/// Relative change of the sum of squares at which a fit along the profile ends: of a sum of a
-/// hundred it leaves a thousandth, far below the rise at the end of an interval.
+/// Relative change of the sum of squares at which a fit along the profile ends: of a sum of 100 a thousandth
+/// remains, far below the rise at the end of an interval.
 const TOLERANCE: f64 = 1e-5;
 
-/// How near the root of the rise comes to that of the limit at the end of an interval [-].
+/// Tolerance on the root of the rise relative to that of the limit [-].
 const NEAR: f64 = 1e-3;
 
-/// First step from a minimum that data without noise make sharper than this.
+/// Least first step, for data without noise.
 const SHORTEST_STEP: f64 = 1e-9;
 
 /// The profile of one parameter about a minimum.
 pub(super) struct Profile<'a> {
     pub joint: Joint,
     pub best: Minimum,
-    /// How the rows fix the parameters about the minimum.
+    /// Local linear model at the minimum.
     pub directions: &'a Directions,
-    /// The parameters that a fit moves.
+    /// The parameters varied in a fit.
     pub moved: &'a [Parameter],
     /// Rise of the sum of squares at the ends of the interval.
     pub limit: f64,
-    /// A lower minimum met on the way.
+    /// A lower minimum found along the profile.
     pub lower: Cell<Option<Minimum>>,
 }
 
 impl Profile<'_> {
-    /// Completes what is known of a parameter by its profile. The data fix it if the covariance
-    /// and the profile both say so: the covariance looks beyond the ends of the other parameters'
-    /// ranges, the profile sees where the model bends.
+    /// Adds the profile interval of a parameter. It counts as identified only if both covariance and profile
+    /// bound it: the covariance is not limited by the ranges of the other parameters, the profile accounts
+    /// for nonlinearity.
     pub fn complete(&self, identified: &mut Identified) {
         let parameter = identified.parameter;
         if parameter.is_as_good_as_zero(self.best.at[parameter as usize]) {
@@ -43,26 +42,26 @@ impl Profile<'_> {
         }
         let ends = self.interval(identified);
         identified.profile = Some(ends.map(|end| end.map(|end| parameter.value(end))));
-        let told = ends[0].zip(ends[1]);
-        let by_itself = matches!(identified.open, None | Some(Open::Wide));
-        match told {
-            None if by_itself => identified.open_by(Open::Unbounded),
+        let both = ends[0].zip(ends[1]);
+        let by_itself = matches!(identified.unidentifiable, None | Some(Unidentifiable::Wide));
+        match both {
+            None if by_itself => identified.mark_unidentifiable(Unidentifiable::Unbounded),
             Some((low, high)) if by_itself && high - low > 2.0 * parameter.uninformative() => {
-                identified.open_by(Open::Wide);
+                identified.mark_unidentifiable(Unidentifiable::Wide);
             }
             _ => {}
         }
     }
 
-    /// Keeps what lies below the minimum by more than a fit ends above it.
-    fn keep(&self, found: Minimum) {
+    /// Records a minimum lower by more than the tolerance of a fit.
+    fn record(&self, found: Minimum) {
         let known = self.lower.get().unwrap_or(self.best).chi_square;
         if found.chi_square < known - 1e-3 * (1.0 + known) {
             self.lower.set(Some(found));
         }
     }
 
-    /// Tells how much there may be of a parameter of which the fit found none.
+    /// Upper limit of a parameter estimated as zero.
     fn complete_none(&self, identified: &mut Identified) {
         let parameter = identified.parameter;
         let [_, high] = parameter.bounds();
@@ -70,14 +69,14 @@ impl Profile<'_> {
         identified.profile = Some([Some(0.0), end.map(|end| parameter.value(end))]);
     }
 
-    /// Coordinates between which the sum of squares rises by less than the limit, `None` where it
-    /// does so up to the end of the range, and of a parameter that the data do not fix at all.
+    /// Coordinates between which the sum of squares rises by less than the limit; `None` where that is so up
+    /// to the bound of the search, and for an unbounded parameter.
     fn interval(&self, identified: &Identified) -> [Option<f64>; 2] {
         if !self.limit.is_finite() || !identified.standard_error.is_finite() {
             return [None; 2];
         }
         let parameter = identified.parameter;
-        // The half-width where the model is straight.
+        // The half-width in the linear model.
         let own = self.unit(parameter);
         let variance = self.directions.covariance(&own, &own).unwrap_or(0.0);
         let guess = libm::sqrt(self.limit * variance);
@@ -94,8 +93,8 @@ impl Profile<'_> {
             .function(|parameter| f64::from(u8::from(parameter == of)))
     }
 
-    /// How far the other coordinates go with one of a parameter where the model is straight; not
-    /// at all with one that the rows do not see.
+    /// Regression of the other coordinates on that of a parameter in the linear model; zero for one that is
+    /// not identified.
     fn way(&self, parameter: Parameter) -> Coordinates {
         let own = self.unit(parameter);
         let variance = self.directions.covariance(&own, &own);
@@ -118,7 +117,7 @@ impl Profile<'_> {
         let start = self.best.at[parameter as usize];
         let reach = (bound - start).abs();
         let mut way = self.way(parameter);
-        // The root of the rise is a straight line where the model is linear.
+        // In a linear model the root of the rise is linear in the distance.
         let mut excess = |distance: f64| {
             let moved = distance * step.signum();
             let mut trial = self.best.at;
@@ -127,12 +126,15 @@ impl Profile<'_> {
             }
             trial[parameter as usize] = start + moved;
             let found = minimise_to(TOLERANCE, &self.joint, trial, &others);
-            self.keep(found);
+            self.record(found);
             let rise = (found.chi_square - self.best.chi_square).max(0.0);
             if rise < self.limit {
-                way = std::array::from_fn(|i| match found.at[i] == self.best.at[i] {
-                    true => 0.0,
-                    false => (found.at[i] - self.best.at[i]) / moved,
+                way = std::array::from_fn(|i| {
+                    if found.at[i] == self.best.at[i] {
+                        0.0
+                    } else {
+                        (found.at[i] - self.best.at[i]) / moved
+                    }
                 });
             }
             libm::sqrt(rise / self.limit) - 1.0
@@ -151,7 +153,7 @@ impl Profile<'_> {
                 return None;
             }
             inside = (distance, value);
-            // A little beyond where a straight line crosses.
+            // Slightly beyond the linear crossing.
             let straight = 1.02 / (value + 1.0);
             distance = (distance * straight.min(2.0)).min(reach);
         };
@@ -159,8 +161,7 @@ impl Profile<'_> {
     }
 }
 
-/// Distance at which `excess` crosses 0, to [`NEAR`]: false position that halves the
-/// value kept twice at an end (Illinois).
+/// Root of `excess` to [`NEAR`] by false position that halves the value retained twice at an end (Illinois).
 fn crossing(
     mut excess: impl FnMut(f64) -> f64,
     mut inside: (f64, f64),

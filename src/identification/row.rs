@@ -1,4 +1,4 @@
-//! What the identification reads: one row of loads per steady interval, and on which wheel.
+//! Input of the identification: one row of loads per steady interval, and the wheel.
 
 use super::IdentifyError;
 use super::known::Known;
@@ -10,12 +10,12 @@ use crate::terrain::class::Wtic;
 use crate::trace::RunAttributes;
 use serde::Deserialize;
 
-/// Sinkage [m] that stands for ground that lugs do not enter (Section 5.3).
+/// Sinkage [m] assumed on ground that lugs do not enter (Section 5.3).
 pub const RIGID_SINKAGE: f64 = 1.0e-5;
 
-/// Slip ratio [-] of the outermost circle up to which a wheel on hard ground (ALCT) is held by
-/// static friction: there pull and torque are below what Eq. (68) gives, and the row counts for
-/// the load only. A lugged wheel rolls on its lugs' edges.
+/// Slip ratio [-] at the outermost circle up to which a wheel on hard ground (ALCT) is held by static
+/// friction: there pull and torque are below those of Eq. (68), and only the load of the row is used. A
+/// lugged wheel rolls on its lug tips.
 pub const STATIC_SLIP: f64 = 0.01;
 
 /// Loads, slip and sinkage of one interval of steady rolling.
@@ -23,14 +23,13 @@ pub const STATIC_SLIP: f64 = 0.01;
 pub struct SteadyLoad {
     /// Slip ratio `s` [-] by the rim's radius.
     pub slip: f64,
-    /// Sinkage `z` [m] of the rim; not a number where it was not measured, which only
-    /// [`Wtic::Leis`] minds.
+    /// Sinkage `z` [m] of the rim; NaN where it was not measured, which is an error only for [`Wtic::Leis`].
     pub sinkage: f64,
     /// Drawbar pull `F_DP` [N].
     pub drawbar_pull: f64,
     /// Vertical load `W` [N].
     pub load: f64,
-    /// Driving torque `T_D` [N·m]; not a number where it was not measured.
+    /// Driving torque `T_D` [N·m]; NaN where it was not measured.
     pub driving_torque: f64,
     /// Standard uncertainties, where they are known.
     pub uncertainty: Option<Uncertainty>,
@@ -47,12 +46,12 @@ pub struct Uncertainty {
     pub drawbar_pull: f64,
     /// Of the load [N].
     pub load: f64,
-    /// Of the driving torque [N·m]; any where the row has none.
+    /// Of the driving torque [N·m]; ignored where the row has none.
     pub driving_torque: f64,
 }
 
 impl SteadyLoad {
-    /// `loads` at a `slip` [-] and `sinkage` [m], their uncertainties unknown.
+    /// `loads` at a `slip` [-] and `sinkage` [m], without uncertainties.
     pub fn new(slip: f64, sinkage: f64, loads: WheelLoad) -> Self {
         Self {
             slip,
@@ -64,7 +63,7 @@ impl SteadyLoad {
         }
     }
 
-    /// Mean of rows, their uncertainties unknown; none of none. A torque or sinkage that one lacks is unknown.
+    /// Mean of rows, without uncertainties; `None` of no rows. NaN if one of them lacks torque or sinkage.
     pub fn mean<'a>(rows: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let rows: Vec<&Self> = rows.into_iter().collect();
         let mean = |of: fn(&Self) -> f64| {
@@ -81,7 +80,7 @@ impl SteadyLoad {
         })
     }
 
-    /// Where a wheel rolls, its loads unknown.
+    /// A slip and sinkage without loads.
     pub(super) fn at(slip: f64, sinkage: f64) -> Self {
         let unknown = WheelLoad {
             normal_force: f64::NAN,
@@ -97,32 +96,30 @@ impl SteadyLoad {
     }
 }
 
-/// Which cylinder stands for the lugged wheel.
+/// The cylinder equivalent to the lugged wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cylinder {
     /// The rim, radius `r`, as in the paper.
     #[default]
     Rim,
-    /// The circle through the lugs' edges, radius `r + l`: it sinks `l` deeper than the rim, and
-    /// slip is by its radius.
+    /// The circle through the lug tips, radius `r + l`: it is `l` deeper than the rim, and slip is taken at
+    /// its radius.
     LugTips,
 }
 
-/// What the equations need besides the rows.
+/// Wheel, conventions and law of the equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// The rim.
     pub rim: Rim,
     /// Lug height `l` [m].
     pub lug_height: f64,
-    /// The cylinder in whose radius the paper's equations take sinkage, slip, torque and shear
-    /// displacement.
+    /// The cylinder whose radius the paper's equations use for sinkage, slip, torque and shear displacement.
     pub cylinder: Cylinder,
-    /// Exit angle coefficient `c_3` [-], which the paper does not list: stated, not fitted. 0
-    /// unless it is known better.
+    /// Exit angle coefficient `c_3` [-], which the paper does not list: stated, not fitted; default 0.
     pub exit_angle: f64,
-    /// Parameters measured otherwise, which are not fitted.
+    /// Parameters given from other measurements, not fitted.
     pub known: Known,
     /// The equations.
     pub law: Law,
@@ -141,14 +138,14 @@ impl Setting {
         }
     }
 
-    /// The same for the wheel of a run.
+    /// As [`new`](Self::new), for the wheel of a run.
     pub fn of(run: &RunAttributes) -> Self {
         let rim = Rim {
             radius: run.wheel_radius,
             width: run.wheel_width,
         };
         Self {
-            // The rim's equations do not need a height that nobody knows.
+            // The rim's equations do not need the lug height.
             lug_height: if run.lug_height.is_nan() {
                 0.0
             } else {
@@ -158,7 +155,7 @@ impl Setting {
         }
     }
 
-    /// The cylinder the equations see.
+    /// The cylinder of the equations.
     pub fn surface(&self) -> Rim {
         Rim {
             radius: self.rim.radius + self.offset(),
@@ -166,22 +163,22 @@ impl Setting {
         }
     }
 
-    /// Whether static friction holds a wheel at `slip` [-] by the rim's radius on ground of
-    /// `class`, so that the shear law does not describe its pull and torque.
+    /// Whether static friction holds a wheel at `slip` [-] by the rim's radius on ground of `class`, so that
+    /// the shear law does not apply.
     pub fn is_held(&self, slip: f64, class: Wtic) -> bool {
         let outermost = self.rim.radius + self.lug_height;
         let slip = Rolling::new(self.rim.radius, slip).slip_at(outermost);
         class == Wtic::Alct && slip.abs() <= STATIC_SLIP
     }
 
-    /// The same of a row that the cylinder has seen.
-    pub(super) fn holds(&self, seen: &SteadyLoad, class: Wtic) -> bool {
+    /// As [`is_held`](Self::is_held), for a row already converted to the cylinder.
+    pub(super) fn holds_by_friction(&self, row: &SteadyLoad, class: Wtic) -> bool {
         let radius = self.surface().radius;
-        let rim = Rolling::new(radius, seen.slip).slip_at(self.rim.radius);
+        let rim = Rolling::new(radius, row.slip).slip_at(self.rim.radius);
         self.is_held(rim, class)
     }
 
-    /// By how much the cylinder sinks deeper than the rim [m].
+    /// Depth of the cylinder below the rim [m].
     pub(super) fn offset(&self) -> f64 {
         match (self.law, self.cylinder) {
             (Law::Paper, Cylinder::LugTips) => self.lug_height,
@@ -189,7 +186,7 @@ impl Setting {
         }
     }
 
-    /// Height [m] below the rim of what may be all that is in the soil.
+    /// Height [m] below the rim of the lowest part of the wheel.
     fn lowest(&self) -> f64 {
         match self.law {
             Law::Paper => self.offset(),
@@ -208,17 +205,17 @@ impl Setting {
         self.known.checked()
     }
 
-    /// A `slip` [-] by the rim's radius as the cylinder sees it.
-    pub(super) fn slip_seen(&self, slip: f64) -> f64 {
+    /// A `slip` [-] by the rim's radius, converted to the cylinder.
+    pub(super) fn slip_on_cylinder(&self, slip: f64) -> f64 {
         if self.offset() == 0.0 {
             return slip;
         }
         Rolling::new(self.rim.radius, slip).slip_at(self.surface().radius)
     }
 
-    /// `row` as the cylinder sees it, once it is known to be whole.
-    pub(super) fn seen(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
-        let slip = self.slip_seen(row.slip);
+    /// `row` converted to the cylinder; the row has to be validated.
+    pub(super) fn on_cylinder(&self, row: &SteadyLoad, class: Wtic) -> SteadyLoad {
+        let slip = self.slip_on_cylinder(row.slip);
         let sinkage = match class {
             Wtic::Leis => row.sinkage + self.offset(),
             _ => RIGID_SINKAGE,
@@ -228,17 +225,23 @@ impl Setting {
             sinkage,
             uncertainty: row
                 .uncertainty
-                .map(|u| self.seen_uncertainty(u, row.slip, class)),
+                .map(|u| self.uncertainty_on_cylinder(u, row.slip, class)),
             ..*row
         }
     }
 
-    fn seen_uncertainty(&self, uncertainty: Uncertainty, slip: f64, class: Wtic) -> Uncertainty {
+    fn uncertainty_on_cylinder(
+        &self,
+        uncertainty: Uncertainty,
+        slip: f64,
+        class: Wtic,
+    ) -> Uncertainty {
         const STEP: f64 = 1e-6;
-        let steeper = (self.slip_seen(slip + STEP) - self.slip_seen(slip - STEP)) / (2.0 * STEP);
+        let steeper = (self.slip_on_cylinder(slip + STEP) - self.slip_on_cylinder(slip - STEP))
+            / (2.0 * STEP);
         Uncertainty {
             slip: steeper.abs() * uncertainty.slip,
-            ..uncertainty.of_seen(class)
+            ..uncertainty.of_class(class)
         }
     }
 
@@ -252,7 +255,7 @@ impl Setting {
         if row.has_torque() {
             finite("driving torque", "N·m", row.driving_torque)?;
         }
-        let uncertainty = row.uncertainty.map(|u| u.of_seen(class));
+        let uncertainty = row.uncertainty.map(|u| u.of_class(class));
         uncertainty.map_or(Ok(()), |uncertainty| uncertainty.checked(row.has_torque()))
     }
 
@@ -271,8 +274,8 @@ impl Setting {
 }
 
 impl Uncertainty {
-    /// Without the sinkage's where the class sets the sinkage.
-    fn of_seen(self, class: Wtic) -> Self {
+    /// Drops the uncertainty of a sinkage set by the class.
+    fn of_class(self, class: Wtic) -> Self {
         let sinkage = if class == Wtic::Leis {
             self.sinkage
         } else {
@@ -302,7 +305,7 @@ fn not_negative(quantity: &'static str, unit: &'static str, value: f64) -> Resul
     within(quantity, unit, value, ("0 or above and finite", 0.0))
 }
 
-/// Passes a finite `value` from `least` on, which `range` tells.
+/// Returns a finite `value` not below `least`; `range` describes the limits in the error.
 fn within(
     quantity: &'static str,
     unit: &'static str,
@@ -320,11 +323,11 @@ fn within(
     })
 }
 
-/// Rows as the cylinder sees them, sinkage set where the class sets it.
+/// Validates rows and converts them to the cylinder, with the sinkage of the class.
 ///
 /// # Errors
 /// `Setting`, `Row` for the first number out of its range.
-pub(super) fn seen(
+pub(super) fn on_cylinder(
     rows: &[SteadyLoad],
     class: Wtic,
     setting: &Setting,
@@ -336,7 +339,7 @@ pub(super) fn seen(
             row: index + 1,
             reason,
         })?;
-        Ok(setting.seen(row, class))
+        Ok(setting.on_cylinder(row, class))
     });
     seen.collect()
 }

@@ -1,35 +1,34 @@
-//! What identified parameters are parameters of.
+//! Range of validity of the identified parameters: the soil, or only this wheel and load.
 
 use super::law::Law;
 use super::row::SteadyLoad;
 use crate::trace::wheel::Lugs;
 use std::fmt;
 
-/// Ratio of the greatest to the least load [-] below which rows are of one load: under half as much again a wheel
-/// sinks a fifth deeper on most soils (`z ∝ W^(2/(2 n + 1))`, n about 1), which scatter hides.
+/// Ratio of greatest to least load [-] below which all rows count as one load: at a ratio of 1.5 a wheel
+/// sinks a fifth deeper on most soils (`z ∝ W^(2/(2 n + 1))`, n about 1), which is within the scatter.
 const ONE_LOAD: f64 = 1.5;
 
-/// Why parameters are effective ones, of the wheel and load that they were fitted to, and not
-/// the soil's own.
+/// Why parameters are effective ones, of the wheel and load of the rows, and not the soil's own.
 ///
-/// Eq. (62)-(66) are of a smooth cylinder: under a lugged wheel their parameters hold what lugs carry, push
-/// and dig. Under one load, pressure and sinkage go together only along one curve over slip.
+/// Eq. (62)-(66) describe a smooth cylinder: under a lugged wheel the parameters absorb the load, thrust and
+/// digging of the lugs. Under one load, pressure and sinkage vary together only along one curve over slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scope {
-    /// The wheel's lugs, where it has any or may have.
+    /// The wheel's lugs, unless it is known to be smooth.
     pub lugs: Option<Lugs>,
-    /// Least and greatest load [N], where they are one load.
+    /// Least and greatest load [N], where the rows count as one load.
     pub one_load: Option<[f64; 2]>,
 }
 
 impl Scope {
-    /// Whether rows are of one load.
+    /// Whether rows count as one load.
     pub fn is_one_load(rows: &[SteadyLoad]) -> bool {
         one_load(rows).is_some()
     }
 
-    /// Why the parameters of these rows are effective; `None` where they may be the soil's: under several loads, of a
-    /// wheel known to be smooth or by a law that knows of lugs.
+    /// Why the parameters of these rows are effective; `None` where they may be the soil's: several loads,
+    /// and either a wheel known to be smooth or a law that includes the lugs.
     pub fn of(law: &Law, lugs: Lugs, rows: &[SteadyLoad]) -> Option<Self> {
         let scope = Self {
             lugs: (*law == Law::Paper && !lugs.are_none()).then_some(lugs),
@@ -39,7 +38,7 @@ impl Scope {
     }
 }
 
-/// Least and greatest load [N] of rows, where they are one load.
+/// Least and greatest load [N] of rows that count as one load.
 fn one_load(rows: &[SteadyLoad]) -> Option<[f64; 2]> {
     let loads = || rows.iter().map(|row| row.load);
     let least = loads().fold(f64::INFINITY, f64::min);
@@ -49,9 +48,9 @@ fn one_load(rows: &[SteadyLoad]) -> Option<[f64; 2]> {
 
 impl fmt::Display for Scope {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("effective, of this wheel and load: ")?;
+        f.write_str("effective, for this wheel and load only: ")?;
         if let Some(lugs) = self.lugs {
-            write!(f, "(62)-(66) are of a smooth wheel ({lugs})")?;
+            write!(f, "(62)-(66) describe a smooth wheel ({lugs})")?;
         }
         if self.lugs.is_some() && self.one_load.is_some() {
             f.write_str("; ")?;

@@ -1,4 +1,4 @@
-//! Where fits begin, and which of their minima is taken.
+//! Starts of the fits and choice among their minima.
 
 use super::joint::Joint;
 use super::least_squares::{Minimum, Residuals, Termination, minimise_from};
@@ -10,7 +10,7 @@ use super::row::SteadyLoad;
 use super::stages::{self, ANGLES, STRENGTHS, Stage, Staged};
 use super::weight::Scale;
 
-/// Where fits begin: the middle of sands, and of the paper's exponents `n_0` for hard ground.
+/// Default start: typical of sands, and the paper's exponents `n_0` for hard ground.
 const START: TerrainParameters = TerrainParameters {
     stress_angle: 0.4,
     stress_angle_slip: 0.0,
@@ -22,7 +22,7 @@ const START: TerrainParameters = TerrainParameters {
     shear_modulus: 0.01,
 };
 
-/// The search for what best explains rows.
+/// Multistart search for the least-squares minimum.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Search<'a> {
     pub model: &'a Model,
@@ -30,7 +30,7 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The paper's three stages, one after the other; `None` with too few torques.
+    /// The paper's three stages in sequence; `None` with too few torques.
     pub fn staged(&self) -> Option<Staged> {
         let can = self.model.stage_without_rows(self.rows).is_none();
         can.then(|| {
@@ -43,7 +43,7 @@ impl Search<'_> {
         })
     }
 
-    /// What is known before any row: the start, switched to the class.
+    /// The start before any row is used, adapted to the class.
     fn start(&self) -> Coordinates {
         let mut start = START.coordinates();
         self.model.switch(&mut start);
@@ -60,9 +60,8 @@ impl Search<'_> {
         }
     }
 
-    /// The least of the minima that the starts lead to; of many more where the first ends at the
-    /// end of a range or misses the rows, as along the ridge that one load makes of `k_s` and
-    /// `n_0`.
+    /// The least minimum over the starts; many more starts are tried where the first minimum is at a bound or
+    /// misfits the rows, as along the ridge of `k_s` and `n_0` under one load.
     pub fn best(&self, joint: &Joint, staged: Option<&Staged>) -> Option<Minimum> {
         let moved = self.model.moved();
         let first = minimise_from(joint, self.starts(staged), &moved)?;
@@ -78,14 +77,15 @@ impl Search<'_> {
         better.or(Some(first))
     }
 
-    /// Starts with the angles of `at`, exponents from plates on loose to layered soils, and
-    /// strengths from loose to crusted sands.
+    /// Starts with the angles of `at`, exponents from plate tests on loose to layered soils, and strengths
+    /// from loose to crusted sands.
     fn more_starts(&self, at: Coordinates) -> Vec<Coordinates> {
         const EXPONENTS: [f64; 4] = [0.3, 0.8, 1.3, 2.0];
         let exponent = Parameter::SinkageExponent;
-        let exponents = match self.model.moved().contains(&exponent) {
-            true => EXPONENTS.to_vec(),
-            false => vec![at[exponent as usize]],
+        let exponents = if self.model.moved().contains(&exponent) {
+            EXPONENTS.to_vec()
+        } else {
+            vec![at[exponent as usize]]
         };
         let angles = ANGLES.map(|[c_1, c_2]| {
             [
@@ -126,26 +126,29 @@ impl Search<'_> {
         at
     }
 
-    /// Where the fit of all rows begins: at the stages' result, and at that of the later stages
-    /// with the usual angles, for noise may lead the first stage far astray. Where torques are
-    /// missing, at the later stages' results for those torques that different angles leave.
+    /// Starts of the joint fit: the stages' result, and that of the later stages with default angles, since
+    /// noise may mislead the first stage. Without torques, the results of the later stages for torques
+    /// derived from several angles.
     fn starts(&self, staged: Option<&Staged>) -> Vec<Coordinates> {
-        let usual = self.start();
+        let default = self.start();
         if let Some(staged) = staged {
             let begun = staged.parameters.coordinates();
-            return vec![begun, self.later_stages(self.rows, usual)];
+            return vec![begun, self.later_stages(self.rows, default)];
         }
         let angles = ANGLES.map(|[c_1, c_2]| {
-            let mut at = usual;
+            let mut at = default;
             at[Parameter::StressAngle as usize] = c_1;
             at[Parameter::StressAngleSlip as usize] = c_2;
             self.model.switch(&mut at);
             at
         });
-        let begun = angles.into_iter().chain([usual]).map(|at| {
-            let torque = |row: &SteadyLoad| match row.has_torque() {
-                true => *row,
-                false => self.model.with_torque(&at, row),
+        let begun = angles.into_iter().chain([default]).map(|at| {
+            let torque = |row: &SteadyLoad| {
+                if row.has_torque() {
+                    *row
+                } else {
+                    self.model.with_torque(&at, row)
+                }
             };
             let rows: Vec<SteadyLoad> = self.rows.iter().map(torque).collect();
             self.later_stages(&rows, at)
@@ -161,7 +164,7 @@ impl Search<'_> {
     }
 }
 
-/// The few starts that explain the rows best as they are.
+/// The few starts with the least sum of squares.
 fn nearest(joint: &Joint, starts: Vec<Coordinates>) -> impl Iterator<Item = Coordinates> {
     const DESCENTS: usize = 12;
     let square = |at: &Coordinates| joint.residuals(at).iter().map(|r| r * r).sum::<f64>();

@@ -33,17 +33,17 @@ impl fmt::Display for Stage {
 }
 
 impl Stage {
-    /// All of them, in the order in which each needs those before.
+    /// All of them, in order of dependence.
     pub const ALL: [Self; 3] = [Self::Angles, Self::NormalStress, Self::ShearStress];
 
-    /// The stage that finds a parameter.
+    /// The stage that estimates a parameter.
     pub fn of(parameter: Parameter) -> Self {
         let finds = |stage: &Self| stage.parameters().contains(&parameter);
         let found = Self::ALL.into_iter().find(finds);
         found.expect("the stages find all parameters between them")
     }
 
-    /// What the stage finds.
+    /// The parameters of the stage.
     pub fn parameters(self) -> &'static [Parameter] {
         use Parameter as P;
         match self {
@@ -58,17 +58,17 @@ impl Stage {
     }
 }
 
-/// The maximum-stress angles `[c_1, c_2]` [-] among which the first stage begins.
+/// Starts of the first stage: maximum-stress angles `[c_1, c_2]` [-].
 pub(super) const ANGLES: [[f64; 2]; 3] = [[0.2, 0.2], [0.4, -0.5], [0.7, 0.0]];
 
-/// `c` [Pa], `φ` [°] and `K` [m] among which the third stage begins: sands from loose to crusted.
+/// Starts of the third stage: `c` [Pa], `φ` [°] and `K` [m] of sands from loose to crusted.
 pub(super) const STRENGTHS: [[f64; 3]; 3] = [
     [100.0, 28.0, 0.005],
     [1.0e3, 28.0, 0.02],
     [10.0, 34.0, 0.001],
 ];
 
-/// What the three stages, one after the other, make of the rows: the paper's result.
+/// Result of the three stages in sequence, as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Staged {
     /// The parameters.
@@ -77,8 +77,7 @@ pub struct Staged {
     pub terminations: [Termination; 3],
 }
 
-/// One stage, from the coordinates at which those before ended; `None` where its equation gives
-/// no finite number.
+/// One stage, from the result of those before; `None` where its equation gives no finite number.
 pub(super) fn run(
     stage: Stage,
     model: &Model,
@@ -95,7 +94,7 @@ pub(super) fn run(
     minimise_from(&equation, equation.starts(at), &moved)
 }
 
-/// One of Eq. (73)-(75) over the rows.
+/// One of Eq. (73)-(75) as a least-squares problem over the rows.
 struct Equation<'a> {
     model: &'a Model,
     rows: &'a [SteadyLoad],
@@ -104,7 +103,7 @@ struct Equation<'a> {
 }
 
 impl Equation<'_> {
-    /// Where the stage begins, `at` first.
+    /// Starts of the stage, `at` first.
     fn starts(&self, at: Coordinates) -> Vec<Coordinates> {
         let others = match self.stage {
             Stage::Angles => ANGLES.map(|[c_1, c_2]| [c_1, c_2, 0.0]),
@@ -116,15 +115,15 @@ impl Equation<'_> {
             for (&parameter, value) in self.stage.parameters().iter().zip(values) {
                 start[parameter as usize] = parameter.coordinate(value);
             }
-            // What the class sets stays set.
+            // Values set by the class are not changed.
             self.model.switch(&mut start);
             start
         });
         [&[at], &begun[..]].concat()
     }
 
-    /// Eq. (74) solved for the pressure, whose logarithm is linear in `ln k_s`, `n_0` and `n_1`;
-    /// `None` where too few rows press downward.
+    /// Eq. (74) solved for the pressure, whose logarithm is linear in `ln k_s`, `n_0` and `n_1`; `None` where
+    /// too few rows have a positive pressure.
     fn logarithmic_solution(&self, at: Coordinates) -> Option<Coordinates> {
         let points = self.pressures(&at);
         let moved = self.model.moved_among(Stage::NormalStress.parameters());
@@ -154,7 +153,7 @@ impl Equation<'_> {
         Some(found)
     }
 
-    /// Pressures that Eq. (74) leaves for the rows, where they are pressures.
+    /// Pressures of the rows by Eq. (74), where positive.
     fn pressures(&self, at: &Coordinates) -> Vec<LogPressure> {
         let Rim { radius, width } = self.model.surface();
         let pressure = |row: &SteadyLoad| {
@@ -171,7 +170,7 @@ impl Equation<'_> {
     }
 }
 
-/// One row's pressure at the peak: logarithms of pressure [Pa] and sinkage [m], and slip [-].
+/// Pressure of one row at the peak: logarithms of pressure [Pa] and sinkage [m], and slip [-].
 struct LogPressure {
     pressure: f64,
     sinkage: f64,
@@ -179,7 +178,7 @@ struct LogPressure {
 }
 
 impl Equation<'_> {
-    /// Predicted less measured, in units of the row's uncertainty.
+    /// Predicted minus measured, normalised by the row's uncertainty.
     fn residual<T: Real>(&self, point: &Point<T>, row: &SteadyLoad) -> T {
         let sd = self.scale.of_row(row);
         let soil = self.model.soil(&point.at);
@@ -217,7 +216,7 @@ impl Residuals for Equation<'_> {
         let derivatives = |row: &SteadyLoad| {
             let point = Point::of(at, row).by_all(row.sinkage);
             let slopes = self.residual(&point, row).slopes;
-            // What the stages before found stays.
+            // Parameters of earlier stages are fixed.
             let mut by = [0.0; 8];
             for &parameter in self.stage.parameters() {
                 by[parameter as usize] = slopes[parameter as usize];

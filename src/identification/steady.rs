@@ -1,4 +1,4 @@
-//! Rows of loads cut from a run.
+//! Steady intervals of a run, as rows of mean loads.
 
 use super::drift::{Drift, SteadyRow};
 use super::row::{SteadyLoad, Uncertainty};
@@ -10,25 +10,25 @@ use crate::trace::{Channel, Trace};
 pub enum SteadyError {
     /// A quantity is neither a channel nor a mean.
     #[error(
-        "{0} is missing or holds no number: the identification needs it as a channel or as a mean"
+        "{0} is missing or has no finite value: the identification needs it as a channel or as a mean"
     )]
     Missing(&'static str),
-    /// No load was measured and the one commanded is below 0.
+    /// No load was measured and the commanded one is negative.
     #[error(
         "normal_force is missing, and the commanded load (load_n) is {0} N: a wheel on the ground \
          carries more than 0"
     )]
     Unloaded(String),
-    /// The wheel was held off the ground.
-    #[error("the commanded load (load_n) is 0 N: a lifted wheel tells no terrain")]
+    /// The wheel was lifted off the ground.
+    #[error("the commanded load (load_n) is 0 N: a lifted wheel does not load the terrain")]
     Lifted,
-    /// Slip never stays long enough.
+    /// Slip is never steady for long enough.
     #[error("slip never stays within {tolerance} for a tenth of the run: no steady interval")]
     NeverSteady {
-        /// The tolerance of slip, as it is told.
+        /// The tolerance of slip, formatted.
         tolerance: String,
     },
-    /// The wheel's own weight is in the forces of a sloping track, and nothing states its mass.
+    /// The forces on a sloping track include the wheel's own weight, and its mass is not given.
     #[error(
         "the track slopes by {0}°, and force sensors tared on the level then read a part of the wheel's own weight: \
          state its mass in the campaign (wheel = {{ mass_kg = ... }}; 0 where the forces are the contact's \
@@ -37,40 +37,40 @@ pub enum SteadyError {
     SlopeWithoutMass(String),
 }
 
-/// A stretch of steady slip, and the row that it gives or why it gives none.
+/// An interval of steady slip with its row, or the reason why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
-    /// Its middle half [s], from which the row is taken.
+    /// Its middle half [s], which gives the row.
     pub interval: [f64; 2],
     /// The row.
     pub row: Result<SteadyRow, SteadyError>,
 }
 
-/// Most parts of equal length into which a run is cut to look for steady slip: a steady interval lasts
-/// a tenth of the run or longer.
+/// Maximum number of equal parts of a run in the search for steady slip: a steady interval lasts a tenth of
+/// the run or longer.
 const PARTS: usize = 60;
 
-/// Change of slip [-] below which it is steady, where its noise is smaller.
+/// Change of slip [-] below which it counts as steady, where its noise is smaller.
 const TOLERANCE: f64 = 0.01;
 
-/// Blocks whose means tell how sure an interval's mean is.
+/// Number of blocks whose means give the uncertainty of the interval's mean.
 const BLOCKS: usize = 8;
 
-/// Part of a force [-] that its calibration leaves open and no scatter shows; a rig that holds its
-/// load to a thousandth does not measure it so well. Of pull, and of torque over the wheel's
-/// radius, at least that of a tenth of the load.
+/// Relative calibration uncertainty of a force [-], which the scatter does not show; a rig that controls its
+/// load to a thousandth does not measure it so well. For pull, and for torque over the wheel's radius, at
+/// least that of a tenth of the load.
 pub const CALIBRATION: f64 = 0.01;
 
-/// One row for each steady interval of a run: the middle half of every stretch, a tenth of the
-/// run or longer, over which slip stays the same.
+/// One row for each steady interval of a run: the middle half of every stretch of a tenth of the run or
+/// longer with constant slip.
 ///
-/// A run of one condition gives one row. A quantity without a time series counts with its mean,
-/// slip and load without either as commanded. Uncertainties are those of the mean of eight blocks'
-/// means, or of a mean's samples taken as independent, and the [`CALIBRATION`]'s of the forces.
-/// Sinkage and driving torque are not numbers where the run lacks them.
+/// A run of one condition gives one row. A quantity without a time series is taken from its mean; slip and
+/// load without either as commanded. Uncertainties are those of the mean of eight block means, or of a mean's
+/// samples taken as independent, combined with the [`CALIBRATION`] of the forces. Sinkage and driving torque
+/// are NaN where the run lacks them.
 ///
-/// A stretch without a quantity that is needed gives no row; the others do. Forces on a slope are those of the
-/// contact.
+/// A stretch that lacks a required quantity gives no row; the others do. Forces on a slope are converted to
+/// those of the contact.
 ///
 /// # Errors
 /// `Lifted`; `NeverSteady`; where no stretch gives a row the reason of the first: `Missing` without
@@ -80,7 +80,7 @@ pub fn steady_loads(trace: &Trace) -> Result<Vec<SteadyLoad>, SteadyError> {
     Ok(rows.map(|row| row.load).collect())
 }
 
-/// The rows of [`steady_loads`], each with what still changes in its interval.
+/// The rows of [`steady_loads`], each with the drifts in its interval.
 ///
 /// # Errors
 /// Those of [`steady_loads`].
@@ -95,7 +95,7 @@ pub fn steady_rows(trace: &Trace) -> Result<Vec<SteadyRow>, SteadyError> {
     }
 }
 
-/// The stretches of [`steady_rows`], with those that give no row.
+/// The stretches of [`steady_rows`], including those that give no row.
 ///
 /// # Errors
 /// `Lifted`; `NeverSteady`.
@@ -155,7 +155,7 @@ fn load(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     let pull_sd = drawbar_pull.as_force(tenth);
     let load_sd = load.as_force(0.0);
     let torque_sd = driving_torque.as_force(tenth * trace.attributes.wheel_radius);
-    // A load of 0 has none. The least of numbers leaves a torque out that is none.
+    // A load of 0 has no uncertainty. `f64::min` ignores the NaN of a missing torque.
     let uncertainty = (pull_sd.min(load_sd).min(torque_sd) > 0.0).then_some(Uncertainty {
         slip: slip.sd,
         sinkage: sinkage.sd,
@@ -173,15 +173,16 @@ fn load(trace: &Trace, interval: [f64; 2]) -> Result<SteadyLoad, SteadyError> {
     })
 }
 
-/// Of a load commanded that is below 0 or none.
+/// The error for a commanded load that is negative or zero.
 fn unloaded(load: f64) -> SteadyError {
-    match load.is_finite() {
-        true => SteadyError::Unloaded(load.to_string()),
-        false => SteadyError::Missing("normal_force"),
+    if load.is_finite() {
+        SteadyError::Unloaded(load.to_string())
+    } else {
+        SteadyError::Missing("normal_force")
     }
 }
 
-/// A mean and its standard uncertainty, 0 where nothing tells it.
+/// A mean and its standard uncertainty; 0 where unknown.
 #[derive(Debug, Clone, Copy)]
 struct Value {
     mean: f64,
@@ -189,7 +190,7 @@ struct Value {
 }
 
 impl Value {
-    /// The mean moved, as uncertain as it was.
+    /// The mean transformed, with the same uncertainty.
     fn map(self, change: impl Fn(f64) -> f64) -> Self {
         Self {
             mean: change(self.mean),
@@ -197,8 +198,8 @@ impl Value {
         }
     }
 
-    /// Standard uncertainty of a force of this mean: a sensor that carries the load is calibrated
-    /// no better for forces below `least`.
+    /// Standard uncertainty of a force with this mean: the calibration of a load-carrying sensor is no better
+    /// for forces below `least`.
     fn as_force(self, least: f64) -> f64 {
         let size = self.mean.abs();
         let size = if size < least { least } else { size };
@@ -212,7 +213,7 @@ fn value(trace: &Trace, name: &str, interval: [f64; 2]) -> Option<Value> {
         .and_then(|channel| sampled(channel, interval));
     sampled.or_else(|| {
         let mean = trace.means.iter().find(|mean| mean.name == name)?;
-        // Of how many samples is not known: as if it were one.
+        // Unknown number of samples counts as one.
         let count = mean.n.max(1) as f64;
         let sd = if mean.sd > 0.0 {
             mean.sd / libm::sqrt(count)
@@ -226,7 +227,7 @@ fn value(trace: &Trace, name: &str, interval: [f64; 2]) -> Option<Value> {
     })
 }
 
-/// Mean over an interval of the means of its blocks.
+/// Mean of the block means over an interval.
 fn sampled(channel: &Channel, [from, to]: [f64; 2]) -> Option<Value> {
     let means = part_means(channel.between(from, to), BLOCKS);
     let known: Vec<f64> = means.into_iter().flatten().collect();
@@ -241,7 +242,7 @@ fn sampled(channel: &Channel, [from, to]: [f64; 2]) -> Option<Value> {
     Some(Value { mean, sd })
 }
 
-/// Means of the numbers in each of `parts` equal parts; `None` where a part has none.
+/// Means of the finite samples in each of `parts` equal parts; `None` where a part has none.
 fn part_means(samples: &[f64], parts: usize) -> Vec<Option<f64>> {
     let edge = |part: usize| part * samples.len() / parts;
     (0..parts)
@@ -277,15 +278,15 @@ fn plateaus(slip: &Channel) -> Result<Vec<[f64; 2]>, SteadyError> {
     Ok(found)
 }
 
-/// Standard deviation of the parts' means about a steady slip: from the median step between
-/// neighbours, which the few true steps leave alone.
+/// Standard deviation of the parts' means about a steady slip, from the median step between neighbours, which
+/// is robust to the few true steps.
 fn noise(means: &[Option<f64>]) -> f64 {
     let mut steps: Vec<f64> = means
         .windows(2)
         .filter_map(|pair| Some((pair[1]? - pair[0]?).abs()))
         .collect();
     steps.sort_by(f64::total_cmp);
-    // The median of |x - y| of two normal numbers is 0.954 of their standard deviation.
+    // The median of |x - y| of two standard normal variables is 0.954.
     steps
         .get(steps.len() / 2)
         .map_or(0.0, |median| median / 0.954)
@@ -370,7 +371,7 @@ mod tests {
         let row = rows[0];
         assert!((row.slip - 0.2).abs() < 1e-3 && (row.drawbar_pull - 20.0).abs() < 0.1);
         let uncertainty = row.uncertainty.unwrap();
-        // The ripple's amplitude of 1 N all but averages out over 25 s; 1 % of 109 N stays.
+        // The ripple of 1 N nearly averages out over 25 s; 1 % of 109 N remains.
         let load = uncertainty.load;
         assert!((load - 1.09).abs() < 0.01, "{load}");
         assert_eq!(uncertainty.sinkage, 0.0);
@@ -388,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sinkage_that_still_grows_is_told_and_its_growth_is_in_the_uncertainty() {
+    fn a_drifting_sinkage_is_reported_and_its_growth_is_in_the_uncertainty() {
         let mut trace = run(|_| 0.2);
         trace.channels[1] = channel("sinkage", |t| 0.01 + 1.0e-4 * t);
         let mut row = steady_rows(&trace).unwrap().remove(0);

@@ -1,4 +1,4 @@
-//! What a reader of an estimate should know besides its numbers.
+//! Warnings about the validity of an estimate.
 
 use super::directions::Directions;
 use super::least_squares::{Minimum, Termination};
@@ -9,48 +9,46 @@ use super::precision::Precision;
 use super::row::SteadyLoad;
 use std::fmt;
 
-/// Slip ratio [-] below which a wheel brakes; nearer to 0 it is the scatter of one that rolls.
+/// Slip ratio [-] below which a wheel counts as braking; nearer to 0 it is the scatter of a rolling wheel.
 const ROLLING: f64 = -0.02;
 
-/// Something about an estimate that its reader should know.
+/// A condition that limits the validity of an estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
-    /// A parameter ended at the end of its range.
+    /// A parameter ended at a bound of the search.
     AtBound {
         /// Which.
         parameter: Parameter,
-        /// The end, in its unit.
+        /// The bound, in its unit.
         end: f64,
     },
-    /// The rows leave `n_0` open: of the values that explain them as well, the most usual is told.
+    /// `n_0` is not identifiable: the value is of greatest posterior density.
     ExponentAssumed {
         /// `n_0` [-].
         value: f64,
     },
-    /// `θ_m` lies outside the contact at a slip measured.
+    /// `θ_m` lies outside the contact at a measured slip.
     PeakOutsideContact {
         /// The slip ratio [-].
         slip: f64,
         /// `θ_m/θ_1` [-].
         share: f64,
     },
-    /// The fit has the maximum stress at an end of the contact, beyond which the quadrature cannot go.
+    /// The stress peak is at an end of the contact, the limit of the quadrature.
     PeakAtEnd {
-        /// A slip ratio [-] at which it has.
+        /// A slip ratio [-] at which it is.
         slip: f64,
     },
-    /// The rows scatter about the model by more than their uncertainties explain; the intervals
-    /// are widened by the root of this ratio.
+    /// The residuals exceed the uncertainties; intervals are widened by the root of this ratio.
     Misfit {
         /// Sum of squares per degree of freedom [-].
         reduced_chi_square: f64,
     },
-    /// The rows' loads differ from those that the parameters carry at their sinkages by more than the
-    /// uncertainties explain.
+    /// The fitted loads differ significantly from the measured ones at their sinkages.
     LoadMissed(LoadMissed),
-    /// Some rows state no uncertainty, so those of the others were not used.
+    /// Only some rows state uncertainties, so none were used.
     UncertaintiesIgnored,
-    /// There are no more forces than parameters: nothing tells how sure these are.
+    /// There are no degrees of freedom: the residual scatter is unknown.
     NoFreedom,
     /// Loads differ although the class sets one sinkage for all, so that `k_s zᴺ` is a mean.
     LoadsDiffer {
@@ -59,7 +57,7 @@ pub enum Warning {
         /// Greatest load [N].
         most: f64,
     },
-    /// Rows of a wheel that brakes, whose stresses turn somewhere under it.
+    /// Rows of a braking wheel, whose shear stress reverses within the contact.
     Braking {
         /// How many.
         rows: usize,
@@ -80,8 +78,8 @@ impl fmt::Display for Warning {
             }
             Self::ExponentAssumed { value } => write!(
                 f,
-                "the rows leave n0 open, and k_s and n1 with it: of all values that explain them as \
-                 well, those with the n0 nearest to that of soils, {value:.2}, are told"
+                "the rows do not identify n0, nor k_s and n1: of the values that fit equally well, those with \
+                 the n0 most probable for soils, {value:.2}, are given"
             ),
             Self::PeakOutsideContact { slip, share } => write!(
                 f,
@@ -90,21 +88,21 @@ impl fmt::Display for Warning {
             ),
             Self::PeakAtEnd { slip } => write!(
                 f,
-                "the maximum stress stands at an end of the contact at slip {slip:.3}, which holds it there"
+                "the maximum stress is at an end of the contact at slip {slip:.3}, which bounds it"
             ),
             Self::Misfit { reduced_chi_square } => write!(
                 f,
-                "the rows scatter about the model by more than their uncertainties explain, stated \
-                 ones or 1 % of each force where there are none (reduced chi square \
+                "the residuals exceed the uncertainties, the stated ones or 1 % of each force where there \
+                 are none (reduced chi square \
                  {reduced_chi_square:.3}); intervals are widened accordingly"
             ),
             Self::LoadMissed(missed) => missed.fmt(f),
             Self::UncertaintiesIgnored => f.write_str(
-                "some rows state no uncertainty: none is used, the scatter about the model stands \
-                 for them",
+                "some rows state no uncertainty: none is used, the residual scatter is \
+                 used instead",
             ),
             Self::NoFreedom => f.write_str(
-                "no more measured forces than parameters: nothing tests the model; add rows",
+                "no more measured forces than parameters: the model is untested; add rows",
             ),
             Self::LoadsDiffer { least, most } => write!(
                 f,
@@ -113,7 +111,7 @@ impl fmt::Display for Warning {
             ),
             Self::Braking { rows, slip } => write!(
                 f,
-                "{rows} rows brake (slip down to {slip:.3}): (62)-(69) are of a driven wheel, whose \
+                "{rows} rows brake (slip down to {slip:.3}): (62)-(69) describe a driven wheel, whose \
                  shear has one direction"
             ),
             Self::NotAMinimum(termination) => {
@@ -123,7 +121,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// All that there is to say of a fit of `rows`.
+/// All warnings about a fit of `rows`.
 pub(super) fn all(
     model: &Model,
     rows: &[SteadyLoad],
@@ -162,12 +160,13 @@ pub(super) fn all(
 }
 
 fn at_bounds(model: &Model, at: &Coordinates) -> Vec<Warning> {
-    let held = model.held_at(at).into_iter();
-    held.map(|(parameter, end)| Warning::AtBound { parameter, end })
+    let bounds = model.at_bounds(at).into_iter();
+    bounds
+        .map(|(parameter, end)| Warning::AtBound { parameter, end })
         .collect()
 }
 
-/// The row whose peak lies farthest outside the contact, by more than the estimate's own error.
+/// The row whose peak lies farthest outside the contact, by more than its standard error.
 fn peak_outside(
     model: &Model,
     rows: &[SteadyLoad],
@@ -183,7 +182,7 @@ fn peak_outside(
             _ => 0.0,
         });
         let variance = directions.covariance(&function, &function)?;
-        let half = precision.reach() * libm::sqrt(variance);
+        let half = precision.half_width() * libm::sqrt(variance);
         Some((rear - share).max(share - front) - half)
     };
     let slips = rows.iter().map(|row| row.slip);
@@ -225,7 +224,7 @@ mod tests {
     use crate::terrain::class::Wtic;
 
     #[test]
-    fn a_wheel_that_brakes_is_told_and_one_that_rolls_is_not() {
+    fn a_braking_wheel_gives_a_warning_and_a_rolling_one_does_not() {
         let row = |slip| SteadyLoad {
             slip,
             sinkage: 0.01,
@@ -235,20 +234,21 @@ mod tests {
             uncertainty: None,
         };
         assert_eq!(braking(&[row(-0.01), row(0.2)]), None);
-        let told = braking(&[row(-0.4), row(-0.1), row(0.2)]).unwrap();
+        let warning = braking(&[row(-0.4), row(-0.1), row(0.2)]).unwrap();
         assert!(
-            told.to_string()
+            warning
+                .to_string()
                 .starts_with("2 rows brake (slip down to -0.400)")
         );
     }
 
     #[test]
-    fn loads_that_one_sinkage_cannot_carry_are_told_where_the_class_sets_it() {
+    fn loads_that_one_sinkage_cannot_carry_give_a_warning_where_the_class_sets_it() {
         let rim = Rim {
             radius: 0.155,
             width: 0.15,
         };
-        let told = |class| {
+        let loads_differ_in = |class| {
             let model = Model {
                 class,
                 setting: Setting::new(rim),
@@ -263,11 +263,11 @@ mod tests {
             };
             loads_differ(&model, &[row(60.0), row(200.0)])
         };
-        let warning = told(Wtic::Alct).unwrap().to_string();
+        let warning = loads_differ_in(Wtic::Alct).unwrap().to_string();
         assert!(
             warning.starts_with("loads from 60.0 to 200.0 N share"),
             "{warning}"
         );
-        assert_eq!(told(Wtic::Leis), None);
+        assert_eq!(loads_differ_in(Wtic::Leis), None);
     }
 }

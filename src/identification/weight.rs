@@ -1,9 +1,9 @@
-//! How much each measured force counts.
+//! Weights of the measured forces.
 
 use super::row::{SteadyLoad, Uncertainty};
 
-/// Standard uncertainties of the rows: their own where every row has them, else one for each
-/// channel in proportion to its size.
+/// Standard uncertainties of the rows: their own where every row has them, otherwise one per channel in
+/// proportion to its size.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     /// Whether the rows' own are used.
@@ -12,8 +12,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// The channels' sizes are their root mean squares; pull and torque weigh at most as if they
-    /// were a tenth of the load and of the load a tenth of a metre off.
+    /// The sizes of channels are their root mean squares, with a lower limit for pull and torque: a tenth of
+    /// the load, and of the load times a tenth of a metre.
     pub fn of(rows: &[SteadyLoad]) -> Self {
         let rms = |channel: fn(&SteadyLoad) -> f64| {
             let measured = rows.iter().map(channel).filter(|value| !value.is_nan());

@@ -50,7 +50,7 @@ const QUANTITIES: [Quantity; 4] = [
         header: "Drawbar pull F_{DP} [N]",
         measured: |row| row.drawbar_pull,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.drawbar_pull),
-        predicted: Some(|told| told.drawbar_pull),
+        predicted: Some(|prediction| prediction.drawbar_pull),
         scale: 1.0,
         slips: true,
     },
@@ -66,7 +66,7 @@ const QUANTITIES: [Quantity; 4] = [
         header: "Driving torque T_{D} [N·m]",
         measured: |row| row.driving_torque,
         deviation: |row| row.uncertainty.map_or(0.0, |u| u.driving_torque),
-        predicted: Some(|told| told.driving_torque),
+        predicted: Some(|prediction| prediction.driving_torque),
         scale: 1.0,
         slips: true,
     },
@@ -74,7 +74,7 @@ const QUANTITIES: [Quantity; 4] = [
         header: "Sinkage of the rim z_{} [mm]",
         measured: |row| 1.0e3 * row.sinkage,
         deviation: |row| row.uncertainty.map_or(0.0, |u| 1.0e3 * u.sinkage),
-        predicted: Some(|told| told.sinkage),
+        predicted: Some(|prediction| prediction.sinkage),
         scale: 1.0e3,
         slips: false,
     },
@@ -261,11 +261,11 @@ impl Curves<'_> {
         let knots = knots(rows).into_iter();
         let knots: Vec<[f64; 2]> = knots.filter(|[slip, _]| shown(*slip)).collect();
         let point = |[slip, load]: [f64; 2]| {
-            let told = predicted(&self.predictor.at(load, slip)?);
+            let prediction = predicted(&self.predictor.at(load, slip)?);
             Some(Point {
                 slip,
-                value: scale * told.value,
-                ends: told.interval().map(|end| scale * end),
+                value: scale * prediction.value,
+                ends: prediction.interval().map(|end| scale * end),
             })
         };
         let points: Vec<Option<Point>> = along(&knots).into_iter().map(point).collect();

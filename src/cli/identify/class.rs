@@ -1,4 +1,4 @@
-//! Which class a run is fitted as, and who says so.
+//! Class of a run for the fit, and its source.
 
 use crate::features::Settings;
 use crate::features::reference::Reference;
@@ -10,22 +10,22 @@ use crate::terrain::class::Wtic;
 use crate::trace::Trace;
 use serde::Serialize;
 
-/// The class of a run, and who says so.
+/// Class of a run, with its source.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Told {
+pub struct Classification {
     /// The class; never UWTIC.
     pub class: Wtic,
-    /// Who says so.
-    pub by: ToldBy,
+    /// Its source.
+    pub by: ClassSource,
 }
 
-/// Who says what class a run has.
+/// Source of the class of a run.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(tag = "class_by", rename_all = "snake_case")]
-pub enum ToldBy {
-    /// The caller.
+pub enum ClassSource {
+    /// The command line.
     Given,
-    /// The vibration of most windows.
+    /// Recognition from the vibration: the class of most windows.
     Recognized {
         /// Windows of this class.
         windows: usize,
@@ -34,21 +34,21 @@ pub enum ToldBy {
     },
     /// The run's file.
     Known {
-        /// What in it.
+        /// Which entry of it.
         source: Source,
-        /// Why the class was not recognised.
+        /// Why recognition failed.
         because: String,
     },
 }
 
-/// Tells the classes of runs.
-pub struct Teller {
+/// Determines the classes of runs.
+pub struct Classifier {
     given: Option<Wtic>,
     recognizer: Recognizer,
 }
 
-impl Teller {
-    /// By the class `given`, else by recognition lug by lug, which takes nothing over a reference.
+impl Classifier {
+    /// From the class `given`, otherwise by recognition lug by lug against the computed reference.
     ///
     /// # Errors
     /// Those of the recogniser's settings.
@@ -61,18 +61,18 @@ impl Teller {
     /// The class of a run.
     ///
     /// # Errors
-    /// Why none is told, with the way out.
-    pub fn tell(&mut self, trace: &Trace) -> Result<Told, String> {
+    /// The reason why it is unknown, with the remedy.
+    pub fn classify(&mut self, trace: &Trace) -> Result<Classification, String> {
         if let Some(class) = self.given {
-            let by = ToldBy::Given;
-            return Ok(Told { class, by });
+            let by = ClassSource::Given;
+            return Ok(Classification { class, by });
         }
         self.recognized(trace).or_else(|because| {
             let known = known_class(trace, [0.0, trace.duration()]);
             match known.filter(|known| known.class != Wtic::Uwtic) {
-                Some(known) => Ok(Told {
+                Some(known) => Ok(Classification {
                     class: known.class,
-                    by: ToldBy::Known {
+                    by: ClassSource::Known {
                         source: known.source,
                         because,
                     },
@@ -86,7 +86,7 @@ impl Teller {
     }
 
     /// The class of more than half of the windows.
-    fn recognized(&mut self, trace: &Trace) -> Result<Told, String> {
+    fn recognized(&mut self, trace: &Trace) -> Result<Classification, String> {
         let windows = self.recognizer.recognize(trace);
         let windows = windows.map_err(|error| error.to_string())?;
         let answers: Vec<_> = windows.iter().flat_map(|window| &window.answers).collect();
@@ -99,11 +99,11 @@ impl Teller {
         if class != Wtic::Uwtic {
             let windows = counts.iter().find(|(of, _)| *of == class);
             let windows = windows.map_or(0, |(_, count)| *count);
-            let by = ToldBy::Recognized {
+            let by = ClassSource::Recognized {
                 windows,
                 of_windows,
             };
-            return Ok(Told { class, by });
+            return Ok(Classification { class, by });
         }
         let unknown = answers.iter().find(|answer| answer.class == Wtic::Uwtic);
         let why = unknown.map_or(String::new(), |answer| format!(": {}", answer.reason));

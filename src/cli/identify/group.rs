@@ -1,7 +1,7 @@
 //! Runs of one class and wheel, fitted together.
 
-use super::class::{Teller, Told};
-use super::law::{Chosen, LawTold, OtherStress};
+use super::class::{Classification, Classifier};
+use super::law::{Chosen, LawReport, OtherStress};
 use super::plates::{self, PlateReport, PlateTests};
 use super::{Convention, SlipRange};
 use crate::dataset::hdf5::RunFile;
@@ -20,7 +20,7 @@ use std::rc::Rc;
 /// A run of a file.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// What it is called in results: its id, and the file's name where there are several.
+    /// Name in results: its id, and the file's name where there are several.
     pub name: String,
     /// Its file.
     pub file: Rc<RunFile>,
@@ -28,7 +28,7 @@ pub struct Run {
     pub id: String,
 }
 
-/// A run that gives nothing, and why.
+/// A run that was not used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// Its name.
@@ -37,18 +37,18 @@ pub struct LeftOut {
     pub reason: String,
 }
 
-/// A stretch of a run that gives nothing, while others of the run do.
+/// A stretch that was not used, of a run with others that were.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StretchLeftOut {
     /// The run.
     pub run: String,
-    /// Its middle half, which would have given the row [s].
+    /// Its middle half [s], which would have been the row.
     pub interval_s: [f64; 2],
     /// Why.
     pub reason: String,
 }
 
-/// What is in no fit.
+/// What was not used in any fit.
 #[derive(Debug, Clone, Default)]
 pub struct Unused {
     /// Runs.
@@ -64,11 +64,11 @@ pub struct WheelOfRun {
     pub radius_m: f64,
     /// Width [m].
     pub width_m: f64,
-    /// Number of lugs; none where it is unknown.
+    /// Number of lugs; none where unknown.
     pub lug_count: Option<u32>,
-    /// Lug height [m]; none where it is unknown.
+    /// Lug height [m]; none where unknown.
     pub lug_height_m: f64,
-    /// Lug thickness [m]; none where it is unknown.
+    /// Lug thickness [m]; none where unknown.
     pub lug_thickness_m: Option<f64>,
 }
 
@@ -77,7 +77,7 @@ impl WheelOfRun {
         Self {
             radius_m: run.wheel_radius,
             width_m: run.wheel_width,
-            // A smooth wheel's file need not say how high its lugs are.
+            // The lug height of a smooth wheel may be missing.
             lug_height_m: if run.lugs().are_none() {
                 0.0
             } else {
@@ -96,7 +96,7 @@ impl WheelOfRun {
         }
     }
 
-    /// Whether it is the same wheel; unknown lengths are the same as unknown ones.
+    /// Whether it is the same wheel; unknown dimensions are equal to each other.
     fn is(&self, other: &Self) -> bool {
         let lengths = |wheel: &Self| {
             let Self {
@@ -116,7 +116,7 @@ impl WheelOfRun {
     fn setting(&self, convention: &Convention, chosen: &Chosen) -> Setting {
         let is_rim = convention.cylinder.cylinder() == Cylinder::Rim;
         Setting {
-            // The rim's equations do not need a height that nobody knows.
+            // The rim's equations do not need the lug height.
             lug_height: match self.lug_height_m {
                 unknown if unknown.is_nan() && is_rim => 0.0,
                 height => height,
@@ -151,13 +151,13 @@ impl fmt::Display for WheelOfRun {
 pub struct Rows {
     /// Its name.
     pub run: String,
-    /// Who told its class.
-    pub told: Told,
-    /// Its ground, where the file says.
+    /// Its class.
+    pub classification: Classification,
+    /// Its ground, if stated in the file.
     pub terrain: Option<TerrainLabel>,
     /// One for each steady interval.
     pub rows: Vec<SteadyRow>,
-    /// Whether they were cut from time series.
+    /// Whether the rows are from time series.
     sampled: bool,
 }
 
@@ -169,22 +169,22 @@ struct Group {
     runs: Vec<Rows>,
 }
 
-/// What a group came to.
+/// Result of a group.
 #[derive(Debug, Clone)]
 pub struct Fit {
     /// Its wheel.
     pub wheel: WheelOfRun,
-    /// How the equations take the wheel.
+    /// Conventions of the equations.
     pub setting: Setting,
     /// The equations.
-    pub law: LawTold,
-    /// The parameters by another distribution of stress, which is presumed and not fitted.
+    pub law: LawReport,
+    /// The parameters for the alternative stress distribution, which is assumed and not fitted.
     pub other_stress: Option<OtherStress>,
     /// The runs used.
     pub runs: Vec<Rows>,
     /// The parameters.
     pub estimate: Estimate,
-    /// What they predict.
+    /// Predictions from the estimate.
     pub predictor: Predictor,
 }
 
@@ -214,28 +214,33 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Takes a run, those of its rows with a slip in `slips` [-]. One that cannot be read, classed or cut into
-    /// rows is left out with its reason, and so is a stretch that gives no row.
-    pub fn add(&mut self, run: &Run, teller: &mut Teller, slips: SlipRange) {
-        if let Err(reason) = self.take(run, teller, slips) {
+    /// Adds the rows of a run with a slip in `slips` [-]. A run that cannot be read, classified or cut into
+    /// rows is recorded as unused with the reason, and so is a stretch that gives no row.
+    pub fn add(&mut self, run: &Run, classifier: &mut Classifier, slips: SlipRange) {
+        if let Err(reason) = self.take(run, classifier, slips) {
             let run = run.name.clone();
             self.unused.runs.push(LeftOut { run, reason });
         }
     }
 
-    fn take(&mut self, run: &Run, teller: &mut Teller, slips: SlipRange) -> Result<(), String> {
+    fn take(
+        &mut self,
+        run: &Run,
+        classifier: &mut Classifier,
+        slips: SlipRange,
+    ) -> Result<(), String> {
         let trace = run.file.read(&run.id);
         let trace = trace.map_err(|error| error.to_string())?;
         if trace.attributes.plate.is_some() {
             return self.plates.add(&run.name, &trace);
         }
         let rows = self.rows(&run.name, &trace, slips)?;
-        let told = teller.tell(&trace)?;
+        let classification = classifier.classify(&trace)?;
         let wheel = WheelOfRun::of(&trace.attributes);
-        let class = told.class;
+        let class = classification.class;
         let run = Rows {
             run: run.name.clone(),
-            told,
+            classification,
             terrain: trace.attributes.terrain,
             rows,
             sampled: trace.channel("drawbar_pull").is_some(),
@@ -259,7 +264,7 @@ impl Groups {
     /// The rows of a run.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why there are none.
     fn rows(
         &mut self,
         run: &str,
@@ -286,15 +291,16 @@ impl Groups {
             return Err(reason + plates::way_out(trace));
         }
         self.unused.stretches.extend(refused);
-        // What is no number is refused with its reason, not by the range.
-        rows.retain(|row| row.load.slip.is_nan() || slips.holds(row.load.slip));
-        match rows.is_empty() {
-            true => Err(format!("no row has a slip in --slip {slips}")),
-            false => Ok(rows),
+        // NaN is rejected later with a reason, not by the range.
+        rows.retain(|row| row.load.slip.is_nan() || slips.contains(row.load.slip));
+        if rows.is_empty() {
+            Err(format!("no row has a slip in --slip {slips}"))
+        } else {
+            Ok(rows)
         }
     }
 
-    /// Fits every group; what came of them, and what is in none.
+    /// Fits every group; the fits, the plate tests and what was not used.
     pub fn fit(mut self, convention: &Convention) -> (Vec<Fit>, Vec<PlateReport>, Unused) {
         let unused = &mut self.unused;
         let widths: Vec<f64> = self
@@ -315,7 +321,7 @@ impl Groups {
 }
 
 impl Group {
-    /// Rows from time series have their uncertainties in common, but for what still changes in some.
+    /// Pools the uncertainties of rows from time series, except for the drifts.
     fn pool(&mut self) {
         let sampled = self.runs.iter_mut().filter(|run| run.sampled);
         let rows = sampled.flat_map(|run| &mut run.rows);
@@ -324,7 +330,7 @@ impl Group {
         rows.for_each(SteadyRow::widen);
     }
 
-    /// The parameters of the rows that are in their ranges; the others are left out.
+    /// Fits the rows that are within their ranges; the others are recorded as unused.
     fn fit(mut self, convention: &Convention, unused: &mut Unused) -> Option<Fit> {
         if let Some(reason) = self.upward_sinkage() {
             self.leave_out(&reason, unused);
@@ -341,7 +347,7 @@ impl Group {
                     return Some(Fit {
                         wheel: self.wheel,
                         setting,
-                        law: chosen.told(),
+                        law: chosen.report(),
                         other_stress: OtherStress::of(&rows, self.class, &setting),
                         runs: self.runs,
                         estimate,
@@ -360,7 +366,7 @@ impl Group {
         None
     }
 
-    /// Leaves out all runs.
+    /// Records all runs as unused.
     fn leave_out(&mut self, reason: &str, unused: &mut Unused) {
         let left_out = self.runs.drain(..).map(|Rows { run, .. }| LeftOut {
             run,
@@ -369,7 +375,7 @@ impl Group {
         unused.runs.extend(left_out);
     }
 
-    /// Takes out the faulty `row`, counted from 1 over all runs, and its run where it has no other.
+    /// Removes the faulty `row`, counted from 1 over all runs, and its run where it has no other.
     fn without(&mut self, row: usize, fault: &str, unused: &mut Unused) {
         let mut row = row;
         let mut at = 0;
@@ -392,8 +398,8 @@ impl Group {
         });
     }
 
-    /// Why the sinkages seem to be counted upward: all are below 0 and fall as slip grows, while a wheel that slips
-    /// more sinks deeper.
+    /// Detects sinkages with reversed sign: all are negative and decrease with slip, while a slipping wheel
+    /// sinks deeper.
     fn upward_sinkage(&self) -> Option<String> {
         let mut points: Vec<[f64; 2]> = loads(&self.runs)
             .iter()
@@ -433,7 +439,7 @@ impl Group {
     }
 }
 
-/// The parameters of rows, and what they predict.
+/// The estimate and its predictor.
 fn identified(
     rows: &[SteadyLoad],
     class: Wtic,
@@ -446,12 +452,12 @@ fn identified(
     Ok((estimate, predictor))
 }
 
-/// What is wrong with a row, and what to do about it.
+/// The fault of a row with its remedy.
 fn faulty(fault: &RangeError, setting: &Setting) -> String {
     format!("{fault}; {}", way_out(fault, setting))
 }
 
-/// What to do about a number out of its range.
+/// The remedy for a number out of its range.
 fn way_out(fault: &RangeError, setting: &Setting) -> String {
     match fault.quantity {
         "sinkage" if fault.value.is_nan() => {

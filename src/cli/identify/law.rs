@@ -1,4 +1,4 @@
-//! Which equations a wheel's rows are fitted with.
+//! Choice of the equations for a wheel's rows.
 
 use super::Convention;
 use super::group::WheelOfRun;
@@ -14,9 +14,9 @@ use serde::Serialize;
 
 /// Bulk density [kg/m³] of dry sand, as in the ready scenarios.
 const DRY_SAND: f64 = 1600.0;
-/// Exit angle coefficient `c_3` [-] of dry sand, as in the ready scenarios.
+/// Default exit angle coefficient `c_3` [-]: dry sand, as in the ready scenarios.
 const EXIT_ANGLE: f64 = -0.2;
-/// Lug thickness [m] where nobody states one: that of the ready scenarios.
+/// Default lug thickness [m]: that of the ready scenarios.
 const THICKNESS: f64 = 0.003;
 
 /// Which law.
@@ -28,7 +28,7 @@ pub enum LawName {
     Paper,
 }
 
-/// Distribution of stress over the contact.
+/// Stress distribution over the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StressName {
     /// Wong and Reece
@@ -46,18 +46,18 @@ impl StressName {
     }
 }
 
-/// The law of a fit and what it was told.
+/// The law of a fit with its inputs.
 #[derive(Debug, Clone, Copy)]
 pub struct Chosen {
     /// The law.
     pub law: Law,
     /// `c_3` [-].
     pub exit_angle: f64,
-    /// Whether the lugs' thickness is a guess.
+    /// Whether the lug thickness is the default and not known.
     pub thickness_assumed: bool,
 }
 
-/// The same rows by the other distribution of stress.
+/// Fit of the same rows with the alternative stress distribution.
 #[derive(Debug, Clone, Serialize)]
 pub struct OtherStress {
     /// Which.
@@ -70,8 +70,8 @@ pub struct OtherStress {
 }
 
 impl OtherStress {
-    /// What the quadrature finds in rows if the stress is distributed otherwise than the setting has it; none by the
-    /// paper's equations, which have one distribution.
+    /// The fit by the quadrature with the stress distribution other than that of the setting; `None` for the
+    /// paper's equations, which have only one.
     pub fn of(rows: &[SteadyLoad], class: Wtic, setting: &Setting) -> Option<Self> {
         let Law::Own(own) = setting.law else {
             return None;
@@ -95,27 +95,28 @@ impl OtherStress {
     }
 }
 
-/// What a fit says of its law.
+/// The law as reported in results.
 #[derive(Debug, Clone, Serialize)]
-pub struct LawTold {
+pub struct LawReport {
     /// `own` or `paper`.
     pub law: &'static str,
-    /// Distribution of stress over the contact.
+    /// Stress distribution over the contact.
     pub stress: StressConvention,
-    /// Bulk density [kg/m³]; none where it does not count.
+    /// Bulk density [kg/m³]; none where it has no effect.
     pub bulk_density_kg_m3: Option<f64>,
-    /// Lug thickness [m]; none where it does not count.
+    /// Lug thickness [m]; none where it has no effect.
     pub lug_thickness_m: Option<f64>,
-    /// Whether that is a guess.
+    /// Whether that is the default and not known.
     pub lug_thickness_assumed: bool,
 }
 
 impl Chosen {
-    /// The law asked for; else the quadrature in soil that lugs enter, of a wheel whose lugs are known, if it has any
-    /// or the loads differ, unless something is asked that only the paper's equations have.
+    /// The law given on the command line; by default the quadrature in soil that lugs enter, for a wheel with
+    /// known lugs (for a smooth one only under several loads), unless an option requires the paper's
+    /// equations.
     ///
     /// # Errors
-    /// Why the quadrature asked for cannot be taken.
+    /// Why the quadrature given cannot be used.
     pub fn of(
         convention: &Convention,
         wheel: &WheelOfRun,
@@ -136,7 +137,7 @@ impl Chosen {
             None if !known || is_smooth_under_one_load() => return paper,
             Some(LawName::Own) if class != Wtic::Leis => {
                 return Err(format!(
-                    "--law own is of soil that lugs enter, and class {class} is none; leave it out or give --class LEIS"
+                    "--law own applies to soil that lugs enter, not to class {class}; omit it or give --class LEIS"
                 ));
             }
             Some(LawName::Own) if !known => {
@@ -148,7 +149,7 @@ impl Chosen {
             }
             Some(LawName::Own) if convention.is_of_paper() => {
                 return Err(
-                    "the quadrature knows rim and lugs apart: leave --cylinder or --law own out"
+                    "the quadrature models rim and lugs separately: omit --cylinder or --law own"
                         .to_owned(),
                 );
             }
@@ -174,16 +175,16 @@ impl Chosen {
     }
 
     /// In results.
-    pub fn told(&self) -> LawTold {
+    pub fn report(&self) -> LawReport {
         match self.law {
-            Law::Paper => LawTold {
+            Law::Paper => LawReport {
                 law: "paper",
                 stress: StressConvention::Triangular,
                 bulk_density_kg_m3: None,
                 lug_thickness_m: None,
                 lug_thickness_assumed: false,
             },
-            Law::Own(own) => LawTold {
+            Law::Own(own) => LawReport {
                 law: "own",
                 stress: own.convention,
                 bulk_density_kg_m3: own.lugs.map(|_| own.bulk_density),

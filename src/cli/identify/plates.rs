@@ -1,4 +1,4 @@
-//! What plate tests gave: modulus and exponent of pressure and sinkage.
+//! Plate tests: pressure-sinkage modulus and exponent.
 
 use super::group::LeftOut;
 use super::text::{counted, write_item};
@@ -19,8 +19,8 @@ pub struct PlateTests {
     grounds: Vec<(Option<TerrainLabel>, Vec<Test>)>,
 }
 
-/// What to do about a run of which nobody stated a plate but which may be a plate test: it has sinkage and force,
-/// and neither pull nor torque.
+/// Hint for a run without a plate that may be a plate test: it has sinkage and force, and neither pull nor
+/// torque.
 pub fn way_out(trace: &Trace) -> &'static str {
     let has = |name: &str| trace.steady_mean(name).is_some();
     let [is_pressed, is_driven] = [
@@ -43,7 +43,7 @@ struct Test {
 }
 
 impl PlateTests {
-    /// Takes the run of a plate.
+    /// Adds a plate test.
     ///
     /// # Errors
     /// Why it gives no points.
@@ -81,7 +81,7 @@ impl PlateTests {
     }
 }
 
-/// What the plates of one ground gave.
+/// Result of the plate tests on one ground.
 #[derive(Debug, Serialize)]
 pub struct PlateReport {
     /// None: plates have no lugs.
@@ -89,16 +89,16 @@ pub struct PlateReport {
     terrain: Option<TerrainLabel>,
     runs: Vec<String>,
     plates: Vec<SizeReport>,
-    /// Sinkages [m] between which the law was fitted.
+    /// Range of sinkage [m] of the fit.
     sinkage_m: [f64; 2],
     /// `n0`, and `k_c` and `k_phi` of several sizes.
     parameters: BTreeMap<&'static str, ValueReport>,
-    /// What to fit wheels on this ground with.
+    /// Values to use in fits of wheels on this ground.
     known: Vec<KnownReport>,
-    /// `tests`, or `parts` of a test: what the intervals are made of.
+    /// Resampling unit of the intervals: `tests`, or `parts` of a test.
     intervals_from: &'static str,
     degrees_of_freedom: usize,
-    /// Runs that are in no fit.
+    /// Runs that were not used.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -125,12 +125,12 @@ struct ValueReport {
     identifiable: bool,
 }
 
-/// Text for `--known`.
+/// Argument of `--known`.
 #[derive(Debug, Serialize)]
 struct KnownReport {
     /// `NAME=VALUE`.
     option: String,
-    /// The wheel that it is of [m]; none where it is of any.
+    /// Width [m] of the wheel that it applies to; none where it applies to any.
     wheel_width_m: Option<f64>,
 }
 
@@ -192,7 +192,7 @@ impl SizeReport {
 }
 
 impl ValueReport {
-    /// Identified where its interval is no wider than is of use of a parameter.
+    /// Identified if its interval is informative by the limit for a parameter.
     fn bounded(interval: &Interval, as_parameter: Parameter) -> Self {
         let ends = interval
             .ci95
@@ -202,7 +202,7 @@ impl ValueReport {
         Self::new(interval, as_parameter.unit(), identifiable)
     }
 
-    /// Identified where its sign is.
+    /// Identified if its sign is.
     fn signed(interval: &Interval, unit: &'static str) -> Self {
         let identifiable = interval.ci95.is_some_and(|[low, high]| low * high > 0.0);
         Self::new(interval, unit, identifiable)
@@ -218,7 +218,8 @@ impl ValueReport {
     }
 }
 
-/// `n0`, and `k_s` under the wheels of the same files and, of one size, under a wheel as wide as its `b`.
+/// `n0`, and `k_s` under the wheels of the same files or, for plates of one size, under a wheel as wide as
+/// its `b`.
 fn known(law: &PressureSinkage, widths: &[f64]) -> Vec<KnownReport> {
     let exponent = format!("n0={}", four_digits(law.exponent.value).replace('−', "-"));
     let mut known = vec![KnownReport {
@@ -263,14 +264,14 @@ impl fmt::Display for PlateReport {
         writeln!(f, "  {}", counts.join(", "))?;
         let from = match self.intervals_from {
             "tests" => "the scatter between tests".to_owned(),
-            _ => "parts of single tests: the scatter between places is not in them".to_owned(),
+            _ => "parts of single tests: they do not cover the scatter between places".to_owned(),
         };
         let freedom = self.degrees_of_freedom;
         let from = format!("intervals from {from} ({freedom} degrees of freedom)");
         write_item(f, "  ", &from)?;
         let [shallow, deep] = self.sinkage_m.map(|sinkage| four_digits(1.0e3 * sinkage));
         let fitted = format!(
-            "fitted from {shallow} mm (shallower points hold 5 % of the sum of p^2) to {deep} mm: under a wheel that sinks \
+            "fitted from {shallow} mm (shallower points have 5 % of the weight) to {deep} mm: under a wheel that sinks \
              less, p is extrapolated"
         );
         write_item(f, "  ", &fitted)?;
@@ -316,9 +317,10 @@ impl ValueReport {
         };
         let value = four_digits(self.value);
         let unit = if self.unit == "1" { "-" } else { self.unit };
-        let standing = match self.identifiable {
-            true => "identified",
-            false => "not identifiable",
+        let standing = if self.identifiable {
+            "identified"
+        } else {
+            "not identifiable"
         };
         writeln!(
             f,

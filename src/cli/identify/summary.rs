@@ -1,19 +1,20 @@
-//! What was identified, for machines.
+//! Result of `identify` for machines.
 
-use super::class::ToldBy;
+use super::class::ClassSource;
 use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
-use super::law::{LawTold, OtherStress};
+use super::law::{LawReport, OtherStress};
 use super::plates::PlateReport;
 use crate::identification::{
-    Combination, Cylinder, Drift, Estimate, Identified, Open, Parameter, Predicted, Prediction,
-    PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Warning,
+    Combination, Cylinder, Drift, Estimate, Identified, Parameter, Predicted, Prediction,
+    PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Unidentifiable,
+    Warning,
 };
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use serde::{Serialize, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The parameters in the order in which they are told.
+/// The parameters in the order of the output.
 const ORDER: [Parameter; 8] = [
     Parameter::SinkageModulus,
     Parameter::SinkageExponent,
@@ -25,10 +26,10 @@ const ORDER: [Parameter; 8] = [
     Parameter::ShearModulus,
 ];
 
-/// Share of a run's windows [-] below which its rows may come from several grounds.
+/// Fraction of a run's windows [-] with its class below which it may be on several grounds.
 const CLEAR: f64 = 0.9;
 
-/// What files gave: for machines an object, or a list of several.
+/// Result for several files: in JSON an object, or a list of several.
 #[derive(Debug)]
 pub struct Summary {
     /// The files by name.
@@ -37,12 +38,12 @@ pub struct Summary {
     pub reports: Vec<Report>,
     /// One for each ground that plates were pressed into.
     pub plates: Vec<PlateReport>,
-    /// What gave nothing, and why.
+    /// What was not used, with reasons.
     pub unused: Unused,
 }
 
 impl Summary {
-    /// What came of files.
+    /// The summary of a command.
     pub fn new(
         files: String,
         mut reports: Vec<Report>,
@@ -78,7 +79,7 @@ impl Serialize for Summary {
     }
 }
 
-/// What a wheel or plates gave.
+/// Result of a wheel or of plates.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Either<'a> {
@@ -86,77 +87,77 @@ enum Either<'a> {
     Plates(&'a PlateReport),
 }
 
-/// What one class and wheel gave.
+/// Result for one class and wheel.
 #[derive(Debug, Serialize)]
 pub struct Report {
     /// The class.
     pub class: Wtic,
     /// The wheel.
     pub wheel: WheelOfRun,
-    /// How the equations take it.
-    pub setting: SettingTold,
+    /// Conventions of the equations.
+    pub setting: SettingReport,
     /// The runs used.
-    pub runs: Vec<RunTold>,
+    pub runs: Vec<RunReport>,
     /// The rows used.
-    pub rows: Vec<RowTold>,
-    /// What to know before using a number.
-    pub warnings: Vec<WarningTold>,
+    pub rows: Vec<RowReport>,
+    /// Warnings, to be read before the numbers.
+    pub warnings: Vec<WarningReport>,
     /// Why the parameters are effective ones, of this wheel and load; none where they may be the soil's.
     pub effective: Option<String>,
     /// The parameters by name.
     #[serde(serialize_with = "by_name")]
-    pub parameters: Vec<(Parameter, ParameterTold)>,
-    /// The parameters if the stress is distributed otherwise than presumed; none by the paper's equations.
+    pub parameters: Vec<(Parameter, ParameterReport)>,
+    /// The parameters for the alternative stress distribution; none by the paper's equations.
     pub other_stress: Option<OtherStress>,
-    /// What is known of parameters that are not identified one by one.
-    pub combinations: Vec<CombinationTold>,
-    /// How estimates go together.
+    /// Identifiable combinations of parameters that are not identifiable alone.
+    pub combinations: Vec<CombinationReport>,
+    /// Correlation of the estimates.
     pub correlation: Correlation,
-    /// Errors of the forces that the parameters give at the slip and sinkage measured (Table 7).
+    /// Relative errors of the forces at the measured slip and sinkage (Table 7).
     pub force_error_percent: Forces<Option<f64>>,
-    /// Errors of what they predict from slip and load.
+    /// Relative errors of predictions from slip and load.
     pub prediction_error_percent: PredictionErrors,
-    /// What the paper's three stages gave; none without torques.
-    pub staged: Option<StagedTold>,
+    /// Result of the paper's three stages; none without torques.
+    pub staged: Option<StagedReport>,
     /// Why the fit stopped.
     pub termination: &'static str,
     /// Sum of squared weighted residuals [-].
     pub chi_square: f64,
-    /// Measured forces less directions that they fix.
+    /// Number of measured forces minus number of identified directions.
     pub degrees_of_freedom: usize,
-    /// Runs that are in no fit.
+    /// Runs that were not used.
     pub left_out: Vec<LeftOut>,
-    /// Stretches of runs in a fit that are not in it.
+    /// Stretches that were not used, of runs that were.
     pub stretches_left_out: Vec<StretchLeftOut>,
-    /// The drawing, where one was asked for.
+    /// The figure, if one was drawn.
     pub figure: Option<String>,
 }
 
-/// How the equations take the wheel.
+/// Conventions of the equations.
 #[derive(Debug, Serialize)]
-pub struct SettingTold {
+pub struct SettingReport {
     /// `rim` or `lug_tips`.
     pub cylinder: &'static str,
     /// `c_3` [-].
     pub exit_angle: f64,
     /// The equations.
     #[serde(flatten)]
-    pub law: LawTold,
+    pub law: LawReport,
 }
 
 /// A run used.
 #[derive(Debug, Serialize)]
-pub struct RunTold {
+pub struct RunReport {
     /// Its name.
     pub run: String,
-    /// Its ground, where the file says.
+    /// Its ground, if stated in the file.
     pub terrain: Option<TerrainLabel>,
-    /// Who told its class.
+    /// Source of its class.
     #[serde(flatten)]
-    pub class_by: ToldBy,
+    pub class_by: ClassSource,
 }
 
-/// Three forces, or something of each.
+/// One value for each force.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Forces<T> {
     /// Drawbar pull [N].
@@ -167,9 +168,9 @@ pub struct Forces<T> {
     pub driving_torque: T,
 }
 
-/// A row as measured, and what the parameters give there.
+/// A row as measured, as fitted and as predicted.
 #[derive(Debug, Serialize)]
-pub struct RowTold {
+pub struct RowReport {
     /// Its run.
     pub run: String,
     /// When it was measured [s]; none in a run of means.
@@ -181,52 +182,52 @@ pub struct RowTold {
     /// The forces measured.
     #[serde(flatten)]
     pub measured: Forces<f64>,
-    /// Their standard uncertainties, where they are known.
+    /// Their standard uncertainties, where known.
     pub uncertainty: Option<Forces<f64>>,
-    /// What still changes in the interval, which its uncertainty holds.
+    /// Drifts in the interval, included in the uncertainty.
     pub drifts: Vec<Drift>,
-    /// Standard uncertainty of the slip ratio [-]; 0 where it counts as exact.
+    /// Standard uncertainty of the slip ratio [-]; 0 where treated as exact.
     pub slip_uncertainty: f64,
-    /// Standard uncertainty of the sinkage [m]; 0 where it counts as exact.
+    /// Standard uncertainty of the sinkage [m]; 0 where treated as exact.
     pub sinkage_uncertainty: f64,
-    /// The forces by the parameters at this slip and sinkage.
+    /// The fitted forces at this slip and sinkage.
     pub fitted: Forces<f64>,
-    /// Sinkage, pull and torque by the parameters at this slip and load; none where the soil does
-    /// not carry the load or static friction holds the wheel.
-    pub predicted: Option<PredictionTold>,
+    /// Sinkage, pull and torque predicted at this slip and load; none where the soil does not carry the load
+    /// or static friction holds the wheel.
+    pub predicted: Option<PredictionReport>,
 }
 
-/// What is predicted from slip and load.
+/// Predictions from slip and load.
 #[derive(Debug, Serialize)]
-pub struct PredictionTold {
+pub struct PredictionReport {
     /// Sinkage [m] of the rim.
-    pub sinkage: PredictedTold,
+    pub sinkage: QuantityReport,
     /// Drawbar pull [N].
-    pub drawbar_pull: PredictedTold,
+    pub drawbar_pull: QuantityReport,
     /// Driving torque [N·m].
-    pub driving_torque: PredictedTold,
+    pub driving_torque: QuantityReport,
 }
 
-impl PredictionTold {
+impl PredictionReport {
     fn of(prediction: &Prediction) -> Self {
         Self {
-            sinkage: PredictedTold::of(&prediction.sinkage),
-            drawbar_pull: PredictedTold::of(&prediction.drawbar_pull),
-            driving_torque: PredictedTold::of(&prediction.driving_torque),
+            sinkage: QuantityReport::of(&prediction.sinkage),
+            drawbar_pull: QuantityReport::of(&prediction.drawbar_pull),
+            driving_torque: QuantityReport::of(&prediction.driving_torque),
         }
     }
 }
 
 /// A predicted quantity.
 #[derive(Debug, Serialize)]
-pub struct PredictedTold {
+pub struct QuantityReport {
     /// Its value.
     pub value: f64,
-    /// Interval that holds 95 % of measurements; none where it is unbounded.
+    /// 95 % prediction interval; none where unbounded.
     pub interval95: Option<[f64; 2]>,
 }
 
-impl PredictedTold {
+impl QuantityReport {
     fn of(predicted: &Predicted) -> Self {
         let interval = predicted.interval();
         Self {
@@ -241,40 +242,40 @@ impl PredictedTold {
 
 /// A warning.
 #[derive(Debug, Serialize)]
-pub struct WarningTold {
+pub struct WarningReport {
     /// Its name.
     pub kind: &'static str,
-    /// What is the case.
+    /// The finding.
     pub message: String,
-    /// What not to believe.
+    /// Its consequence for the results.
     pub meaning: &'static str,
 }
 
 /// A parameter.
 #[derive(Debug, Serialize)]
-pub struct ParameterTold {
+pub struct ParameterReport {
     /// Its value.
     pub value: f64,
-    /// 95 % interval; `None` where it is unbounded.
+    /// 95 % interval; `None` where unbounded.
     pub ci95: [Option<f64>; 2],
     /// Its unit.
     pub unit: &'static str,
-    /// Whether the data fix it.
+    /// Whether the data identify it.
     pub identifiable: bool,
-    /// How it came by its value.
+    /// How it got its value.
     pub standing: &'static str,
-    /// Why the data do not fix it; none where they do, or were not asked.
+    /// Why it is not identifiable; none where it is, or was not fitted.
     pub reason: Option<String>,
-    /// Whether it is of this wheel and load only.
+    /// Whether it applies to this wheel and load only.
     pub effective: bool,
 }
 
 /// A combination of parameters.
 #[derive(Debug, Serialize)]
-pub struct CombinationTold {
+pub struct CombinationReport {
     /// What it is.
     pub name: &'static str,
-    /// Where it was taken.
+    /// Where it is evaluated.
     pub at: String,
     /// Its value.
     pub value: f64,
@@ -284,17 +285,17 @@ pub struct CombinationTold {
     pub unit: &'static str,
 }
 
-/// How estimates go together.
+/// Correlation of the estimates.
 #[derive(Debug, Serialize)]
 pub struct Correlation {
-    /// The free parameters.
+    /// The fitted parameters.
     pub parameters: Vec<&'static str>,
-    /// Their correlation; none with a parameter that the data do not fix at all.
+    /// Their correlation; none with an unbounded parameter.
     pub matrix: Vec<Vec<Option<f64>>>,
 }
 
 impl Correlation {
-    /// Pairs that correlate by more than `limit`, the strongest first.
+    /// Pairs with an absolute correlation above `limit`, the strongest first.
     pub fn above(&self, limit: f64) -> Vec<(&'static str, &'static str, f64)> {
         let names = &self.parameters;
         let rows = self.matrix.iter().enumerate();
@@ -308,9 +309,9 @@ impl Correlation {
     }
 }
 
-/// What the paper's three stages gave.
+/// Result of the paper's three stages.
 #[derive(Debug, Serialize)]
-pub struct StagedTold {
+pub struct StagedReport {
     /// Values by name.
     #[serde(serialize_with = "values_by_name")]
     pub parameters: TerrainParameters,
@@ -319,21 +320,21 @@ pub struct StagedTold {
 }
 
 impl Report {
-    /// What a fit gave.
+    /// The report of a fit.
     pub fn of(fit: &Fit) -> Self {
         let estimate = &fit.estimate;
         let rows = fit.runs.iter().flat_map(|run| {
             let rows = run.rows.iter();
-            rows.map(|row| row_told(&run.run, row, fit))
+            rows.map(|row| row_report(&run.run, row, fit))
         });
         let scope = fit.scope();
-        let runs = fit.runs.iter().map(|run| RunTold {
+        let runs = fit.runs.iter().map(|run| RunReport {
             run: run.run.clone(),
             terrain: run.terrain,
-            class_by: run.told.by.clone(),
+            class_by: run.classification.by.clone(),
         });
-        let runs: Vec<RunTold> = runs.collect();
-        let mut warnings: Vec<WarningTold> = estimate.warnings.iter().map(warning).collect();
+        let runs: Vec<RunReport> = runs.collect();
+        let mut warnings: Vec<WarningReport> = estimate.warnings.iter().map(warning).collect();
         warnings.extend(mixed(&runs));
         warnings.extend(not_steady(fit));
         warnings.extend(unused(fit));
@@ -341,7 +342,7 @@ impl Report {
         Self {
             class: estimate.class,
             wheel: fit.wheel,
-            setting: SettingTold {
+            setting: SettingReport {
                 cylinder: match fit.setting.cylinder {
                     Cylinder::Rim => "rim",
                     Cylinder::LugTips => "lug_tips",
@@ -354,8 +355,8 @@ impl Report {
             effective: scope.as_ref().map(Scope::to_string),
             parameters: ORDER
                 .map(|parameter| {
-                    let told = parameter_told(estimate.of(parameter), scope.is_some());
-                    (parameter, told)
+                    let report = parameter_report(estimate.of(parameter), scope.is_some());
+                    (parameter, report)
                 })
                 .into(),
             other_stress: fit.other_stress.clone(),
@@ -370,7 +371,7 @@ impl Report {
                 driving_torque: estimate.force_errors.driving_torque,
             },
             prediction_error_percent: fit.predictor.errors(&fit.rows()),
-            staged: estimate.staged.map(|staged| StagedTold {
+            staged: estimate.staged.map(|staged| StagedReport {
                 parameters: staged.parameters,
                 terminations: staged.terminations.map(termination),
             }),
@@ -385,13 +386,13 @@ impl Report {
     }
 }
 
-fn row_told(run: &str, row: &SteadyRow, fit: &Fit) -> RowTold {
+fn row_report(run: &str, row: &SteadyRow, fit: &Fit) -> RowReport {
     let SteadyRow {
         load: row,
         interval,
         drifts,
     } = row;
-    RowTold {
+    RowReport {
         run: run.to_owned(),
         interval_s: (interval[1] > interval[0]).then_some(*interval),
         slip: row.slip,
@@ -412,7 +413,7 @@ fn row_told(run: &str, row: &SteadyRow, fit: &Fit) -> RowTold {
             .uncertainty
             .map_or(0.0, |uncertainty| uncertainty.sinkage),
         fitted: forces(fit.estimate.loads_at(&fit.setting, row.slip, row.sinkage)),
-        predicted: fit.predictor.of_row(row).as_ref().map(PredictionTold::of),
+        predicted: fit.predictor.of_row(row).as_ref().map(PredictionReport::of),
     }
 }
 
@@ -424,8 +425,8 @@ fn forces(load: WheelLoad) -> Forces<f64> {
     }
 }
 
-fn parameter_told(identified: &Identified, effective: bool) -> ParameterTold {
-    ParameterTold {
+fn parameter_report(identified: &Identified, effective: bool) -> ParameterReport {
+    ParameterReport {
         value: identified.value,
         ci95: identified.ci95(),
         unit: identified.parameter.unit(),
@@ -436,13 +437,16 @@ fn parameter_told(identified: &Identified, effective: bool) -> ParameterTold {
             Standing::SetByClass => "set_by_class",
             Standing::Given => "given",
         },
-        reason: identified.open.as_ref().map(Open::to_string),
+        reason: identified
+            .unidentifiable
+            .as_ref()
+            .map(Unidentifiable::to_string),
         effective: effective && identified.is_identifiable(),
     }
 }
 
-fn combination(combination: &Combination) -> CombinationTold {
-    CombinationTold {
+fn combination(combination: &Combination) -> CombinationReport {
+    CombinationReport {
         name: combination.name,
         at: combination.place.clone(),
         value: combination.value,
@@ -451,7 +455,7 @@ fn combination(combination: &Combination) -> CombinationTold {
     }
 }
 
-/// Names of the parameters that the fit leaves free, in the order of their correlation.
+/// Names of the fitted parameters, in the order of their correlation.
 fn free(estimate: &Estimate) -> Vec<&'static str> {
     let free = estimate.parameters.iter().filter(|identified| {
         matches!(
@@ -471,70 +475,68 @@ fn termination(termination: Termination) -> &'static str {
     }
 }
 
-fn warning(warning: &Warning) -> WarningTold {
+fn warning(warning: &Warning) -> WarningReport {
     let (kind, meaning) = match warning {
         Warning::AtBound { .. } => (
             "at_bound",
-            "this value is where the search ends, not what the ground is: do not use it or its \
-             interval, and take the others as given with it",
+            "this value is a bound of the search, not an estimate: do not use it or its interval; the \
+             other estimates are conditional on it",
         ),
         Warning::ExponentAssumed { .. } => (
             "exponent_assumed",
-            "use k_s, n0 and n1 together and near the loads measured; runs at other loads, or n0 \
-             from plates (--known n0), part them",
+            "use k_s, n0 and n1 together and near the measured loads; runs at other loads, or n0 \
+             from plates (--known n0), separate them",
         ),
         Warning::PeakOutsideContact { .. } => (
             "peak_outside_contact",
-            "c1 and c2 only serve to give these forces back: they say nothing of where the stress \
-             peaks, here or at other slips",
+            "c1 and c2 only reproduce these forces: they do not locate the stress peak, here or at \
+             other slips",
         ),
         Warning::PeakAtEnd { .. } => (
             "peak_at_end",
-            "c1, c2 and K are held by the contact and not by the loads, and the intervals of the others presume this \
-             peak: is slip counted from another radius, or is the convention or c3 another?",
+            "c1, c2 and K are determined by the bound and not by the loads, and the other intervals are conditional on \
+             it: check the radius by which slip is taken, the convention and c3",
         ),
         Warning::Misfit { .. } => (
             "misfit",
-            "the model does not describe these loads: no parameter is known as well as its \
-             interval says, however narrow it is; trust the force errors instead",
+            "the model does not describe these loads: the intervals understate the uncertainty; \
+             judge by the force errors instead",
         ),
         Warning::LoadMissed(_) => (
             "load_missed",
-            "what carries this wheel is not what these parameters say: use them for no other wheel or load",
+            "these parameters do not describe what carries this wheel: use them for no other wheel or load",
         ),
         Warning::UncertaintiesIgnored => (
             "uncertainties_ignored",
-            "rows of great and of small uncertainty count alike",
+            "rows of large and small uncertainty have equal weight",
         ),
         Warning::NoFreedom => (
             "no_freedom",
-            "the values go through the rows exactly, whatever is wrong with these: they are \
-             untested",
+            "the fit is exact whatever the errors of the rows: the values are untested",
         ),
         Warning::LoadsDiffer { .. } => (
             "loads_differ",
-            "k_s and what is told of k_s z^n0 belong to none of the loads; choose the runs of one load with \
-             --run",
+            "k_s and the identifiable combination k_s z^n0 apply to none of the loads; choose the runs of one load \
+             with --run",
         ),
         Warning::Braking { .. } => (
             "braking",
-            "these rows pull the parameters to where a driven wheel's forces would have to be theirs; \
-             --slip 0:1 leaves them out",
+            "these rows bias the parameters of the driven-wheel model; --slip 0:1 excludes them",
         ),
         Warning::NotAMinimum(_) => (
             "not_a_minimum",
-            "no value and no interval below is an estimate: do not use them",
+            "no value or interval below is an estimate: do not use them",
         ),
     };
-    WarningTold {
+    WarningReport {
         kind,
         message: warning.to_string(),
         meaning,
     }
 }
 
-/// Rows of values that still change.
-fn not_steady(fit: &Fit) -> Option<WarningTold> {
+/// Warning about rows with drifts.
+fn not_steady(fit: &Fit) -> Option<WarningReport> {
     const SHOWN: usize = 3;
     let of_run = |run: &'_ Rows| {
         let drifting = run.rows.iter().filter(|row| !row.is_steady());
@@ -546,14 +548,14 @@ fn not_steady(fit: &Fit) -> Option<WarningTold> {
     let all: usize = fit.runs.iter().map(|run| run.rows.len()).sum();
     let more = if drifting.len() > SHOWN { "; ..." } else { "" };
     let shown = drifting[..drifting.len().min(SHOWN)].join("; ");
-    (!drifting.is_empty()).then(|| WarningTold {
+    (!drifting.is_empty()).then(|| WarningReport {
         kind: "not_steady",
         message: format!(
             "{} of {all} rows are not steady ({shown}{more})",
             drifting.len()
         ),
-        meaning: "their means depend on how long the wheel had been rolling; the change over each interval is in \
-                  its uncertainty: record longer, or leave these runs out with --run",
+        meaning: "their means depend on how long the wheel had been rolling; the change over each interval is included \
+                  in its uncertainty: record longer, or exclude these runs with --run",
     })
 }
 
@@ -564,76 +566,76 @@ fn drifting_row(run: &str, row: &SteadyRow) -> String {
     format!("{run} from {from:.1} to {to:.1} s: {}", rates.join(", "))
 }
 
-/// Runs that may not be of one ground.
-fn mixed(runs: &[RunTold]) -> Vec<WarningTold> {
+/// Warnings about runs that may be on several grounds.
+fn mixed(runs: &[RunReport]) -> Vec<WarningReport> {
     let mut warnings = Vec::new();
     for run in runs {
-        if let ToldBy::Recognized {
+        if let ClassSource::Recognized {
             windows,
             of_windows,
         } = run.class_by
             && (windows as f64) < CLEAR * of_windows as f64
         {
-            warnings.push(WarningTold {
+            warnings.push(WarningReport {
                 kind: "mixed_windows",
                 message: format!(
                     "run {} has this class in {windows} of its {of_windows} windows only",
                     run.run
                 ),
-                meaning: "rows from other ground may be among its rows",
+                meaning: "some of its rows may be from other ground",
             });
         }
     }
     let terrains: BTreeSet<TerrainLabel> = runs.iter().filter_map(|run| run.terrain).collect();
     if terrains.len() > 1 {
         let names: Vec<&str> = terrains.iter().map(|terrain| terrain.as_str()).collect();
-        warnings.push(WarningTold {
+        warnings.push(WarningReport {
             kind: "mixed_terrains",
             message: format!("the runs are labelled {}", names.join(" and ")),
-            meaning: "one set of parameters stands for several grounds; choose runs with --run",
+            meaning: "one set of parameters is fitted to several grounds; choose runs with --run",
         });
     }
     warnings
 }
 
-/// A guess that carries some of the load.
-fn thickness_assumed(law: &LawTold) -> Option<WarningTold> {
+/// Warning about a default lug thickness that affects the result.
+fn thickness_assumed(law: &LawReport) -> Option<WarningReport> {
     let thickness = law.lug_thickness_m.filter(|_| law.lug_thickness_assumed)?;
-    Some(WarningTold {
+    Some(WarningReport {
         kind: "lug_thickness_assumed",
         message: format!(
-            "the lugs' thickness is not stated: {} mm are assumed",
+            "the lug thickness is not stated: {} mm is assumed",
             1.0e3 * thickness
         ),
-        meaning: "k_s and n0 depend on what the lugs' edges carry: state lug_thickness_m in the campaign, or \
+        meaning: "k_s and n0 depend on the load carried by the lugs' edges: state lug_thickness_m in the campaign, or \
                   --lug-thickness",
     })
 }
 
-/// Known parameters that the class sets otherwise.
-fn unused(fit: &Fit) -> Vec<WarningTold> {
+/// Warnings about given parameters that the class sets otherwise.
+fn unused(fit: &Fit) -> Vec<WarningReport> {
     let is_unused = |parameter: &Parameter| {
         let set = fit.estimate.of(*parameter).standing == Standing::SetByClass;
         set && fit.setting.known.get(*parameter).is_some()
     };
     let unused = ORDER.into_iter().filter(is_unused);
-    let told = unused.map(|parameter| WarningTold {
+    let warnings = unused.map(|parameter| WarningReport {
         kind: "known_not_used",
         message: format!(
-            "{} is not as given with --known: class {} sets it to 0",
+            "{} given with --known is ignored: class {} sets it to 0",
             parameter.name(),
             fit.estimate.class
         ),
-        meaning: "the forces are explained without it",
+        meaning: "the forces are fitted without it",
     });
-    told.collect()
+    warnings.collect()
 }
 
 fn by_name<S: Serializer>(
-    parameters: &[(Parameter, ParameterTold)],
+    parameters: &[(Parameter, ParameterReport)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(parameters.iter().map(|(of, told)| (of.name(), told)))
+    serializer.collect_map(parameters.iter().map(|(of, report)| (of.name(), report)))
 }
 
 pub fn values_by_name<S: Serializer>(
@@ -643,28 +645,28 @@ pub fn values_by_name<S: Serializer>(
     serializer.collect_map(ORDER.map(|of| (of.name(), parameters.get(of))))
 }
 
-/// Runs of each origin of the class, in the order of the origins.
-pub fn by_origin(runs: &[RunTold]) -> BTreeMap<Origin<'_>, Vec<&RunTold>> {
-    let mut origins: BTreeMap<Origin, Vec<&RunTold>> = BTreeMap::new();
+/// Runs grouped by the source of their class, in the order of the sources.
+pub fn by_origin(runs: &[RunReport]) -> BTreeMap<Origin<'_>, Vec<&RunReport>> {
+    let mut origins: BTreeMap<Origin, Vec<&RunReport>> = BTreeMap::new();
     for run in runs {
         origins.entry(Origin::of(run)).or_default().push(run);
     }
     origins
 }
 
-/// Who told the classes of several runs.
+/// Common source of the classes of several runs.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Origin<'r> {
-    /// Their vibration.
+    /// Recognition.
     Recognized,
-    /// Others, for one reason.
-    Other(&'r ToldBy),
+    /// Another source, for one reason.
+    Other(&'r ClassSource),
 }
 
 impl<'r> Origin<'r> {
-    fn of(run: &'r RunTold) -> Self {
+    fn of(run: &'r RunReport) -> Self {
         match &run.class_by {
-            ToldBy::Recognized { .. } => Self::Recognized,
+            ClassSource::Recognized { .. } => Self::Recognized,
             other => Self::Other(other),
         }
     }

@@ -1,9 +1,11 @@
-//! What was identified, for people.
+//! Result of `identify` for people.
 
-use super::class::ToldBy;
+use super::class::ClassSource;
 use super::group::{LeftOut, StretchLeftOut, Unused};
 use super::law::OtherStress;
-use super::summary::{Origin, ParameterTold, Report, RunTold, SettingTold, Summary, by_origin};
+use super::summary::{
+    Origin, ParameterReport, Report, RunReport, SettingReport, Summary, by_origin,
+};
 use crate::recognition::known::Source;
 use crate::report::page::four_digits;
 use crate::soil::StressConvention;
@@ -11,13 +13,13 @@ use crate::terrain::class::Wtic;
 use crate::trace::behind_number;
 use std::fmt;
 
-/// Correlation [-] from which two estimates are told to go together.
+/// Absolute correlation [-] from which two estimates are reported as strongly correlated.
 const STRONG: f64 = 0.95;
 
 /// Width of a line of text.
 const LINE: usize = 96;
 
-/// Errors [%] of pull, load and torque in Table 7 of the paper, and its ground.
+/// Errors [%] of pull, load and torque in Table 7 of the paper, with its ground.
 fn published(class: Wtic) -> Option<(&'static str, [f64; 3])> {
     match class {
         Wtic::Alct => Some(("HT", [15.2, 11.68, 15.52])),
@@ -27,7 +29,7 @@ fn published(class: Wtic) -> Option<(&'static str, [f64; 3])> {
     }
 }
 
-/// What was left out: runs, those of one reason together, and stretches.
+/// What was not used: runs grouped by reason, and stretches.
 pub fn reasons(unused: &Unused) -> String {
     let mut together: Vec<(&str, Vec<&str>)> = Vec::new();
     for LeftOut { run, reason } in &unused.runs {
@@ -47,7 +49,7 @@ pub fn reasons(unused: &Unused) -> String {
     runs.chain(stretches).collect::<Vec<_>>().join("\n")
 }
 
-/// Runs by name; the first and last of many.
+/// Names of runs; the first and last of many.
 fn named(runs: &[&str]) -> String {
     match runs {
         [run] => format!("run {run}"),
@@ -97,7 +99,7 @@ impl Report {
     fn write_what(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "Class {}", self.class)?;
         for (origin, runs) in by_origin(&self.runs) {
-            write_item(f, "  ", &who_told(&origin, &runs))?;
+            write_item(f, "  ", &class_source(&origin, &runs))?;
         }
         writeln!(f, "  wheel: {}", self.wheel)?;
         write_item(f, "  ", &self.law())?;
@@ -111,9 +113,9 @@ impl Report {
         )
     }
 
-    /// The equations and what they presume.
+    /// The equations and their assumptions.
     fn law(&self) -> String {
-        let SettingTold {
+        let SettingReport {
             cylinder,
             exit_angle,
             law,
@@ -136,7 +138,7 @@ impl Report {
             )
         });
         format!(
-            "law: own, quadrature over rim and lugs, {stress}, {c_3}{lugs}; all of these presumed"
+            "law: own, quadrature over rim and lugs, {stress}, {c_3}{lugs}; all of these assumed"
         )
     }
 
@@ -144,7 +146,7 @@ impl Report {
         if self.warnings.is_empty() {
             return Ok(());
         }
-        writeln!(f, "\nWARNING, before any number is used")?;
+        writeln!(f, "\nWARNING, read before using any number")?;
         for warning in &self.warnings {
             let text = format!("{}: {}", warning.message, warning.meaning);
             write_item(f, "  ! ", &text)?;
@@ -158,14 +160,14 @@ impl Report {
             "\n{:<10}{:>12}  {:<26}{:<12}standing",
             "parameter", "value", "95 % interval", "unit"
         )?;
-        for (parameter, told) in &self.parameters {
-            let (name, value) = (parameter.name(), four_digits(told.value));
-            let unit = shown_unit(told.unit);
-            let interval = interval(told);
-            let standing = match &told.reason {
-                _ if told.effective => "effective".to_owned(),
+        for (parameter, report) in &self.parameters {
+            let (name, value) = (parameter.name(), four_digits(report.value));
+            let unit = shown_unit(report.unit);
+            let interval = interval(report);
+            let standing = match &report.reason {
+                _ if report.effective => "effective".to_owned(),
                 Some(reason) => format!("not identifiable: {reason}"),
-                None => told.standing.replace('_', " "),
+                None => report.standing.replace('_', " "),
             };
             writeln!(
                 f,
@@ -188,30 +190,34 @@ impl Report {
             };
             writeln!(
                 f,
-                "known of them together: {} = {value} [{low}, {high}]{unit}{place}",
+                "identifiable combination: {} = {value} [{low}, {high}]{unit}{place}",
                 combination.name
             )?;
         }
         Ok(())
     }
 
-    /// How the identified parameters move with the distribution of stress.
+    /// The identified parameters under the alternative stress distribution.
     fn by_other_stress(&self, other: &OtherStress) -> String {
-        let identified = self.parameters.iter().filter(|(_, told)| told.identifiable);
+        let identified = self
+            .parameters
+            .iter()
+            .filter(|(_, report)| report.identifiable);
         let moved: Vec<String> = identified
-            .map(|(parameter, told)| {
-                let unit = behind_number(shown_unit(told.unit));
+            .map(|(parameter, report)| {
+                let unit = behind_number(shown_unit(report.unit));
                 let value = four_digits(other.parameters.get(*parameter));
                 format!("{} = {value}{unit}", parameter.name())
             })
             .collect();
-        let moved = match moved.is_empty() {
-            true => "no parameter is identified either".to_owned(),
-            false => moved.join(", "),
+        let moved = if moved.is_empty() {
+            "no parameter is identified either".to_owned()
+        } else {
+            moved.join(", ")
         };
         let here = self.chi_square / self.degrees_of_freedom as f64;
         format!(
-            "by {} instead: {moved} (reduced chi square {}, here {})",
+            "with {} instead: {moved} (reduced chi square {}, here {})",
             stress_name(other.stress),
             four_digits(other.reduced_chi_square),
             four_digits(here)
@@ -220,7 +226,7 @@ impl Report {
 
     fn write_correlation(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let pairs = self.correlation.above(STRONG);
-        let told: Vec<String> = pairs
+        let shown: Vec<String> = pairs
             .iter()
             .take(5)
             .map(|(one, other, value)| {
@@ -228,12 +234,12 @@ impl Report {
                 format!("{one} {way} {other} ({})", value_of(*value))
             })
             .collect();
-        if told.is_empty() {
+        if shown.is_empty() {
             return Ok(());
         }
         let text = format!(
-            "hardly told apart: {}; a change of one is made up by the other",
-            told.join(", ")
+            "strongly correlated: {}; each can compensate a change of the other",
+            shown.join(", ")
         );
         for line in wrapped(&text, LINE) {
             writeln!(f, "{line}")?;
@@ -258,20 +264,17 @@ impl Report {
         write_error(f, "driving torque T_D", given.driving_torque, table_7[2])?;
         writeln!(f, "error by slip and load")?;
         if predicted.drawbar_pull.is_none() {
-            writeln!(
-                f,
-                "  none: these parameters foretell no row, or not all of them are told"
-            )?;
+            writeln!(f, "  none: the parameters give no prediction for some rows")?;
         }
         if self.class == Wtic::Leis {
             write_error(f, "sinkage z", predicted.sinkage, None)?;
         }
         write_error(f, "drawbar pull F_DP", predicted.drawbar_pull, None)?;
         write_error(f, "driving torque T_D", predicted.driving_torque, None)?;
-        let note = "Mean size of the error over mean size, of the rows fitted. By slip and sinkage, as \
-                    in Table 7 of Lv et al. 2023 (another rig and ground), the law is taken at \
-                    the sinkage measured, whose errors the exponent multiplies; by slip and load, \
-                    at the one that carries the load.";
+        let note = "Mean absolute error over mean absolute value, of the rows fitted. By slip and sinkage, as \
+                    in Table 7 of Lv et al. 2023 (another rig and ground), the law is evaluated at the \
+                    measured sinkage, whose errors the exponent amplifies; by slip and load, at the \
+                    sinkage that carries the load.";
         for line in wrapped(note, LINE) {
             writeln!(f, "{line}")?;
         }
@@ -282,7 +285,7 @@ impl Report {
 fn stress_name(stress: StressConvention) -> &'static str {
     match stress {
         StressConvention::WongReece => "Wong and Reece's stresses",
-        StressConvention::Triangular => "triangles of stress",
+        StressConvention::Triangular => "triangular stress",
     }
 }
 
@@ -298,11 +301,11 @@ fn write_error(
     writeln!(f, "  {name:<26}{here:>9}{published}")
 }
 
-fn who_told(origin: &Origin, runs: &[&RunTold]) -> String {
+fn class_source(origin: &Origin, runs: &[&RunReport]) -> String {
     let by = match origin {
         Origin::Recognized => {
-            let windows = |run: &&RunTold| match run.class_by {
-                ToldBy::Recognized {
+            let windows = |run: &&RunReport| match run.class_by {
+                ClassSource::Recognized {
                     windows,
                     of_windows,
                 } => [windows, of_windows],
@@ -311,13 +314,13 @@ fn who_told(origin: &Origin, runs: &[&RunTold]) -> String {
             let sum = |i: usize| -> usize { runs.iter().map(|run| windows(run)[i]).sum() };
             format!("recognised in {} of {}", sum(0), counted(sum(1), "window"))
         }
-        Origin::Other(ToldBy::Known { source, because }) => {
+        Origin::Other(ClassSource::Known { source, because }) => {
             let source = match source {
-                Source::GroundTruth => "what the simulation saw the lugs do",
+                Source::GroundTruth => "the contacts recorded by the simulation",
                 Source::RunClass => "the class in the run file",
                 Source::Terrain => "the class the paper gives the terrain",
             };
-            format!("by {source}, for it is not recognised ({because})")
+            format!("by {source}, since recognition failed ({because})")
         }
         Origin::Other(_) => "given with --class".to_owned(),
     };
@@ -351,10 +354,10 @@ pub fn counted(count: usize, what: &str) -> String {
     }
 }
 
-fn interval(told: &ParameterTold) -> String {
-    match told.standing {
+fn interval(report: &ParameterReport) -> String {
+    match report.standing {
         "set_by_class" | "given" => "-".to_owned(),
-        _ => match told.ci95 {
+        _ => match report.ci95 {
             [None, None] => "unbounded".to_owned(),
             ends => {
                 let [low, high] = ends.map(|end| end.map_or("unbounded".to_owned(), four_digits));
@@ -364,7 +367,7 @@ fn interval(told: &ParameterTold) -> String {
     }
 }
 
-/// A unit as people read it.
+/// A unit as printed.
 fn shown_unit(unit: &'static str) -> &'static str {
     match unit {
         "1" => "-",
@@ -378,7 +381,7 @@ fn value_of(correlation: f64) -> String {
     format!("{correlation:+.3}").replace('-', "−")
 }
 
-/// A point of a list: lines after the first stand below its text.
+/// A list item: continuation lines are indented below its text.
 pub fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Result {
     let width = lead.chars().count();
     let lines = wrapped(text, LINE - width);
@@ -386,7 +389,7 @@ pub fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Re
     writeln!(f, "{lead}{indented}")
 }
 
-/// `text` broken between words into lines of at most `width` letters, where words are no longer.
+/// `text` wrapped between words into lines of at most `width` characters; longer words are not broken.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
