@@ -2,25 +2,24 @@
 //!
 //! Each is a statistic of the vertical acceleration over the same statistic of the reference: the
 //! acceleration of the same wheel on flat hard ground ([`reference`]), turned by the same angle in
-//! the same window and passed through the same filter. What is not known of the wheel's rig then
-//! cancels, and so does its speed as far as the vibration is impacts of lugs.
+//! the same window and passed through the same filter. Unknown properties of the wheel's rig then cancel, and
+//! so does the speed as far as the vibration consists of impacts of lugs.
 //!
 //! ```text
 //! acceleration ─▶ cut out a window ─▶ less its mean, low-pass ─▶ statistics ─┐
 //! wheel angle ──▶ the same window ──▶ lug changes, velocity jumps ─▶ the same ┴▶ ratios κ, p = lg κ
 //! ```
 //!
-//! What the paper leaves open is chosen as follows; each choice is a field of [`Settings`], and
-//! `output/reference/feature_choices.txt` holds the study behind the defaults, on seeds that
-//! nothing else uses.
+//! Choices not specified in the paper are listed below; each is a field of [`Settings`], and
+//! `output/reference/feature_choices.txt` is the study behind the defaults, on seeds used nowhere else.
 //!
-//! - **Low-pass** (bandwidth): a Gaussian one, as it does not ring: an impact stays a pulse of one
-//!   sign, so that the mean of the rectified reference is its velocity jumps per time and does not
-//!   depend on the bandwidth. Sum of amplitudes and mean square do, and need one stated.
+//! - **Low-pass** (bandwidth): Gaussian, since it does not ring: an impact stays a pulse of one sign, so that
+//!   the mean of the rectified reference is its velocity jumps per time, independent of the bandwidth. Sum of
+//!   amplitudes and mean square depend on it, so it has to be stated.
 //! - **Mean value** (53): of the rectified acceleration. The signed mean of an acceleration is zero
 //!   up to bias on every ground.
-//! - **Amplitudes** (52): of all lines of the window's spectrum under a Hann window, as the window
-//!   holds no whole number of lug passes.
+//! - **Amplitudes** (52): of all lines of the window's spectrum under a Hann window, since the window does
+//!   not contain a whole number of lug passes.
 //! - **Frequency** (51): [`frequency`].
 
 pub mod band_powers;
@@ -72,7 +71,7 @@ pub enum Window {
     LugPasses(f64),
 }
 
-/// What the paper leaves open about windows and features.
+/// Choices on windows and features that the paper does not specify.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
@@ -161,7 +160,7 @@ impl Statistics {
     }
 }
 
-/// Extracts features; keeps its plans of the Fourier transform from window to window.
+/// Extracts features; reuses its plans of the Fourier transform.
 pub struct Extractor {
     settings: Settings,
     spectra: Spectra,
@@ -186,7 +185,7 @@ impl Extractor {
     /// Features of the samples `window` of a record.
     ///
     /// # Errors
-    /// [`Unusable`] says why the window has none: samples that are no numbers, a constant or
+    /// [`Unusable`] with the reason: samples that are no numbers, a constant or
     /// clipped channel, a wheel at rest, less than one lug pass or lug change, a rate too low for
     /// the bandwidth.
     pub fn features(
@@ -214,8 +213,8 @@ impl Extractor {
         pulses::pulses(record, window, &mut self.spectra)
     }
 
-    /// Logarithms of the acceleration's power in bands, see [`band_powers`]; no reference, no wheel
-    /// angle and no bandwidth enters.
+    /// Logarithms of the acceleration's power in bands, see [`band_powers`]; independent of reference, wheel
+    /// angle and bandwidth.
     ///
     /// # Errors
     /// [`Unusable`] for samples that are no numbers, and a constant or clipped channel.

@@ -3,13 +3,13 @@
 //! Two methods, neither trained on labelled terrain:
 //!
 //! - [`Method::Paper`]: the paper's regions of the feature space (Eq. 59-61), verbatim.
-//! - [`Method::Improved`]: lug by lug, from what the paper leaves out: whether impacts keep step with
-//!   the lugs, and how hard these should strike. Zero of the wheel angle, lag, sign, scale and lug
-//!   count are checked against the data; [`alignment`] states zero and lag.
+//! - [`Method::Improved`]: lug by lug, from the synchrony of impacts with the lugs and their strength
+//!   relative to the expected one. Zero of the wheel angle, lag, sign, scale and lug count are checked
+//!   against the data; [`alignment`] estimates zero and lag.
 //!
-//! Both answer UWTIC, with the reason, where they cannot tell. [`baseline`] is what users know, a
-//! classifier trained on band powers; [`known`] is the class a window is known to have, and
-//! [`confusion`] counts answers against it.
+//! Both return UWTIC, with the reason, where the evidence is insufficient. [`baseline`] is a conventional
+//! classifier trained on band powers; [`known`] is the reference class of a window, and [`confusion`] is the
+//! confusion matrix.
 
 pub mod alignment;
 #[cfg(feature = "baseline")]
@@ -30,7 +30,7 @@ use confusion::CLASSES;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// How a class is told.
+/// Method of recognition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -50,21 +50,21 @@ impl Method {
     }
 }
 
-/// What a method says of a window.
+/// Result of a method for a window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// The class.
     pub class: Wtic,
-    /// How sure the method is [-], in [0, 1]; what it means is said by the method.
+    /// Confidence of the method [-], in [0, 1]; defined by each method.
     pub confidence: f64,
     /// Why it is this class.
     pub reason: String,
-    /// Where lugs were found to strike, if they keep step and the wheel angle was measured.
+    /// Phase of the lug strikes, if they are synchronous and the wheel angle was measured.
     pub offset: Option<LugOffset>,
 }
 
 impl Answer {
-    /// The class cannot be told.
+    /// An unknown class with its reason.
     pub(crate) fn unknown(reason: impl ToString) -> Self {
         Self {
             class: Wtic::Uwtic,
@@ -86,7 +86,7 @@ pub struct Recognized {
     pub lug_passes: f64,
     /// Feature vector `P`, or why there is none.
     pub p: Result<[f64; 4], Unusable>,
-    /// The answers, in the order of the methods asked.
+    /// The results, in the order of the methods requested.
     pub answers: Vec<Answer>,
 }
 

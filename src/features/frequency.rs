@@ -1,12 +1,11 @@
 //! Frequency of the vibration over that of the lug pass (Eq. 51), three ways.
 //!
-//! Windows hold between one and some sixteen lug passes, and the paper's limits are 15 % apart
-//! from 1: with few passes no spectrum resolves that. Contact events can be counted, and their
-//! intervals averaged, in a window of any length; this is what (51) is, `κ_f = 1 / mean C_f`, where
-//! `C_f` is the interval between two contacts in lug angles. But in soil there are no contacts to
-//! count, and there the line of the lug pass stands clear. So the default looks for that line first
-//! and counts events where there is none. All work on wheel angle instead of time, so that a
-//! changing speed smears nothing.
+//! Windows contain between one and some sixteen lug passes, and the paper's limits are 15 % from 1: with few
+//! passes no spectrum resolves that. Contact events can be counted, and their intervals averaged, in a window
+//! of any length; this is the meaning of (51), `κ_f = 1 / mean C_f`, where `C_f` is the interval between two
+//! contacts in lug angles. In soil there are no contacts to count, but the line of the lug pass is clear. So
+//! the default is that line where it is found, and the event count otherwise. All methods work in wheel angle
+//! instead of time, so that a changing speed does not broaden lines.
 
 use super::record::{Record, Unusable};
 use super::spectrum::gaussian_gain;
@@ -80,14 +79,14 @@ impl VelocityIncrements {
             };
             self.increments[inside.clamp(0, last) as usize]
         };
-        let around = |step: i64| {
+        let level_near = |step: i64| {
             let terms = weights.iter().zip(step - reach..);
             terms
                 .map(|(weight, place)| weight * mirrored(place))
                 .sum::<f64>()
                 / total
         };
-        (0..=last).map(around).collect()
+        (0..=last).map(level_near).collect()
     }
 }
 
@@ -119,11 +118,11 @@ const LINE_STEP: f64 = 0.02;
 /// Share of the vibration's power below the corner [-] from which a line counts.
 const LINE_SHARE: f64 = 0.3;
 
-/// Order [-] of the line of the lug pass where it holds more than 30 % of the power below 1.5 lug
-/// orders, fitted by least squares between 0.7 and 1.3; else the [`contact_rate`].
+/// Order [-] of the line of the lug pass where it has more than 30 % of the power below 1.5 lug orders,
+/// fitted by least squares between 0.7 and 1.3; otherwise the [`contact_rate`].
 ///
-/// With few lug passes a line is found in anything: in white noise in a quarter of the windows of
-/// 4.8 passes, in nine of ten of 1.5. The paper's regions then say little by their frequency.
+/// With few lug passes a line is found in any signal: in white noise in a quarter of the windows of 4.8
+/// passes, in nine of ten of 1.5. The frequency criterion of the paper's regions is then weak.
 pub fn lug_line(increments: &VelocityIncrements) -> f64 {
     let smoothed = increments.smoothed(LINE_CORNER);
     let mean = smoothed.iter().sum::<f64>() / smoothed.len() as f64;

@@ -114,7 +114,7 @@ impl Turn {
         })
     }
 
-    /// Wheel speed [rad/s] in `bin`, over a lug pass around it.
+    /// Wheel speed [rad/s] in `bin`, averaged over a lug pass centred on it.
     fn speed(&self, bin: usize) -> f64 {
         let last = self.starts.len() - 1;
         self.speed_between(bin.saturating_sub(BINS / 2), (bin + BINS / 2).min(last))
@@ -234,13 +234,13 @@ pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     Some(*median)
 }
 
-/// Length [s] of the blocks among which the quietest tell the sensor's noise.
+/// Length [s] of the blocks used to estimate the sensor's noise.
 const BLOCK: f64 = 0.05;
 
-/// Standard deviation [m/s²] of the sensor's noise behind the low-pass, were it white.
+/// Standard deviation [m/s²] of the sensor's noise after the low-pass, if it were white.
 ///
-/// Second differences leave little but noise, six times its variance; a tenth of the blocks is
-/// quieter than the one that counts, in which nothing struck.
+/// Second differences suppress the signal and have six times the noise variance; the estimate is the lower
+/// decile over blocks, those without impacts.
 fn low_passed_noise(acceleration: &[f64], rate: f64) -> f64 {
     let block = ((BLOCK * rate) as usize).max(3);
     let variance = |samples: &[f64]| {

@@ -25,9 +25,9 @@ pub struct Record {
     pub acceleration: Vec<f64>,
     /// Wheel angle [rad] at the same times.
     pub angle: Vec<f64>,
-    /// Whether the angle is measured, so that it tells where the lugs are; else it was summed up
-    /// from the speed and tells how far the wheel turned.
-    pub tells_lugs: bool,
+    /// Whether the angle is measured, so that the lugs' positions are known; otherwise it is integrated from
+    /// the speed and only the rotation is known.
+    pub knows_lugs: bool,
     /// What carries the wheel.
     pub support: Support,
     /// Levels [m/s²] at which the acceleration is clipped.
@@ -40,14 +40,14 @@ pub enum RecordError {
     /// There is no acceleration.
     #[error("no channel acceleration_y; vibration cannot be recognised without it")]
     NoAcceleration,
-    /// Nothing tells how the wheel turned.
+    /// The rotation of the wheel is unknown.
     #[error(
-        "neither channel wheel_angle nor forward_speed: nothing tells how fast the lugs passed; record one of them"
+        "neither channel wheel_angle nor forward_speed: the lug-pass rate is unknown; record one of them"
     )]
     NoMotion,
-    /// Speed without slip does not tell how the wheel turned.
+    /// The rotation does not follow from the speed without slip.
     #[error(
-        "no channel wheel_angle, and with a slip ratio of {0} forward_speed does not tell how the wheel turned: give slip_ratio below 1, or record wheel_angle"
+        "no channel wheel_angle, and with a slip ratio of {0} the rotation does not follow from forward_speed: give slip_ratio below 1, or record wheel_angle"
     )]
     NoSlip(f64),
     /// The wheel has no lugs.
@@ -117,7 +117,7 @@ pub enum Unusable {
     },
     /// Too few samples per second.
     #[error(
-        "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs: record faster, or ask for less bandwidth"
+        "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs: record faster, or reduce the bandwidth"
     )]
     SlowRate {
         /// The rate [Hz].
@@ -152,9 +152,9 @@ impl Record {
         let wheel = wheel(trace)?;
         let lug_angle = wheel.lug_angle().ok_or(RecordError::NoLugs)?;
         let acceleration = known(trace, "acceleration_y")?.ok_or(RecordError::NoAcceleration)?;
-        let (rotation, tells_lugs) = rotation(trace, &wheel)?;
+        let (rotation, knows_lugs) = rotation(trace, &wheel)?;
         let span =
-            overlap(acceleration, &rotation).ok_or(RecordError::NoOverlap(if tells_lugs {
+            overlap(acceleration, &rotation).ok_or(RecordError::NoOverlap(if knows_lugs {
                 "wheel_angle"
             } else {
                 "forward_speed"
@@ -169,7 +169,7 @@ impl Record {
             clipped: clipped_levels(&samples),
             acceleration: samples,
             angle: at_times(&rotation, times),
-            tells_lugs,
+            knows_lugs,
             support: Support::of(trace),
         })
     }
@@ -237,10 +237,10 @@ impl Record {
         windows
     }
 
-    /// Lug passes of a window that can have features at this `bandwidth` [Hz].
+    /// Number of lug passes of a window that is usable at this `bandwidth` [Hz].
     ///
     /// # Errors
-    /// [`Unusable`] says why it cannot.
+    /// [`Unusable`] with the reason.
     pub(crate) fn usable(&self, window: Range<usize>, bandwidth: f64) -> Result<f64, Unusable> {
         let needed = RATE_PER_BANDWIDTH * bandwidth;
         if self.sample_rate < needed {
@@ -324,9 +324,12 @@ fn few_values(samples: &[f64]) -> Option<usize> {
 
 fn wheel(trace: &Trace) -> Result<Wheel, RecordError> {
     let run = &trace.attributes;
-    let above_zero = |name, value: f64| match value > 0.0 {
-        true => Ok(value),
-        false => Err(RecordError::Geometry(name, value)),
+    let above_zero = |name, value: f64| {
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(RecordError::Geometry(name, value))
+        }
     };
     let radius = above_zero("wheel_radius_m", run.wheel_radius)?;
     let lug_count = run.lug_count.ok_or(RecordError::UnknownLugs(run.lugs()))?;
@@ -456,11 +459,11 @@ mod tests {
     }
 
     #[test]
-    fn without_an_encoder_speed_and_slip_tell_how_far_the_wheel_turned_but_not_where_lugs_are() {
+    fn without_an_encoder_speed_and_slip_give_the_rotation_but_not_the_lugs_positions() {
         let mut run = trace();
         run.channels[1] = channel("forward_speed", 500.0, vec![0.0224; 5000]);
         let record = Record::of(&run).unwrap();
-        assert!(!record.tells_lugs);
+        assert!(!record.knows_lugs);
         // 0.0224 / (0.14 * 0.8) = 0.2 rad/s; a measured slip goes before the command.
         let turned = record.angle[9000] - record.angle[0];
         assert!((turned - 1.8).abs() < 1e-3, "{turned}");
@@ -475,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn a_braked_wheel_turns_slower_than_it_rolls_and_a_slip_of_one_tells_nothing() {
+    fn a_braked_wheel_turns_slower_than_it_rolls_and_a_slip_of_one_gives_no_rotation() {
         let turned = |slip: f64| {
             let mut run = trace();
             run.channels[1] = channel("forward_speed", 500.0, vec![0.028; 5000]);
@@ -501,7 +504,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_or_in_another_unit_is_said() {
+    fn missing_channels_and_wrong_units_are_reported() {
         let message = |edit: &dyn Fn(&mut Trace)| {
             let mut run = trace();
             edit(&mut run);
@@ -528,7 +531,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_says_why_it_cannot_be_used() {
+    fn an_unusable_window_has_a_reason() {
         let reason = |edit: &dyn Fn(&mut Trace), bandwidth: f64| {
             let mut run = trace();
             edit(&mut run);

@@ -1,15 +1,13 @@
 //! The reference: the same wheel's acceleration on flat hard ground (Section 2.2.1).
 //!
-//! It is computed for the very turn of the wheel in the window, so that it holds as many lug
-//! changes as the window really had, speeds up with it and is cut off with it. It is the
-//! derivative of Eq. (10) with its velocity jumps ([`crate::vibration`]): impacts of no duration on
-//! ground that does not give, under a rig that does not swing.
+//! It is computed for the measured rotation of the window, so that it has the same number of lug changes,
+//! speed variation and boundaries. It is the derivative of Eq. (10) with its velocity jumps
+//! ([`crate::vibration`]): impacts of zero duration on rigid ground under a rigid rig.
 //!
-//! A rig is none of this. Where runs on the reference terrain (REF) were recorded, or where the
-//! sensors' figures are known, [`Reference::measured`] notes how their statistics compare with the
-//! computed ones and corrects the computed reference by it, so that a window on REF reads 1. Between
-//! the speeds that were recorded the correction is interpolated over the logarithm of the lug-pass
-//! frequency; beyond them it stays.
+//! Real rigs are not ideal. Where runs on the reference terrain (REF) were recorded, or the sensors'
+//! properties are known, [`Reference::measured`] compares their statistics with the computed ones and
+//! corrects the computed reference accordingly, so that a window on REF reads 1. Between the recorded speeds
+//! the correction is interpolated over the logarithm of the lug-pass frequency; beyond them it is constant.
 
 use super::record::{Record, RecordError, Unusable};
 use super::spectrum::gaussian_gain;
@@ -345,14 +343,14 @@ mod tests {
     }
 
     #[test]
-    fn pulses_hold_the_velocity_jumps_and_the_smooth_part_takes_them_back() {
+    fn pulses_integrate_to_the_velocity_jumps_and_the_smooth_part_reverses_them() {
         let wheel = Wheel::single_wheel();
         let record = record(wheel, 0.2, 22.0);
         let whole = 0..record.angle.len();
         let train = train(&record, whole).unwrap();
         let gained: f64 = train.low_passed(100.0).iter().sum::<f64>() / 2000.0;
         let jump = 0.4 * wheel.tip_radius() * libm::sin(record.lug_angle / 2.0);
-        // Between two lug changes all is gained back; the ends hold less than one jump.
+        // Between two lug changes the velocity is fully regained; at the ends less than one jump remains.
         assert!(gained.abs() < jump, "{gained} {jump}");
         let jumps: f64 = train
             .changes

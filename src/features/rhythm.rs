@@ -1,4 +1,4 @@
-//! Trains of pulses that keep step with something: the lugs, or another count of them.
+//! Pulse trains synchronous with the lugs, or with another count of them.
 //!
 //! On flat hard ground lug `k` strikes when the wheel has turned by
 //!
@@ -6,20 +6,20 @@
 //! θ_k = θ_0 + ω τ + (k + 1/2) α        (multi-lugged wheel)
 //! ```
 //!
-//! with `θ_0` the reading where a lug points straight down and `τ` how late the acceleration is
-//! logged against the angle. At one speed only their sum, the offset `θ_0 + ω τ`, can be observed. A
-//! train of period `ρ α` is looked for with every offset: for each, the turn is cut into cells of one
-//! period, and a cell is *struck* if there is a pulse where it should be, quiet elsewhere, and
-//! about as high as in the other cells. No scale enters, so a sensor of wrong gain or sign has its train found.
+//! with `θ_0` the reading where a lug points straight down and `τ` the delay of the acceleration relative to
+//! the angle. At one speed only their sum, the offset `θ_0 + ω τ`, is observable. A train of period `ρ α` is
+//! searched over all offsets: the rotation is divided into cells of one period, and a cell counts as *struck*
+//! if it has a pulse at the expected phase, is quiet elsewhere, and the pulse is about as high as in the
+//! other cells. The test is free of scale, so the train of a sensor with wrong gain or sign is found.
 //!
-//! Of a train of any period the impacts are equally high, which needs no period to be tried: [`unequal`].
+//! In a train of any period the impacts are equally high, which can be tested without a period: [`unequal`].
 
 use super::pulses::{BINS, Pulses, median};
 use statrs::function::beta::beta_reg;
 
-/// Turn [periods] around a lug change within which a lug may strike: ground that rises by a
-/// tenth of the lug's pitch shifts it so far. Shared among the strikes of an olig-lugged wheel's lug.
-const AROUND: f64 = 0.2;
+/// Tolerance [periods] of a strike about a lug change: ground that rises by a tenth of the lug pitch shifts
+/// it by so much. Shared among the strikes of an olig-lugged wheel's lug.
+const TOLERANCE: f64 = 0.2;
 /// Stray over strike [-] up to which a cell is quiet elsewhere.
 const ELSEWHERE: f64 = 0.5;
 /// Strike over the median one [-], and its inverse, within which a train's pulses are alike.
@@ -75,7 +75,7 @@ pub struct Rhythm {
     pub struck: usize,
     /// Median height of the pulses, over the reference's [-].
     pub height: f64,
-    /// Probability that more than [`MOST`] of the cells behind those seen are struck.
+    /// Posterior probability that more than [`MOST`] of all cells are struck.
     pub probability: f64,
     /// Wheel angle [rad] at which a lug points straight down, its delay included; within half a
     /// lug angle of 0.
@@ -101,7 +101,7 @@ impl Rhythm {
     /// The best train of another period, either way up.
     pub fn other(pulses: &Pulses) -> Option<Self> {
         // Over the window, a step of the period shifts the last cell by less than a pulse may.
-        let step = (0.5 * AROUND / pulses.passes()).clamp(0.005, OWN);
+        let step = (0.5 * TOLERANCE / pulses.passes()).clamp(0.005, OWN);
         let steps = ((PERIODS[1] - PERIODS[0]) / step) as usize;
         let periods = (0..=steps).map(|i| PERIODS[0] + i as f64 * step);
         let periods = periods.filter(|period| (period - 1.0).abs() > OWN);
@@ -110,7 +110,7 @@ impl Rhythm {
         trains.max_by(|a, b| a.probability.total_cmp(&b.probability))
     }
 
-    /// The period [lug passes] that the pulses keep, their drift included.
+    /// The period [lug passes] of the pulses, drift included.
     pub fn kept_period(&self) -> f64 {
         self.period * (1.0 + self.drift[0])
     }
@@ -125,8 +125,8 @@ impl Trial {
         }
     }
 
-    /// Probability that more than [`MOST`] of the cells behind those seen are struck. As many as were
-    /// spent on fitting say nothing: one pulse is in step with itself.
+    /// Posterior probability that more than [`MOST`] of all cells are struck, without as many cells as
+    /// degrees of freedom were used in the fit: one pulse is always in step with itself.
     fn probability(&self, struck: usize, cells: usize) -> f64 {
         let left = struck.saturating_sub(self.fitted);
         more_than(MOST, left, cells - self.fitted)
@@ -142,7 +142,7 @@ impl Trial {
         };
         let count = (along.len().saturating_sub(offset) as f64 / length) as usize;
         let begin = |cell: usize| offset + (cell as f64 * length).round() as usize;
-        let reach = AROUND / pulses.strikes.len().max(1) as f64;
+        let reach = TOLERANCE / pulses.strikes.len().max(1) as f64;
         let cell = |cell: usize| {
             let mut seen = Cell {
                 strike: 0.0,
@@ -270,7 +270,7 @@ impl Line {
         let (mean_error, slope_error) = if points.len() > 2 {
             (libm::sqrt(variance / count), libm::sqrt(variance / spread))
         } else {
-            (AROUND, f64::INFINITY)
+            (TOLERANCE, f64::INFINITY)
         };
         Self {
             mean,
@@ -281,11 +281,12 @@ impl Line {
     }
 }
 
-/// Probability that impacts above `threshold` are of no train of lugs, whatever their count, the sign and the
-/// scale: that at most [`MOST`] of those behind the ones seen are equally high.
+/// Probability that impacts above `threshold` do not form a train of lugs, for any number of lugs, sign and
+/// scale: the posterior probability that at most [`MOST`] of all impacts are equally high.
 ///
-/// A lug's fall on hard ground is set by the wheel alone. Impacts on stones spread over a factor of
-/// thirty; those below a tenth of the strong ones do not count. A wheel of few lugs strikes in as many heights as it has strikes in a lug pass.
+/// The fall of a lug on hard ground is set by the wheel alone. Impacts on stones spread over a factor of
+/// thirty; those below a tenth of the strong ones are ignored. A wheel of few lugs has as many heights as
+/// strikes in a lug pass.
 pub fn unequal(pulses: &Pulses, threshold: f64) -> f64 {
     let mut heights = pulses.impacts(threshold);
     heights.sort_by(f64::total_cmp);
@@ -352,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn an_echo_of_each_impact_leaves_them_equal() {
+    fn an_echo_of_each_impact_does_not_change_their_equality() {
         let impacts = (0..10).flat_map(|i| [(f64::from(i) + 0.5, 1.0), (f64::from(i) + 0.6, 0.3)]);
         let train = pulses(10, &impacts.collect::<Vec<_>>());
         assert!(unequal(&train, 0.12) < 0.1);

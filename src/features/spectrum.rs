@@ -5,7 +5,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::LN_2;
 use std::sync::Arc;
 
-/// Keeps the plans of Fourier transforms.
+/// Caches the plans of Fourier transforms.
 #[derive(Default)]
 pub(super) struct Spectra {
     planner: Option<RealFftPlanner<f64>>,

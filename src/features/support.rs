@@ -9,11 +9,11 @@ use crate::trace::{Channel, Trace, finite_mean};
 /// Normal force over the load [-] below which nothing carries the wheel, and above which ground
 /// does.
 const CARRIED: [f64; 2] = [0.1, 0.3];
-/// Sinkage of the rim over the lug height [-] from which lugs are in the ground: they stand on
-/// hard ground at -1.
+/// Sinkage of the rim over the lug height [-] above which the lugs are in the ground; on hard ground it is
+/// -1.
 const ENTERED: f64 = -0.5;
 
-/// The channels that say so.
+/// The channels used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     normal_force: Option<Channel>,

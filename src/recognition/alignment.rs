@@ -1,14 +1,14 @@
-//! The zero of the wheel angle and the lag between the loggers, from where lugs strike.
+//! Zero of the wheel angle and lag between the loggers, estimated from the lug strikes.
 //!
-//! A window whose pulses keep step with the lugs has an offset
+//! A window with pulses synchronous with the lugs has an offset
 //!
 //! ```text
 //! o = θ_0 + ω τ      modulo the lug angle α
 //! ```
 //!
-//! with `θ_0` the reading where a lug points straight down, `ω` the wheel speed and `τ` how late the
-//! acceleration is logged against the angle. Windows of one speed give `o` only; over several
-//! speeds a weighted straight line parts the two.
+//! with `θ_0` the reading where a lug points straight down, `ω` the wheel speed and `τ` the delay of the
+//! acceleration relative to the angle. Windows of one speed identify only `o`; several speeds separate the
+//! two by weighted linear regression.
 
 use crate::features::pulses::Pulses;
 use crate::features::rhythm::Rhythm;
@@ -44,7 +44,7 @@ pub struct Alignment {
     pub windows: usize,
 }
 
-/// Standard error of `ω τ` over the lug angle [-] up to which a lag is told from a zero.
+/// Greatest standard error of `ω τ` over the lug angle [-] at which the lag is separated from the zero.
 const PARTED: f64 = 0.1;
 /// Two-sided 95 % quantile of the normal distribution.
 const Z: f64 = 1.96;
@@ -61,7 +61,7 @@ impl LugOffset {
 }
 
 impl Alignment {
-    /// From the windows of a run; `None` where no window keeps step with the lugs.
+    /// Estimate from the windows of a run; `None` where no window has synchronous pulses.
     pub fn of(offsets: &[LugOffset]) -> Option<Self> {
         let first = offsets.first()?;
         let period = first.lug_angle_rad;

@@ -104,8 +104,8 @@ impl Baseline {
     }
 }
 
-/// The class of every sample, told by a classifier trained on the samples of all other groups.
-/// `groups` holds the group of each sample.
+/// Leave-one-group-out prediction: the class of every sample by a classifier trained on all other groups.
+/// `groups` is the group of each sample.
 ///
 /// # Errors
 /// `OneGroup` where there are not two groups; those of [`Baseline::train`].
@@ -141,7 +141,7 @@ fn mean_and_sd(samples: &[&Sample]) -> (BandPowers, BandPowers) {
     (mean, variance.map(libm::sqrt))
 }
 
-/// Zero mean and unit standard deviation; a band that never changes tells nothing.
+/// Zero mean and unit standard deviation; a constant band is set to 0.
 fn standardised(powers: BandPowers, mean: BandPowers, sd: BandPowers) -> BandPowers {
     std::array::from_fn(|band| match sd[band] {
         sd if sd > 0.0 => (powers[band] - mean[band]) / sd,
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn classes_that_are_loud_in_different_bands_are_told_apart_by_a_group_left_out() {
+    fn classes_with_power_in_different_bands_are_separated_in_a_held_out_group() {
         let samples = samples("loud");
         let groups: Vec<usize> = (0..samples.len()).map(|i| i / 3 % 4).collect();
         let classes = left_out(&samples, &groups).unwrap();
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn classes_that_only_their_loudness_tells_are_mistaken_at_a_loudness_never_heard() {
+    fn classes_that_differ_only_in_level_are_confused_at_an_untrained_level() {
         let (mut samples, mut speeds) = (Vec::new(), Vec::new());
         for (speed, shift) in [(1, 0.0), (2, 10.0)] {
             for (class, level) in [(Wtic::Leis, 0.0), (Wtic::Alct, 2.0)].repeat(10) {

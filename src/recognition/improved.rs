@@ -1,50 +1,50 @@
-//! Lug by lug: what kind of vibration it is, then whether the sensors can be trusted with it.
+//! Recognition lug by lug: first the kind of vibration, then a check of the sensors.
 //!
-//! The wheel angle's zero, a lag between the loggers, the accelerometer's sign and scale, and the
-//! number of lugs are often wrong in a log, and each turns one class into another for a method that
-//! takes them as given. So the kind of vibration is found first, from what none of them
-//! changes:
+//! The wheel angle's zero, a lag between the loggers, the accelerometer's sign and scale, and the number of
+//! lugs are often wrong in a log, and each error changes the class by a method that takes them as given. So
+//! the kind of vibration is found first, from properties invariant to all of them:
 //!
 //! ```text
-//! kind           what is seen, whatever the unit                                       where
-//! in step        one pulse per lug pass, at one place in it, all alike, else quiet     flat hard ground
+//! kind           property, independent of the unit                                     where
+//! in step        one equal pulse per lug pass at one phase of it, quiet otherwise       flat hard ground
 //! continuous     most passes stay below 12 times the background                        soil; nothing touched; dead sensor
 //! irregular      impacts of unequal heights in most passes                             loose stones
 //! ```
 //!
-//! `background` is the standard deviation between impacts, 1.4826 times the median deviation. The
-//! loudest of a pass is 4 to 8 times that in sand, 28 times and more on hard ground and gravel. Then what
-//! the kind asks of the sensors is checked against the data:
+//! `background` is the standard deviation between impacts, 1.4826 times the median absolute deviation. The
+//! maximum of a pass is 4 to 8 times that in sand, 28 times and more on hard ground and gravel. Then the
+//! requirements of the kind on the sensors are checked against the data:
 //!
 //! - **ALCT**: in step with the lugs, upward, and of a height `h` in 0.2 to 2 reference pulses: a
 //!   soft rig lowers `h`, a restitution `e` raises it to `1 + e < 2`, and a scale off by 9.81 takes all
 //!   of that range out of it. The offset of the train is the zero of the wheel angle with the lag
 //!   ([`crate::features::rhythm`]). Downward pulses, another height, another period, or one that
 //!   drifts, are UWTIC with that reason.
-//! - **LEIS**: continuous, most passes quieter than 0.2 pulses, and evidence of soil that silence is not:
-//!   ground carries the wheel, the rim is not at lug height above it
-//!   ([`crate::features::support`]), and the accelerometer lives, that is, shows more than twice its white noise
-//!   and the bursts of lugs (kurtosis above 3.6; noise, white or not, stays below 3.5). Without any
-//!   one of these the confidence is at most 0.6.
-//! - **SLCT**: impacts that are no train of any number of lugs. A lug's fall on hard ground is set by the
-//!   wheel: on rough slate 9 of 10 are equal within a factor of 1.5, and a wrong lug count, sign, scale or
-//!   lag leaves them so. Impacts on stones spread over a factor of thirty, and most passes have
-//!   some; sand under pebbles has them in fewer. Without both the confidence is at most 0.6. So it is where a
-//!   window has too few lug passes of its own: a rover's leg forced to slip by a tenth on rough slate is shaken by its own
-//!   friction and strikes as unequally as on stones (`output/reference/rover_on_slate.txt`), and nothing in the window parts the two.
+//! - **LEIS**: continuous, most passes quieter than 0.2 pulses, and positive evidence of soil, which silence
+//!   is not: ground carries the wheel, the rim is not at lug height above it ([`crate::features::support`]),
+//!   and the accelerometer works, that is, shows more than twice its white noise and the bursts of lugs
+//!   (kurtosis above 3.6; noise, white or not, stays below 3.5). Without any one of these the confidence is
+//!   at most 0.6.
+//! - **SLCT**: impacts that fit no train of any number of lugs. The fall of a lug on hard ground is set by
+//!   the wheel: on rough slate 9 of 10 are equal within a factor of 1.5, independent of a wrong lug count,
+//!   sign, scale or lag. Impacts on stones spread over a factor of thirty, and most passes have some; sand
+//!   under pebbles has them in fewer. Without both the confidence is at most 0.6, as it is where a window has
+//!   too few lug passes of its own: a rover's leg forced to slip by a tenth on rough slate is excited by its
+//!   own friction and strikes as unequally as on stones (`output/reference/rover_on_slate.txt`), and nothing
+//!   in the window separates the two.
 //!
-//! Two other designs were considered. The likelihood of the window under every class times every state of
-//! the sensors needs heights of gravel and sand, which differ tenfold between simulators and rigs; the
-//! kinds need none, and each refusal is one sentence. SLCT as what trains and silence leave was tried:
-//! a few pulses that no train of the stated lugs explains made it sure of hard ground.
+//! Two other designs were considered. A likelihood for every class and every sensor state needs the heights
+//! of pulses on gravel and sand, which differ tenfold between simulators and rigs; the kinds need none, and
+//! each rejection has one reason. SLCT as the remainder after trains and silence was tried: a few pulses that
+//! fit no train of the stated lugs gave high confidence for hard ground.
 //!
-//! What counts is the share behind what was seen: that more than 0.6 of the passes are struck, quiet, or
-//! loud, or of the impacts equal, has a probability by the share's posterior under Jeffreys' prior, less
-//! the pass that the offset was fitted to. A window with few lug passes borrows from
-//! its neighbourhood until it has six, at most two windows far on either side.
+//! Decisions are on the proportion behind the sample: the probability that more than 0.6 of the passes are
+//! struck, quiet, or loud, or of the impacts equal, is that of the posterior under Jeffreys' prior, without
+//! the pass used to fit the offset. A window with few lug passes includes neighbouring windows until it has
+//! six, at most two on either side.
 //!
-//! Limits were set on seeds 9001 and 9002; `output/reference/recognition_faults.txt` holds faults against
-//! grounds on another (`tests/recognition_faults.rs` makes it).
+//! Limits were set on seeds 9001 and 9002; `output/reference/recognition_faults.txt` lists faults and grounds
+//! on another (from `tests/recognition_faults.rs`).
 
 use super::Answer;
 use super::alignment::LugOffset;
@@ -59,7 +59,7 @@ use std::ops::Range;
 const QUIET: f64 = 0.2;
 /// Height [reference pulses] of lugs on hard ground.
 const HEIGHT: [f64; 2] = [0.2, 2.0];
-/// Peak over background [-] from which an impact stands out.
+/// Peak over background [-] above which a pulse counts as an impact.
 const STANDS_OUT: f64 = 12.0;
 /// Background over the sensor's noise [-] from which it is vibration.
 const ABOVE_NOISE: f64 = 2.0;
@@ -69,8 +69,8 @@ const BURSTS: f64 = 3.6;
 const SURE_TRAIN: f64 = 0.8;
 /// Confidence without evidence that only this class has.
 const DOUBTFUL: f64 = 0.6;
-/// Drift of the pulses over its standard error, and shift of the last pulse against the first
-/// [periods], from which they do not keep step.
+/// Drift of the pulses over its standard error, and shift of the last pulse against the first [periods],
+/// above which they are not synchronous.
 const DRIFTS: f64 = 4.0;
 const OUT_OF_STEP: f64 = 0.12;
 /// Lug passes a window should have.
@@ -88,7 +88,7 @@ struct Evidence<'r> {
     span: [f64; 2],
     /// Loudest acceleration of each lug pass [reference pulses].
     loudest: Vec<f64>,
-    /// Acceleration [reference pulses] from which an impact stands out.
+    /// Acceleration [reference pulses] above which a pulse counts as an impact.
     stands_out: f64,
     /// Probability that the impacts are of unequal height.
     unequal: f64,
@@ -226,12 +226,12 @@ impl<'r> Evidence<'r> {
             ));
         }
         let most = if cells > FEWEST { 1.0 } else { DOUBTFUL };
-        let tells_lugs = self.record.tells_lugs;
+        let knows_lugs = self.record.knows_lugs;
         Answer {
             class: Wtic::Alct,
             confidence: rhythm.probability.min(most),
             reason: format!("{seen}, {height:.2} times as high as on rigid ground"),
-            offset: tells_lugs.then(|| LugOffset::of(rhythm, &self.pulses)),
+            offset: knows_lugs.then(|| LugOffset::of(rhythm, &self.pulses)),
         }
     }
 
@@ -244,23 +244,23 @@ impl<'r> Evidence<'r> {
         ))
     }
 
-    /// No impact stands out: soil, if that much is sure.
+    /// No impacts: soil, if the evidence suffices.
     fn continuous(&self) -> Answer {
         let limit = QUIET.min(self.stands_out);
         let leis = self.most_below(limit);
         let seen = format!(
-            "of {} lug passes {} were quiet, with no impact that stands out",
+            "of {} lug passes {} were quiet, without impacts",
             self.loudest.len(),
             self.passes_below(limit)
         );
         if self.record.support.carries(self.span) == Some(false) {
             return Answer::unknown(format!(
-                "{seen}, but nothing carries the wheel: it hangs in the air"
+                "{seen}, but no force carries the wheel: it is off the ground"
             ));
         }
         if leis <= 0.5 {
             return Answer::unknown(format!(
-                "{seen}: noise hides what lugs do, or the unit or scale of acceleration_y is wrong"
+                "{seen}: noise masks the lugs, or the unit or scale of acceleration_y is wrong"
             ));
         }
         let doubt = self.doubt_of_soil();
@@ -303,7 +303,9 @@ impl<'r> Evidence<'r> {
             return self.other_period(&train);
         }
         if self.record.support.carries(self.span) == Some(false) {
-            return Answer::unknown("impacts, but nothing carries the wheel: it hangs in the air");
+            return Answer::unknown(
+                "impacts, but no force carries the wheel: it is off the ground",
+            );
         }
         let most = if self.borrowed { DOUBTFUL } else { 1.0 };
         let shown = self.unequal.min(more_than(MOST, loud, passes)).min(most);
@@ -427,11 +429,15 @@ mod tests {
         record.support = Support::of(&Trace::default());
         let hanging = class_of(&record, whole);
         assert_eq!(hanging.class, Wtic::Uwtic);
-        assert!(hanging.reason.contains("hangs"), "{}", hanging.reason);
+        assert!(
+            hanging.reason.contains("off the ground"),
+            "{}",
+            hanging.reason
+        );
     }
 
     #[test]
-    fn a_train_of_another_sign_scale_or_period_is_unknown_and_says_which() {
+    fn a_train_of_another_sign_scale_or_period_is_unknown_with_the_reason() {
         let half: Vec<_> = every_lug(1.0, 0.0).into_iter().step_by(2).collect();
         let cases = [
             (every_lug(-1.0, 0.0), "sign"),
@@ -466,10 +472,10 @@ mod tests {
     }
 
     #[test]
-    fn noise_that_hides_a_lug_s_strike_leaves_the_class_unknown() {
+    fn noise_that_masks_a_lug_s_strike_makes_the_class_unknown() {
         let answer = answer(&every_lug(0.05, 0.0), 3.0);
         assert_eq!(answer.class, Wtic::Uwtic);
-        assert!(answer.reason.contains("noise hides"), "{}", answer.reason);
+        assert!(answer.reason.contains("noise masks"), "{}", answer.reason);
     }
 
     #[test]
@@ -512,7 +518,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_on_one_side_leaves_the_other_side_to_borrow_from() {
+    fn a_gap_on_one_side_restricts_borrowing_to_the_other_side() {
         let mut record = record(&every_lug(1.0, 0.0), 1e-3);
         record.acceleration[17_000] = f64::NAN;
         assert_eq!(class_of(&record, 18_000..22_000).class, Wtic::Alct);
@@ -521,7 +527,7 @@ mod tests {
     #[test]
     fn turning_without_a_zero_gives_the_class_and_no_offset() {
         let mut record = record(&every_lug(1.0, 0.0), 1e-3);
-        record.tells_lugs = false;
+        record.knows_lugs = false;
         let answer = class_of(&record, 0..record.len());
         assert_eq!((answer.class, answer.offset), (Wtic::Alct, None));
     }

@@ -4,7 +4,7 @@ use crate::terrain::class::{TerrainLabel, Wtic};
 use crate::trace::{ClassWindow, Trace};
 use serde::Serialize;
 
-/// Who says what class a window has.
+/// Source of the reference class of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
@@ -21,20 +21,20 @@ pub enum Source {
 pub struct Known {
     /// The class.
     pub class: Wtic,
-    /// Who says so.
+    /// Its source.
     pub source: Source,
 }
 
-/// Share [-] of a window that one true class has to hold.
+/// Least share [-] of the labelled part of a window for its class.
 const MOST: f64 = 0.9;
 /// Share [-] of a window that truth has to cover.
 const COVERED: f64 = 0.5;
 
-/// The class from `start` to `end` [s] of a run, from the best source it has: ground truth, else
-/// the run's class, else that of its terrain.
+/// The reference class from `start` to `end` [s] of a run, from its best source: ground truth, otherwise the
+/// run's class, otherwise that of its terrain.
 ///
-/// Ground truth was told in windows of its own: it counts where it covers at least half of this
-/// window and one class holds at least 90 % of that. A window across a border has no known class.
+/// Ground truth has its own windows: it is used if it covers at least half of this window and one class has
+/// at least 90 % of that. A window across a border has no reference class.
 pub fn known_class(trace: &Trace, [start, end]: [f64; 2]) -> Option<Known> {
     let known = |source| move |class| Known { class, source };
     let truth = true_windows(trace);

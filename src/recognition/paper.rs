@@ -126,7 +126,7 @@ mod tests {
             ([1.0, 1.2, 1.1, 1.5], Wtic::Alct),
             ([0.5, 20.0, 30.0, 500.0], Wtic::Slct),
             ([1.0, 0.2, 0.8, 0.05], Wtic::Leis),
-            // Fewer contacts, but weak: no region of the paper holds it.
+            // Fewer but weak contacts: in no region of the paper.
             ([0.5, 1.2, 1.1, 1.5], Wtic::Uwtic),
         ] {
             assert_eq!(class(p(kappas), 28).class, expected, "{kappas:?}");
