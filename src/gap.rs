@@ -1,19 +1,19 @@
-//! Where measured runs and simulated replicates of the same conditions differ.
+//! Differences between measured runs and simulated replicates of the same conditions.
 //!
 //! ```text
-//! traces ──▶ statistics ──▶ comparison ──▶ map       which cells differ, and by how much
-//!                                │    └──▶ curves    ... and how that depends on the condition
-//!                                └───────▶ distance  how far apart in one number, how much is closed
-//!            stages: which part of the input brings the difference into the answer
+//! traces ──▶ statistics ──▶ comparison ──▶ map       which cells differ, by how much
+//!                                │    └──▶ curves    how that depends on the condition
+//!                                └───────▶ distance  one distance, share of it closed
+//!            stages: which part of the input causes the difference in a result
 //! ```
 //!
-//! A [`Statistician`] reads some hundred [`statistics`] from every run, each under the name of its
-//! [`Cell`]: channel, domain, statistic. A [`Comparison`] sets measured runs beside replicates,
-//! condition by condition, and tells what has no counterpart. Its [`map()`](Comparison::map) tests
-//! every cell against the spread of the replicates and answers gap, equivalent or undecided.
-//! [`Whitening`] and [`closed`] make one number of it, [`stages`] follows it along the chain.
+//! A [`Statistician`] computes some hundred [`statistics`] of every run, each identified by its [`Cell`]:
+//! channel, domain, statistic. A [`Comparison`] matches measured runs with replicates by condition and lists
+//! those without a counterpart. Its [`map()`](Comparison::map) tests every cell against the spread of the
+//! replicates; the result is gap, equivalent or undecided. [`Whitening`] and [`closed`] reduce it to one
+//! number, [`stages`] attributes it to the stages of processing.
 //!
-//! Nothing here knows the simulator: replicates are traces like any others, measured ones too.
+//! The comparison does not depend on the simulator: replicates and measured runs are both traces.
 
 mod cell;
 mod comparison;
@@ -59,8 +59,8 @@ pub enum GapError {
         /// Conditions and channels simulated.
         simulated: String,
     },
-    /// So few replicates tell no spread.
-    #[error("{0} replicates, fewer than {FEWEST_REPLICATES}: they tell no spread")]
+    /// Too few replicates to estimate their spread.
+    #[error("{0} replicates, fewer than {FEWEST_REPLICATES}: too few for their spread")]
     TooFewReplicates(usize),
     /// A setting is out of its range.
     #[error(transparent)]

@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
 
-/// What a statistic looks at.
+/// Domain of a statistic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Domain {
@@ -25,7 +25,7 @@ pub enum Domain {
     Frequency,
     /// Two channels together.
     Cross,
-    /// Vibration features and the classes told from them.
+    /// Vibration features and the classes recognised from them.
     Feature,
     /// Steady loads.
     Load,
@@ -140,7 +140,7 @@ pub enum Statistic {
     Crest,
     /// Mean of the last quarter less that of the first [own unit].
     Drift,
-    /// Mean of the first tenth of the run, before it settles, less that of the rest [own unit].
+    /// Mean of the first tenth of the run minus that of the rest [own unit].
     Transient,
     /// Level of the small steps between samples: the 5 % quantile of those that are not zero [dB].
     Step,
@@ -172,7 +172,7 @@ pub enum Statistic {
     ApparentMass,
     /// Mean of a feature's decimal logarithm over the windows [-].
     Feature(Kappa),
-    /// Logit of the share of windows told to be of this class [-].
+    /// Logit of the share of windows recognised as this class [-].
     ClassShare(Wtic),
     /// Steady mean [own unit].
     SteadyMean,
@@ -211,11 +211,11 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// Difference below which nothing is said, however still replicates are, for a value of this
-    /// size: 1 % of it (other steps in time change means by as much), 0.1 dB, 1 dB of a share (a sample more or
-    /// less in a short record), 2 of log odds, 0.01. The odds are those of a window or two a run: one window that
-    /// answers otherwise changes them by 6, and that none of eighty replicates does still lets one in 160 (Jeffreys'
-    /// estimate), which is three deviations and no more.
+    /// Least difference of practical relevance for a value of this size: 1 % of it (another time step changes
+    /// means by as much), 0.1 dB, 1 dB of a share (a sample more or less in a short record), 2 of log odds,
+    /// 0.01. Odds are estimated from the one or two windows of a run: one window with another class changes
+    /// them by 6, and if none of eighty replicates has it, its probability is still one in 160 (Jeffreys'
+    /// estimate), about three standard deviations.
     pub fn resolution(self, size: f64) -> f64 {
         match self {
             Self::Own => 0.01 * size,
@@ -228,7 +228,7 @@ impl Measure {
 }
 
 impl Statistic {
-    /// What it looks at.
+    /// Its domain.
     pub fn domain(self) -> Domain {
         use Statistic::*;
         match self {
@@ -313,7 +313,7 @@ fn centre_text(third: i16) -> String {
     const NOMINAL: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
     let decade = libm::pow(10.0, f64::from(third.div_euclid(10)));
     let hertz = NOMINAL[usize::from(third.rem_euclid(10) as u16)] * decade;
-    // Without the last bits, which the power leaves behind.
+    // Rounded to suppress the floating-point error of the power.
     format!("{}", (hertz * 1.0e4).round() / 1.0e4)
 }
 
@@ -336,7 +336,7 @@ impl Cell {
         }
     }
 
-    /// What it looks at.
+    /// Its domain.
     pub fn domain(&self) -> Domain {
         self.statistic.domain()
     }

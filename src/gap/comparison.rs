@@ -9,14 +9,14 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Replicates below which nothing tells their spread.
+/// Least number of replicates for an estimate of their spread.
 pub const FEWEST_REPLICATES: usize = 3;
 
 /// What a comparison rests on less than it should.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Caveat {
-    /// There is one condition: nothing tells how a difference depends on it.
+    /// There is one condition: the dependence on the condition is unknown.
     OneCondition,
     /// No condition was measured twice: the spread of measurements is taken for that of the
     /// replicates.
@@ -35,7 +35,7 @@ impl fmt::Display for Caveat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OneCondition => {
-                f.write_str("one condition only: nothing tells how the gap depends on it")
+                f.write_str("one condition only: the dependence of the gap on it is unknown")
             }
             Self::NoRepeats => f.write_str(
                 "no condition was measured twice: measurements are taken to spread as replicates do",
@@ -83,15 +83,15 @@ pub struct Table {
 pub struct Comparison {
     /// One table a condition; the last is that of campaigns, where there are enough runs for it.
     pub tables: Vec<Table>,
-    /// What to keep in mind.
+    /// Caveats on its use.
     pub caveats: Vec<Caveat>,
 }
 
 impl Comparison {
-    /// Sets measured runs beside simulated ones of the same conditions.
+    /// Matches measured runs with simulated ones of the same conditions.
     ///
-    /// Properties of runs count for the condition as far as every run tells them, so that measured
-    /// runs without terrain label meet simulated ones with it.
+    /// A property is part of the condition only if all runs state it, so that measured runs without terrain
+    /// label match simulated ones with it.
     ///
     /// # Errors
     /// `NoOverlap` where no condition was both measured and simulated three times or more, or the
@@ -119,8 +119,8 @@ impl Comparison {
         }
         if tables.is_empty() {
             return Err(GapError::NoOverlap {
-                measured: told(&real),
-                simulated: told(&made),
+                measured: describe(&real),
+                simulated: describe(&made),
             });
         }
         let without_partner = made
@@ -163,7 +163,7 @@ fn grouped<'r>(conditions: &'r [Condition], runs: &'r [Run]) -> Grouped<'r> {
 }
 
 /// Conditions with their numbers of runs, and the channels read, as one side has them.
-fn told(groups: &Grouped) -> String {
+fn describe(groups: &Grouped) -> String {
     if groups.is_empty() {
         return "no runs".to_owned();
     }

@@ -4,8 +4,8 @@ use crate::trace::RunAttributes;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// The condition of a run: terrain, wheel, load, speed and slip as far as they are known of all
-/// runs that are compared. Its text tells them.
+/// The condition of a run: terrain, wheel, load, speed and slip, as far as known for all runs compared, as
+/// text.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Condition(String);
 
@@ -52,9 +52,12 @@ type Property = fn(&RunAttributes) -> Option<String>;
 const PROPERTIES: [Property; 9] = [
     |run| run.terrain.map(|label| label.as_str().to_owned()),
     |run| known(run.slip_ratio, "slip", ""),
-    |run| match run.is_lifted() {
-        true => Some("lifted".to_owned()),
-        false => known(run.load, "", " N"),
+    |run| {
+        if run.is_lifted() {
+            Some("lifted".to_owned())
+        } else {
+            known(run.load, "", " N")
+        }
     },
     |run| known(1.0e3 * run.speed, "", " mm/s"),
     |run| known(1.0e3 * run.wheel_radius, "r", " mm"),
@@ -63,7 +66,7 @@ const PROPERTIES: [Property; 9] = [
     |run| known(1.0e3 * run.lug_height, "l", " mm"),
     |run| known(run.slope_deg, "slope", "°"),
 ];
-/// From which property on they stand in the text only where runs differ in them: wheel and slope.
+/// Index from which properties are in the text only if runs differ in them: wheel and slope.
 const WHEEL: usize = 4;
 
 /// A number to three digits, as commands are given.
@@ -76,9 +79,10 @@ fn known(value: f64, symbol: &str, unit: &str) -> Option<String> {
         size => (2.0 - libm::floor(libm::log10(size))).clamp(0.0, 4.0) as usize,
     };
     let text = format!("{value:.digits$}");
-    let text = match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => &text,
+    let text = if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
     };
     let space = if symbol.is_empty() { "" } else { " " };
     let text = if text == "-0" { "0" } else { text };
@@ -126,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_condition_tells_what_was_commanded_and_rounding_makes_no_new_one() {
+    fn a_condition_is_of_commanded_values_and_rounding_makes_no_new_one() {
         let sand = Some(TerrainLabel::Sand);
         let runs = [run(0.1, 100.0, sand), run(0.1 + 1e-9, 100.0 - 1e-7, sand)];
         let found = conditions(&runs.each_ref());
@@ -144,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_one_run_does_not_know_does_not_count_and_a_wheel_is_told_where_there_are_two() {
+    fn a_property_unknown_for_one_run_is_ignored_and_the_wheel_is_stated_where_there_are_two() {
         let mut runs = [
             run(0.1, 100.0, Some(TerrainLabel::Sand)),
             run(-0.05, f64::NAN, None),

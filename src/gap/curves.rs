@@ -1,7 +1,7 @@
-//! How the steady means of a campaign depend on its conditions, and the terrain that it tells.
+//! Dependence of the steady means of a campaign on its conditions, and the terrain identified from it.
 //!
-//! One covariate at a time: the runs of both sides have the same conditions, so that what the
-//! others add to a curve, they add to both.
+//! One covariate at a time: runs of both sides have the same conditions, so the other covariates affect both
+//! curves equally.
 
 use super::cell::{Cell, Covariate, Statistic};
 use super::readings::{Readings, Run};
@@ -114,15 +114,15 @@ fn identified(runs: &[&Run], readings: &mut Readings) {
     let setting = Setting::of(&first.attributes);
     let estimate = Identification::new(&rows, class, &setting)
         .and_then(|identification| identification.estimate());
-    // Too few slips or channels: the campaign tells no terrain.
+    // Too few slips or channels to identify the terrain.
     let Ok(estimate) = estimate else {
         return;
     };
     let terrain: Arc<str> = Arc::from("terrain");
     for parameter in Parameter::ALL {
-        let told = estimate.of(parameter);
-        if told.is_identifiable() {
-            let coordinate = parameter.coordinate(told.value);
+        let identified = estimate.of(parameter);
+        if identified.is_identifiable() {
+            let coordinate = parameter.coordinate(identified.value);
             readings.note(&terrain, Statistic::Identified(parameter), coordinate);
         }
     }
@@ -132,7 +132,7 @@ fn identified(runs: &[&Run], readings: &mut Readings) {
     }
 }
 
-/// The class that labels of the runs stand for, else soil: sinkage then decides.
+/// The class given by the runs' labels, otherwise soil, where the sinkage decides.
 pub(crate) fn class_of(runs: &[&Run]) -> Wtic {
     let labels: BTreeSet<_> = runs.iter().map(|run| run.attributes.terrain).collect();
     match labels.into_iter().collect::<Vec<_>>()[..] {

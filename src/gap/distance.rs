@@ -18,13 +18,13 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Turns readings into numbers of unit spread without correlation, by a covariance shrunk toward a
-/// multiple of the identity.
+/// Transforms statistics to unit variance without correlation, by a covariance shrunk toward a multiple of
+/// the identity.
 ///
-/// How far is what predicts each replicate best from the others: the largest sum of log densities
-/// (Friedman 1989, J. Am. Stat. Assoc. 84:165-175, chooses so for discriminant analysis). The share of
-/// Ledoit and Wolf (2004) is best for the covariance and not for its inverse: where statistics are
-/// many more than replicates it leaves a run that had no part in it some five spreads away.
+/// The shrinkage maximises the leave-one-out predictive density: the sum of log densities of each replicate
+/// given the others (Friedman 1989, J. Am. Stat. Assoc. 84:165-175, for discriminant analysis). The shrinkage
+/// of Ledoit and Wolf (2004) is optimal for the covariance and not for its inverse: with many more statistics
+/// than replicates it places a held-out run some five standard deviations away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whitening {
     cells: Vec<Cell>,
@@ -107,7 +107,7 @@ impl Whitening {
             means: Vec::new(),
             spreads: Vec::new(),
             directions,
-            // Where nothing is shrunk the runs span all directions, or say nothing of the others.
+            // Without shrinkage the runs span all directions, or carry no information on the others.
             rest: if shrinkage > 0.0 {
                 inverse_root(shrinkage * mean)
             } else {
@@ -220,9 +220,10 @@ fn log_densities(gram: &DMatrix<f64>, p: usize, left_out: usize) -> [f64; SHARES
             let variance = (1.0 - share) * variance + identity;
             square / variance + libm::log(variance)
         });
-        let across = match rest > 0.0 {
-            true => across.max(0.0) / identity + rest * libm::log(identity),
-            false => 0.0,
+        let across = if rest > 0.0 {
+            across.max(0.0) / identity + rest * libm::log(identity)
+        } else {
+            0.0
         };
         -0.5 * (along.sum::<f64>() + across)
     })
@@ -243,8 +244,8 @@ fn spreads(cells: &[Cell], replicates: &[&Readings]) -> (Vec<f64>, Vec<f64>) {
         let scale = scale.unwrap_or(1.0);
         (mean, variance / (scale * scale), scale)
     };
-    let told: Vec<(f64, f64, f64)> = cells.iter().map(of).collect();
-    let places = || cells.iter().zip(&told);
+    let moments: Vec<(f64, f64, f64)> = cells.iter().map(of).collect();
+    let places = || cells.iter().zip(&moments);
     let priors = Priors::of(places().map(|(cell, (_, variance, _))| (cell, *variance, freedom)));
     let spreads = places().map(|(cell, (_, variance, scale))| {
         let (moderated, _) = priors.moderate(cell, *variance, freedom);
@@ -253,7 +254,7 @@ fn spreads(cells: &[Cell], replicates: &[&Readings]) -> (Vec<f64>, Vec<f64>) {
         (scale * libm::sqrt(moderated)).max(resolution)
     });
     (
-        told.iter().map(|(mean, ..)| *mean).collect(),
+        moments.iter().map(|(mean, ..)| *mean).collect(),
         spreads.collect(),
     )
 }
@@ -290,7 +291,7 @@ pub struct Closed {
     pub value: f64,
     /// 95 % interval [-] over conditions and days.
     pub ci95: [f64; 2],
-    /// Clusters drawn from; with one the interval is the value and says nothing.
+    /// Number of clusters resampled; with one the interval is degenerate.
     pub clusters: usize,
 }
 
@@ -299,9 +300,9 @@ const RESAMPLES: usize = 2000;
 /// Share of resamples [-] that may have nothing to close.
 const NOTHING_OPEN: f64 = 0.025;
 
-/// The share of the gap closed, with a bootstrap interval that draws clusters of condition and day
-/// with all three scores together. None without runs, or where what recalibration leaves is not above
-/// the floor in 97.5 % of the resamples: then there is no gap to close, and no share of it.
+/// The share of the gap closed, with a cluster bootstrap interval over condition and day that resamples all
+/// three scores together. `None` without runs, or where the gap after recalibration is not above the floor in
+/// 97.5 % of the resamples: then there is no gap to close.
 pub fn closed(runs: &[Scores], seed: Seed) -> Option<Closed> {
     let mut clusters = BTreeMap::<(&Condition, &str), [f64; 2]>::new();
     for run in runs {

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Spread over size [-] below which replicates are equal up to rounding.
 pub(super) const LEAST_SPREAD: f64 = 1.0e-6;
 
-/// What all cells of a comparison say of spreads.
+/// Pooled information of all cells of a comparison on spreads.
 pub(super) struct Evidence {
     /// Of replicates' variances over sizes squared.
     replicates: Priors,
@@ -74,14 +74,15 @@ impl Evidence {
         let [simulated, _] = moments(&values);
         let [k, n] = [table.measured.len() as f64, table.simulated.len() as f64];
         let (replicates, freedom) = spread(table, place, &values, &self.replicates);
-        let (ratio, of_ratio) = match k > 1.0 {
-            true => self
-                .repeats
-                .moderate(&table.cells[place], of_measured / replicates, k - 1.0),
-            false => (1.0, MANY),
+        let (ratio, of_ratio) = if k > 1.0 {
+            self.repeats
+                .moderate(&table.cells[place], of_measured / replicates, k - 1.0)
+        } else {
+            (1.0, MANY)
         };
         let beyond = replicates * (ratio - 1.0).max(0.0);
-        // A class that no replicate was told to be is no infinity; what varies tells its spread itself.
+        // The log odds of a class seen in no replicate are finite; a statistic that varies has its own
+        // spread.
         let resolution = match table.cells[place].statistic.measure() {
             counted @ Measure::Odds => counted.resolution(table.sizes[place]),
             _ => 0.0,
@@ -114,13 +115,13 @@ fn spread(table: &Table, place: usize, values: &[f64], priors: &Priors) -> (f64,
     (square * moderated.max(LEAST_SPREAD * LEAST_SPREAD), freedom)
 }
 
-/// z of every replicate held against the others of its condition, by kinds of cells.
+/// Leave-one-out z-scores of the replicates within their conditions, by kinds of cells.
 fn scores(tables: &[Table], priors: &Priors) -> BTreeMap<Kind, Vec<f64>> {
     let mut scores = BTreeMap::<_, Vec<f64>>::new();
     for (table, place) in cells(tables) {
         let values = column(&table.simulated, place);
         let [_, variance] = moments(&values);
-        // Replicates that are all equal say nothing of a tail.
+        // Identical replicates carry no information on the tail.
         if variance <= LEAST_SPREAD * LEAST_SPREAD * table.square(place) {
             continue;
         }

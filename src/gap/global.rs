@@ -1,14 +1,14 @@
-//! Whether measured runs and replicates differ at all: two tests by permutation.
+//! Global tests of a difference between measured runs and replicates, by permutation.
 //!
-//! Were nothing wrong, any run of a condition could be the measured one. Labels are therefore
-//! exchanged within conditions; everything else, whitening included, does not know them.
+//! Under the null hypothesis the measured run of a condition is exchangeable with its replicates. Labels are
+//! therefore permuted within conditions; all other steps, whitening included, do not use the labels.
 //!
 //! - *Energy distance* of the [whitened](super::distance::Whitening) runs, summed over conditions:
 //!   `2 E|X − Y| − E|X − X'| − E|Y − Y'|` is 0 where both sides have one distribution (Székely and
-//!   Rizzo 2013, J. Stat. Plan. Inference 143:1249-1272). It sees many small differences.
+//!   Rizzo 2013, J. Stat. Plan. Inference 143:1249-1272). It is sensitive to many small differences.
 //! - *Strongest cell*: the largest over cells of `Σ (t² − 1) / √(2 C)`, the sum over the `C`
-//!   conditions that have the cell (a max-T test, Westfall and Young 1993). It sees a single large
-//!   one, best where it shows at all conditions.
+//!   conditions that have the cell (a max-T test, Westfall and Young 1993). It is sensitive to a single large
+//!   one, most so if it is present at all conditions.
 
 use super::cell::Cell;
 use super::comparison::Table;

@@ -62,7 +62,7 @@ impl Margins {
 /// own; what is not there has none.
 pub type ParameterSpread = BTreeMap<Condition, BTreeMap<Cell, f64>>;
 
-/// What is said of a cell.
+/// Classification of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Colour {
@@ -80,7 +80,7 @@ pub enum Colour {
 pub struct Entry {
     /// Channel, or pair of them.
     pub channel: String,
-    /// What the statistic looks at.
+    /// The domain of the statistic.
     pub domain: Domain,
     /// The whole name.
     pub cell: Cell,
@@ -102,7 +102,7 @@ pub struct Entry {
     pub freedom: f64,
     /// Probability of a larger |z| where nothing is wrong [-].
     pub p: f64,
-    /// The same corrected for all cells asked [-].
+    /// The same corrected for all cells tested [-].
     pub q: f64,
     /// Difference up to which the sides count as equivalent.
     pub margin: f64,
@@ -117,7 +117,7 @@ pub struct GapMap {
     pub global: Global,
     /// Every cell of every condition.
     pub entries: Vec<Entry>,
-    /// What to keep in mind.
+    /// Caveats on its use.
     pub caveats: Vec<Caveat>,
 }
 

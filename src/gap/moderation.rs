@@ -17,7 +17,7 @@ use super::cell::{Cell, Domain, Measure};
 use statrs::function::gamma::digamma;
 use std::collections::BTreeMap;
 
-/// Degrees of freedom that stand for infinitely many.
+/// Degrees of freedom treated as infinite.
 pub(super) const MANY: f64 = 1.0e6;
 /// Share of the median variance below which none is taken: it would be an infinity in `ln s²`.
 const LEAST: f64 = 1.0e-5;

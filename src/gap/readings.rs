@@ -50,7 +50,7 @@ impl Readings {
             .extend(copied.map(|(cell, reading)| (cell.clone(), reading)));
     }
 
-    /// Notes a level or a number; what is not finite leaves its cell empty.
+    /// Records a level or a number; a value that is not finite leaves its cell empty.
     pub(super) fn note(&mut self, channel: &Arc<str>, statistic: Statistic, value: f64) {
         self.note_of_size(channel, statistic, value, 1.0);
     }

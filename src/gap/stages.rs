@@ -1,18 +1,17 @@
-//! Which stage of the way from sensor to answer brings the gap into the answer.
+//! Attribution of the gap in a result to the stages of processing between sensor and result.
 //!
-//! An answer of the measured run lies some distance from that of a simulated one. Parts of the
-//! input are swapped, real for simulated, in every combination; a stage's share is what its swap
-//! adds to the distance, averaged over all orders in which the parts can be swapped (Shapley
-//! 1953). Shares add up to the whole distance; one below 0 says that the real part brings the
-//! answer back.
+//! The result of the measured run lies some distance from that of a simulated one. Parts of the input are
+//! replaced, simulated by measured, in every combination; the share of a stage is its marginal contribution
+//! to the distance, averaged over all orders of replacement (Shapley 1953). Shares add up to the whole
+//! distance; a negative one means that the measured part reduces the distance.
 //!
 //! ```text
 //! φ_i = Σ_S  |S|! (m − |S| − 1)! / m!  ·  (v(S ∪ i) − v(S)),      v(S) = distance of the answer
 //! ```
 //!
-//! - [`vibration`]: raw acceleration = what the features' bandwidth removes + what it leaves, and
-//!   the rotation; the answers are the feature vector and the class told from it.
-//! - [`loads`]: slip, sinkage, pull, load, torque; the answer is the identified terrain.
+//! - [`vibration`]: raw acceleration = the part removed by the features' bandwidth + the part retained, and
+//!   the rotation; the results are the feature vector and the class recognised from it.
+//! - [`loads`]: slip, sinkage, pull, load, torque; the result is the identified terrain.
 
 use super::GapError;
 use crate::features::reference::Reference;
@@ -146,26 +145,27 @@ pub fn vibration(
         let windows = recognizer
             .recognize(&hybrid)
             .map_err(GapError::Recognition)?;
-        let told: Vec<([f64; 4], Wtic)> = windows
+        let features: Vec<([f64; 4], Wtic)> = windows
             .into_iter()
             .filter_map(|window| Some((window.p.ok()?, window.answers.first()?.class)))
             .collect();
-        if told.is_empty() {
+        if features.is_empty() {
             return Err(GapError::NoFeatures);
         }
-        answers.push(told);
+        answers.push(features);
     }
-    let mean = |told: &[([f64; 4], Wtic)]| -> [f64; 4] {
-        [0, 1, 2, 3].map(|i| told.iter().map(|(p, _)| p[i]).sum::<f64>() / told.len() as f64)
+    let mean = |features: &[([f64; 4], Wtic)]| -> [f64; 4] {
+        [0, 1, 2, 3]
+            .map(|i| features.iter().map(|(p, _)| p[i]).sum::<f64>() / features.len() as f64)
     };
     let start = mean(&answers[0]);
     let features: Vec<f64> = answers
         .iter()
-        .map(|told| super::distance::apart(&mean(told), &start))
+        .map(|features| super::distance::apart(&mean(features), &start))
         .collect();
     let class: Vec<f64> = answers
         .iter()
-        .map(|told| differing(told, &answers[0]))
+        .map(|features| differing(features, &answers[0]))
         .collect();
     Ok(VibrationStages {
         features: Stages::of(&VIBRATION, &features),
@@ -261,9 +261,9 @@ const LOADS: [Stage; 5] = [
     Stage::DrivingTorque,
 ];
 
-/// Stages of the identified terrain between measured and simulated rows of the same conditions, in
-/// the same order. The distance is the root mean square, over the parameters that simulated rows
-/// identify, of their difference over [what says nothing useful](Parameter::uninformative).
+/// Stages of the identified terrain between measured and simulated rows of the same conditions, in the same
+/// order. The distance is the root mean square, over the parameters identified from the simulated rows, of
+/// their difference over the [uninformative half-width](Parameter::uninformative).
 ///
 /// # Errors
 /// `Rows` where the numbers of rows differ; `Identify` where some combination cannot be

@@ -1,24 +1,24 @@
-//! A trace in, its readings out.
+//! Statistics of a trace.
 //!
-//! Statistics are taken over the settled part of a run, without its first and last tenth, and of
-//! its numbers: gaps are left out, or bridged on straight lines where an order of samples matters
-//! and at most a fifth of them is missing. The wheel angle enters as its departure from steady
-//! turning. What cannot be told from a run (too short, constant, no lugs) has no cell.
+//! Statistics are taken over the steady part of a run, without its first and last tenth, and of its finite
+//! samples: gaps are excluded, or interpolated linearly where the order of samples matters and at most a
+//! fifth of them is missing. The wheel angle enters as its deviation from uniform rotation. A statistic that
+//! cannot be computed for a run (too short, constant, no lugs) has no cell.
 //!
-//! | domain | holds |
+//! | domain | statistics |
 //! |---|---|
 //! | time | moments, crest, drift, start, steps, rails |
 //! | order | level, cosine and sine part at the wheel orders 1, 2, 3, `n_l`, `2 n_l`, `3 n_l` and `n_l ± 1` |
-//! | lug | the average over the lug's pass, and what varies about it |
+//! | lug | the average over the lug pass, and the residual about it |
 //! | frequency | one-third octaves, and the highest line in each |
 //! | cross | correlation, coherence and lag of pairs, apparent mass |
 //! | feature | `lg κ` and the shares of the classes |
 //! | load | steady means, pull and torque per load |
 //! | history | growth of the deviation, slope along the way |
 //!
-//! A phase is told as the two parts of its wave: as an angle it would jump at a turn, and say
-//! nothing where the wave is nil. A level 120 dB below the channel's size or lower is told as
-//! that: it is rounding.
+//! A phase is given as the cosine and sine parts of its wave: an angle would jump at a full turn and be
+//! undefined for zero amplitude. A level 120 dB or more below the channel's size is set to that: it is
+//! rounding.
 
 mod cross;
 mod loads;
@@ -39,7 +39,7 @@ use orders::Turning;
 use signal::Signal;
 use spectra::{Spectra, Spectrum};
 
-/// Reads runs; keeps its plans of the Fourier transform from run to run.
+/// Computes the statistics of runs; reuses its plans of the Fourier transform.
 pub struct Statistician {
     recognizer: Recognizer,
     spectra: Spectra,
@@ -62,8 +62,8 @@ impl Statistician {
         self.read_changed(trace, &|_| false, &Readings::default())
     }
 
-    /// [`read`](Self::read) of a trace that other sensors made of one motion, where `base` with these `readings` is that
-    /// of the first sensors: statistics of channels that kept every sample are copied.
+    /// [`read`](Self::read) of a trace by other sensors of the same motion, given the `readings` of the trace
+    /// `base`: statistics of channels with identical samples are copied.
     pub fn read_again(&mut self, trace: &Trace, base: &Trace, readings: &Readings) -> Readings {
         let is_kept = |name: &str| trace.channel(name) == base.channel(name);
         // These enter the statistics of every channel.
@@ -74,7 +74,7 @@ impl Statistician {
         self.read_changed(trace, &is_kept, readings)
     }
 
-    /// What channels that are not kept enter is computed, all else is copied from `known`.
+    /// Computes the statistics that involve changed channels; copies all others from `known`.
     fn read_changed(
         &mut self,
         trace: &Trace,

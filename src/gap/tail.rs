@@ -1,9 +1,9 @@
-//! The tail that replicates themselves show.
+//! Empirical tail of the replicates' z-scores.
 //!
-//! Student's t holds for normal readings. Real ones have heavier tails: a stone more under one run
-//! moves many cells at once. Each replicate is therefore held against the others of its condition,
-//! as if it had been measured, and a scaled t is fitted to all these z of cells of a kind; a
-//! measured run's z is read in that one. Normal readings leave it Student's.
+//! Student's t is exact for normal statistics. Real ones have heavier tails: one more stone under a run
+//! changes many cells at once. Each replicate is therefore compared with the others of its condition as if it
+//! had been measured (leave-one-out), a scaled t is fitted to the z-scores of all cells of a kind, and a
+//! measured run's z is evaluated with it. For normal statistics this is Student's t.
 
 use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
 
@@ -20,13 +20,13 @@ const FREEDOMS: [f64; 10] = [
     30.0,
     NORMAL_FREEDOM,
 ];
-/// Degrees of freedom that stand for the normal distribution [-].
+/// Degrees of freedom treated as the normal distribution [-].
 const NORMAL_FREEDOM: f64 = 1.0e6;
-/// Scores below which nothing tells a tail.
+/// Least number of scores to fit a tail.
 const FEWEST: usize = 100;
 /// Least scale [-]: many cells that hardly vary would let it vanish.
 const LEAST: f64 = 0.3;
-/// Steps in which the scale settles.
+/// Iterations until the scale converges.
 const STEPS: usize = 60;
 
 /// A scaled Student's t.
@@ -43,7 +43,7 @@ impl Tail {
         freedom: NORMAL_FREEDOM,
     };
 
-    /// The likeliest for these z; none where they are too few to tell.
+    /// The maximum-likelihood fit to these z; `None` where they are too few.
     pub fn of(scores: &[f64]) -> Option<Self> {
         if scores.len() < FEWEST {
             return None;
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_scores_tell_no_tail_and_student_s_is_left() {
+    fn too_few_scores_fit_no_tail_and_student_s_is_used() {
         assert_eq!(Tail::of(&[1.0; 20]), None);
         let tail = Tail::NORMAL;
         // The table's 97.5 % quantile of Student's t with 7 degrees.

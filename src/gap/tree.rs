@@ -1,12 +1,12 @@
-//! False discovery rates down the tree channel → domain → cell.
+//! Hierarchical false discovery rate control along the tree channel → domain → cell.
 //!
-//! A node's p-value is Simes' of its children's. Channels are tested by Benjamini and Hochberg's
-//! procedure at the level α; the domains of a channel found are tested at α times the share of
-//! channels found, the cells of a domain found at that times the share of its siblings found.
-//! So the rate holds on the average over the families that were selected, however they were.
+//! A node's p-value is the Simes combination of its children's. Channels are tested by the Benjamini-Hochberg
+//! procedure at level α; the domains of a rejected channel are tested at α times the fraction of channels
+//! rejected, the cells of a rejected domain at that times the fraction of its siblings rejected. This
+//! controls the average false discovery rate over the selected families.
 //!
-//! The q of a leaf is the largest of the adjusted p-values on its way from the root, so that it
-//! lies below α exactly where the leaf is found; elsewhere it orders the evidence.
+//! The q of a leaf is the largest adjusted p-value on its path from the root, so that it is below α exactly
+//! if the leaf is rejected; elsewhere it orders the evidence.
 //!
 //! # References
 //! Yekutieli (2008), J. Am. Stat. Assoc. 103:309-316 (trees); Benjamini and Bogomolov (2014), J.

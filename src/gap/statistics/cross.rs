@@ -22,7 +22,7 @@ const PAIRS: [(&str, &str); 7] = [
 const BLOCK: usize = 16;
 /// Blocks below which there is none.
 const FEWEST_BLOCKS: usize = 3;
-/// Highest frequency [Hz] that counts: above it sensors say more of themselves than of the wheel.
+/// Highest frequency [Hz] used: above it sensor dynamics dominate.
 const HIGHEST: f64 = 200.0;
 
 /// Channels that a channel is paired with.

@@ -9,7 +9,7 @@ use crate::trace::Trace;
 const CHANCE: usize = 5;
 /// Share of the range [-] within which a sample is at the rail.
 const RAIL: f64 = 0.01;
-/// Quantile of the steps that stands for the smallest: a single one is chance.
+/// Quantile of the steps used as the smallest, robust to single ones.
 const SMALL_STEPS: usize = 20;
 
 pub(super) fn read(signal: &Signal, trace: &Trace, readings: &mut Readings) {

@@ -11,14 +11,14 @@ use std::ops::Range;
 
 /// Places within a lug's pass at which the average is taken.
 const PLACES: usize = 32;
-/// Lug passes below which nothing tells an average from what varies about it.
+/// Least number of lug passes to separate an average from the residual about it.
 const FEWEST_PASSES: f64 = 3.0;
 
 /// How the wheel of a run turned.
 pub(super) struct Turning {
     angle: Channel,
-    /// Whether the angle was measured, so that it tells phases.
-    tells_phase: bool,
+    /// Whether the angle was measured, so that phases are known.
+    has_phase: bool,
     lugs: u32,
     waves: Option<Waves>,
 }
@@ -27,7 +27,7 @@ pub(super) struct Turning {
 /// sampled at the same times share it.
 struct Waves {
     of: (u64, u64, usize),
-    /// Samples that hold whole turns, or else whole lug passes.
+    /// Samples that cover whole turns, or otherwise whole lug passes.
     window: Range<usize>,
     /// Wheel angle [rad], sample by sample.
     angle: Vec<f64>,
@@ -35,13 +35,13 @@ struct Waves {
 }
 
 impl Turning {
-    /// By the wheel's `angle` without jumps, where there is one. None where nothing tells how the wheel turned.
+    /// From the wheel's unwrapped `angle`, where there is one. `None` where the rotation is unknown.
     pub fn of(trace: &Trace, angle: Option<Channel>) -> Option<Self> {
         // Without a count there are turns and no lug passes.
         let lugs = trace.attributes.lug_count.unwrap_or(0);
-        let turning = |angle, tells_phase| Self {
+        let turning = |angle, has_phase| Self {
             angle,
-            tells_phase,
+            has_phase,
             lugs,
             waves: None,
         };
@@ -79,7 +79,7 @@ impl Turning {
             let part = parts.sum::<Complex<f64>>() * scale;
             let level = signal.level(libm::sqrt(part.norm_sqr()));
             readings.note(&signal.name, Statistic::OrderLevel(*order), level);
-            if self.tells_phase {
+            if self.has_phase {
                 let cosine = Statistic::OrderCosine(*order);
                 readings.note_of_size(&signal.name, cosine, part.re, size);
                 let sine = Statistic::OrderSine(*order);
@@ -103,7 +103,7 @@ impl Turning {
             return None;
         }
         let passes = turned * f64::from(self.lugs);
-        // Whole turns hold whole waves of every order, whole passes those of the lugs'.
+        // Whole turns contain whole waves of every order, whole passes those of the lugs' orders.
         let (unit, every) = if turned >= 1.0 {
             (TAU, true)
         } else if passes >= 1.0 {
@@ -112,7 +112,7 @@ impl Turning {
             return None;
         };
         let window = whole(&angle, unit);
-        // Fewer than two samples to the shortest wave cannot tell it.
+        // Fewer than two samples in the shortest wave do not resolve it.
         let resolved = window.len() as f64 / turned / 2.5;
         let mut orders = orders(self.lugs, every);
         orders.retain(|order| f64::from(*order) < resolved);

@@ -1,31 +1,31 @@
-//! A channel made ready: its settled part, gaps bridged, the wheel angle less steady turning.
+//! Preparation of a channel: its steady part, gaps interpolated, the wheel angle detrended.
 
 use crate::trace::Channel;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Samples in the settled part below which nothing but a mean is told.
+/// Samples in the steady part below which only a mean is computed.
 const FEWEST: usize = 32;
 /// Share of samples [-] that may be missing where their order matters.
 const MISSING: f64 = 0.2;
 
-/// Amplitude over the channel's size [-] below which a level is told as this: 120 dB down, where
-/// no sensor resolves it and a simulation only rounds.
+/// Relative amplitude [-] at which a level is floored: 120 dB below the channel's size, where no sensor
+/// resolves it and a simulation has only rounding.
 const ROUNDING: f64 = 1.0e-6;
 
-/// The settled part of a channel.
+/// The steady part of a channel.
 pub(super) struct Signal {
     /// The channel's name.
     pub name: Arc<str>,
     /// Samples per second [Hz].
     pub rate: f64,
-    /// Time [s] of the first sample of the settled part.
+    /// Time [s] of the first sample of the steady part.
     pub start: f64,
-    /// The run before it settled, numbers only.
+    /// The finite samples before the steady part.
     pub opening: Vec<f64>,
-    /// The settled samples as they were measured, numbers only.
+    /// The finite samples of the steady part, as measured.
     pub measured: Vec<f64>,
-    /// The settled samples, gaps bridged; empty where too many are missing.
+    /// The steady samples, gaps interpolated; empty where too many are missing.
     pub whole: Vec<f64>,
     /// Amplitude [own unit] below which everything is rounding: [`ROUNDING`] of the channel's size.
     pub floor: f64,
@@ -85,7 +85,7 @@ impl Signal {
     }
 }
 
-/// The angle less the straight line through its settled part.
+/// The angle minus the straight line through its steady part.
 fn less_steady_turning(angle: &[f64]) -> Vec<f64> {
     let part = settled(angle.len());
     let middle = 0.5 * (part.start + part.end) as f64;

@@ -1,4 +1,4 @@
-//! Spectra of settled signals, and what they hold in fixed bands.
+//! Spectra of steady signals and their power in fixed bands.
 
 use super::signal::{Signal, mean};
 use crate::gap::cell::{Statistic, centre};
@@ -11,17 +11,17 @@ use std::sync::Arc;
 const THIRDS: std::ops::RangeInclusive<i16> = 0..=47;
 /// Lines of a third below which its level is chance.
 const FEWEST_LINES: usize = 4;
-/// Lines of a third below which it has no median to stand out from.
+/// Least number of lines in a third octave for a median as background.
 const FEWEST_FOR_MEDIAN: usize = 10;
 
-/// Keeps the plans of Fourier transforms.
+/// Caches the plans of Fourier transforms.
 #[derive(Default)]
 pub(super) struct Spectra {
     planner: Option<RealFftPlanner<f64>>,
     plans: Vec<(usize, Arc<dyn RealToComplex<f64>>)>,
 }
 
-/// The spectrum of a settled signal under a Hann window, its mean taken off.
+/// The spectrum of a steady signal under a Hann window, without its mean.
 pub(super) struct Spectrum {
     /// Lines from the second on; powers add up to the mean square.
     pub lines: Vec<Complex<f64>>,

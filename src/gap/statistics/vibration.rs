@@ -1,4 +1,4 @@
-//! The features of the run's windows and the classes told from them.
+//! The features of the run's windows and the classes recognised from them.
 
 use crate::gap::cell::{Kappa, Statistic};
 use crate::gap::readings::Readings;
@@ -27,10 +27,10 @@ pub(super) fn read(recognizer: &mut Recognizer, trace: &Trace, readings: &mut Re
     }
     let count = windows.len() as f64;
     for class in CLASSES {
-        let told = windows
+        let recognised = windows
             .iter()
             .filter(|window| window.answers.iter().any(|answer| answer.class == class));
-        let share = told.count() as f64 / count;
+        let share = recognised.count() as f64 / count;
         // A twentieth added to both sides, so that all or none is no infinity.
         let logit = libm::log((share + 0.05) / (1.05 - share));
         readings.note(&name, Statistic::ClassShare(class), logit);
