@@ -1,17 +1,17 @@
-//! Data sets for those who train on them: windows with features and classes, splits that do not
-//! leak, and what a stranger has to know.
+//! Data sets for machine learning: windows with features and classes, splits without leakage, and
+//! documentation.
 //!
-//! A data set is a file of runs, or of features alone, and four texts beside it:
+//! A data set is a file of runs, or of features alone, with four text files:
 //!
 //! ```text
-//! x.h5               the runs (see `dataset::hdf5`), or the table of windows where only features are kept
-//! x.windows.csv      one row a window: class, features, its part in every split; see [`windows`]
+//! x.h5               the runs (see `dataset::hdf5`), or the table of windows where only features are stored
+//! x.windows.csv      one row a window: class, features, its subset in every split; see [`windows`]
 //! x.splits.csv       one row a run: its condition, its stream of random numbers, its parts; see [`splits`]
 //! x.datasheet.md     what it is made of, how, and what for; see [`datasheet`]
 //! x.croissant.json   the same for machines: JSON-LD of MLCommons Croissant 1.0; see [`croissant`]
 //! ```
 //!
-//! Nothing in them tells when or where they were made: the same runs give the same bytes.
+//! They contain no time or place of creation: the same runs give the same bytes.
 
 pub mod balance;
 pub mod croissant;
@@ -27,7 +27,7 @@ use splits::{GROUPINGS, Member, Part};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// What a data set keeps of its runs.
+/// Content stored per run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kept {
     /// Every channel at its output rate.
@@ -99,7 +99,7 @@ fn in_hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What a data set says of itself besides its windows.
+/// Metadata of a data set besides its windows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// The command that makes it again.
@@ -108,7 +108,7 @@ pub struct Facts {
     pub created_by: String,
     /// Where all randomness comes from, its splits included.
     pub seed: Seed,
-    /// What is kept of the runs.
+    /// Content stored per run.
     pub kept: Kept,
     /// Their channels.
     pub channels: Vec<ChannelFact>,
@@ -220,7 +220,7 @@ impl DataSet {
     }
 }
 
-/// The columns that say which run a window is of; `swept` are those of the swept keys.
+/// The columns that identify a window's run; `swept` are those of the swept keys.
 pub fn run_fields(swept: Vec<Field>) -> Vec<Field> {
     let mut fields = vec![
         Field::text("run", "id in the file of runs"),

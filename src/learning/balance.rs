@@ -13,7 +13,7 @@ pub type ByClass = [usize; CLASSES.len()];
 pub struct OfPart {
     /// The split.
     pub split: Grouping,
-    /// Its part; none for what a split by both has to leave out.
+    /// Its subset; none for one excluded by a split by both.
     pub part: Option<Part>,
     /// Runs in it.
     pub runs: usize,

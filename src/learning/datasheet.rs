@@ -126,9 +126,10 @@ impl DataSet {
         for split in GROUPINGS {
             let own = parts.iter().filter(|of| of.split == split);
             let rows: String = own.map(part_row).collect();
-            text.push_str(&match rows.is_empty() {
-                true => format!("| {} | too few groups | | | | | |\n", split.column()),
-                false => rows,
+            text.push_str(&if rows.is_empty() {
+                format!("| {} | too few groups | | | | | |\n", split.column())
+            } else {
+                rows
             });
         }
         text + "\n"

@@ -139,8 +139,8 @@ pub fn members(windows: &Records) -> Vec<Member> {
     members
 }
 
-/// The part of every run; none for a run that a split by both has to leave out. `None` where there
-/// are fewer groups than parts.
+/// The subset of every run; none for a run excluded by a split by both. `None` where there are fewer groups
+/// than subsets.
 pub fn split(members: &[Member], grouping: Grouping, seed: Seed) -> Option<Vec<Option<Part>>> {
     let by = |key: &dyn Fn(usize) -> u64, grouping: Grouping| {
         let groups = groups(members, key);
