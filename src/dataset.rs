@@ -1,10 +1,9 @@
-//! Runs on disk: labelled data sets from the simulator and campaigns from a test rig, alike.
+//! Runs on disk: labelled data sets from the simulator and campaigns from a test rig, in one format.
 //!
-//! A data set is a file of runs. Each run is a [`Trace`](crate::trace::Trace) under an id, and the
-//! file says where they come from ([`Provenance`]). A measured run may hold any subset of the
-//! channels, each as a time series or as a steady mean; only a simulated one has ground truth.
-//! [`csv`] imports what a rig wrote, [`inspection`] doubts what does not fit together, [`records`] are
-//! tables about runs.
+//! A data set is a file of runs. Each run is a [`Trace`](crate::trace::Trace) under an id, and the file
+//! records their origin ([`Provenance`]). A measured run may have any subset of the channels, each as a time
+//! series or as a steady mean; only a simulated one has ground truth. [`csv`] imports logs of a rig,
+//! [`inspection`] checks consistency, [`records`] are tables about runs.
 
 pub mod csv;
 #[cfg(feature = "hdf5")]

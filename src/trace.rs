@@ -32,7 +32,7 @@ pub const CHANNELS: [(&str, &str); 9] = [
     ("forward_speed", "m/s"),
 ];
 
-/// How far the slip may lie off the command [-]; a measured campaign of 24 runs held 0.0015.
+/// Tolerance of the slip about the command [-]; a measured campaign of 24 runs had 0.0015.
 pub const SLIP_TOLERANCE: f64 = 0.03;
 
 /// The unit of a known channel.

@@ -145,12 +145,12 @@ pub enum CampaignError {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The text is no campaign, or a CSV file is not what it says.
+    /// The text is no campaign, or a CSV file does not match it.
     #[error(transparent)]
     Invalid(#[from] Fault),
 }
 
-/// Something wrong, and the dotted key in the campaign that says so.
+/// An error, with the dotted key in the campaign that it refers to.
 #[derive(Debug)]
 struct Misplaced {
     key: String,
@@ -179,12 +179,11 @@ impl Campaign {
         })
     }
 
-    /// The runs with their ids, in the order of the file, each read from its CSV file when its
-    /// turn comes.
+    /// The runs with their ids, in the order of the file, each read from its CSV file on demand.
     ///
     /// # Errors
-    /// `Invalid` points at the line of the campaign that a CSV file does not keep to, or whose
-    /// value is outside its range; where a cell is to blame, with its file, line and column.
+    /// `Invalid` refers to the line of the campaign that a CSV file does not match, or whose value is outside
+    /// its range; for an invalid cell, with its file, line and column.
     pub fn runs(&self) -> impl Iterator<Item = Result<(String, Trace), CampaignError>> + '_ {
         let series = self.table.runs.iter().enumerate();
         let series = series.map(|(index, table)| vec![self.series(index, table)]);
@@ -219,8 +218,7 @@ impl Campaign {
         named.map(|file| self.folder().join(file)).collect()
     }
 
-    /// Cells without a number in the columns read so far: what they would have told counts as not
-    /// measured.
+    /// Cells without a number in the columns read so far: they count as not measured.
     pub fn gaps(&self) -> Vec<Gap> {
         self.gaps.all()
     }

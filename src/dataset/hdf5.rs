@@ -28,8 +28,7 @@
 //! The structures are HDF5 1.8's, which have checksums, as compressed samples do: damage is an error
 //! or a gap, not a wrong number. Only texts have none.
 //!
-//! The same runs give the same bytes with the same HDF5 and zlib: nothing in a file tells when or
-//! where it was written.
+//! The same runs give the same bytes with the same HDF5 and zlib: a file has no time or place of creation.
 
 mod encoding;
 mod reading;
@@ -46,7 +45,7 @@ use ::hdf5::types::FixedAscii;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What `format` says in a run file.
+/// Value of `format` in a run file.
 const FORMAT: &str = "lugwheel-runs";
 
 /// The version of the layout above.
@@ -109,7 +108,7 @@ pub enum RunFileError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What HDF5 says.
+        /// Message of HDF5.
         reason: String,
     },
     /// Samples in a form that this program's HDF5 cannot read; the file is whole.
@@ -141,7 +140,7 @@ pub enum RunFileError {
     NoSuchRun {
         /// The file.
         path: PathBuf,
-        /// The id asked for.
+        /// The id requested.
         id: String,
         /// The ids there are.
         has: String,
@@ -194,7 +193,7 @@ fn way_out(reason: &str) -> String {
     )
 }
 
-/// What HDF5 says went wrong, without its call stack: the system's own message where there is one.
+/// The error message of HDF5 without its call stack: the system's own message where there is one.
 fn reason(error: &::hdf5::Error) -> String {
     let Some(stack) = error.stack() else {
         return error.to_string();

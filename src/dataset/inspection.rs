@@ -1,8 +1,8 @@
-//! What is in a run file, checked: channels, units, rates, gaps, offsets, clipped or constant
-//! channels, labels that the channels contradict, and loads that no wheel can have.
+//! Consistency checks of a run file: channels, units, rates, gaps, offsets, clipped or constant channels,
+//! labels that contradict the channels, and physically impossible loads.
 //!
-//! A check can only doubt. Each finding says what it saw and what would explain it; the data stay
-//! as they are. Of simulated runs it says what it saw alone.
+//! Checks do not change the data. Each finding has an observation and a possible cause; for simulated runs
+//! only the observation.
 
 mod acceleration;
 mod campaign;
@@ -113,7 +113,7 @@ pub struct MeanSummary {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// Worth knowing.
+    /// For information.
     Info,
     /// Results may suffer.
     Warning,
@@ -130,7 +130,7 @@ pub struct Finding {
     pub channel: Option<String>,
     /// How much it matters.
     pub severity: Severity,
-    /// What was seen, and what would explain it.
+    /// The observation, with a possible cause.
     pub message: String,
 }
 
@@ -183,8 +183,7 @@ impl Inspection {
     }
 }
 
-/// What is odd about one run by itself; [`Sinkages`] are odd only together, and [`LiftedRuns`] tell
-/// more together.
+/// Findings on a single run; [`Sinkages`] and [`LiftedRuns`] check several runs together.
 pub fn findings(id: &str, trace: &Trace) -> Vec<Finding> {
     let mut doubts = Doubts::of_trace(id, trace);
     let subject = Subject::of(trace);
@@ -409,9 +408,10 @@ fn counted(count: usize, what: &str) -> String {
 
 /// A number, or that nobody knows it.
 fn known(value: f64) -> String {
-    match value.is_nan() {
-        true => "-".to_owned(),
-        false => number(value),
+    if value.is_nan() {
+        "-".to_owned()
+    } else {
+        number(value)
     }
 }
 
@@ -426,9 +426,10 @@ fn number(value: f64) -> String {
         let before = size.log10().floor() as i32;
         let decimals = (3 - before).max(0) as usize;
         let text = format!("{value:.decimals$}");
-        match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-            false => text,
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
         }
     }
 }
@@ -441,7 +442,7 @@ mod tests {
 
     const RATE: f64 = 500.0;
 
-    /// A lively but sound channel around `mean`.
+    /// A varying, plausible channel about `mean`.
     fn channel(name: &str, mean: f64) -> Channel {
         let ripple = |i: u32| (f64::from(i) * 0.7).sin() + (f64::from(i) * 1.9).sin();
         let size = 0.01 * mean.abs().max(0.01);
@@ -511,7 +512,7 @@ mod tests {
         move |channel| channel.samples.iter_mut().for_each(|x| *x *= by)
     }
 
-    /// Expects exactly one finding, of this channel and severity, that says `part`.
+    /// Expects exactly one finding, of this channel and severity, with `part` in its message.
     fn expect(trace: &Trace, channel: Option<&str>, severity: Severity, part: &str) {
         let found = findings("run", trace);
         let [finding] = &found[..] else {
@@ -556,7 +557,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_slip_channel_the_wheel_angle_tells_the_slip() {
+    fn without_a_slip_channel_the_slip_follows_from_the_wheel_angle() {
         let mut trace = sound();
         trace.channels.retain(|c| c.name != "slip_ratio");
         assert_eq!(findings("run", &trace), []);
@@ -566,7 +567,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_off_its_load_is_told_apart_by_factor_and_sign() {
+    fn a_force_off_its_load_is_diagnosed_by_factor_and_sign() {
         let off = Severity::Warning;
         let unit = Severity::Error;
         let cases = [
@@ -649,7 +650,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gravity_left_in_or_taken_off_twice_is_told_from_an_offset_in_every_unit() {
+    fn gravity_included_or_subtracted_twice_is_distinguished_from_an_offset_in_every_unit() {
         let error = Severity::Error;
         for (mean, part) in [
             (9.81, "gravity is still in it"),

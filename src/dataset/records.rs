@@ -19,11 +19,11 @@ pub enum Kind {
 pub struct Field {
     /// Name.
     pub name: String,
-    /// Unit, as in run files: `m/s^2`, `1`; empty where there is none or nobody says.
+    /// Unit, as in run files: `m/s^2`, `1`; empty where there is none or it is unknown.
     pub unit: &'static str,
     /// What its cells are.
     pub kind: Kind,
-    /// What it holds, in words.
+    /// Its definition, in words.
     pub meaning: &'static str,
 }
 

@@ -1,7 +1,7 @@
 //! Whether the rows of a log are equally spaced, by their times.
 //!
-//! A channel has one rate, so the times `t_i` of rows must be put on a grid `t_0 + i T`. What a
-//! clock's departures from it mean decides what may be done with them.
+//! A channel has one rate, so the times `t_i` of rows must be put on a grid `t_0 + i T`. The permitted
+//! treatment depends on the kind of deviations from it.
 //!
 //! **Even** (samples stay as they are). Departures from the least squares line of time on row
 //! number lie within a fifth of a period, all of them. They do not add up: the rows are even and
@@ -10,21 +10,21 @@
 //! drawn, so that one lost row among any number is found.
 //!
 //! **Wandering** (interpolated to the mean rate, with a note). Departures add up to more, but every
-//! step lies within a fifth of the usual (median) one. Stamps of even rows cannot do so: their
+//! step lies within a fifth of the median (median) one. Stamps of even rows cannot do so: their
 //! errors would have to grow from row to row. It is the sampling that wanders, as of a timer that
 //! starts anew after each row's work, or of a quartz that warms up; the times are right and the
-//! values between rows are interpolated. A lost row makes one step of twice the usual.
+//! values between rows are interpolated. A lost row makes one step of twice the median.
 //!
-//! **Equal** stamps are of a clock too coarse for the rows, or of rows that a buffer (FIFO) hands
-//! over together. The times of single rows are then not known; the rate is, from the slope of the
-//! line. Refused, with that rate as the way out.
+//! **Equal** stamps come from a clock too coarse for the rows, or from rows delivered together by a buffer
+//! (FIFO). The times of single rows are then unknown; the rate follows from the slope of the line. Rejected,
+//! with that rate as the remedy.
 //!
-//! **Uneven** is the rest: rows lost, a host's clock that stamps rows when it gets to them. Refused,
-//! with `resample_hz` as a way out, and `sample_rate_hz` where the rows are even in truth.
+//! **Uneven** is the rest: lost rows, or a host's clock that stamps rows on processing. Rejected, with
+//! `resample_hz` as the remedy, or `sample_rate_hz` where the rows are in fact even.
 //!
-//! What no criterion here can see is a clock whose second is too long or too short all along.
+//! A clock whose second is constantly too long or too short cannot be detected here.
 
-/// How far [periods] a time may lie off an even grid, and a step off the usual one.
+/// Tolerance [periods] of a time about an even grid, and of a step about the median one.
 pub(super) const FIFTH: f64 = 0.2;
 
 /// Departure [periods] below which nothing is noted: rounding of printed times.
@@ -33,7 +33,7 @@ const SILENT: f64 = 0.02;
 /// How far [-] a rate from times may lie off one of fewer digits that it is taken for.
 const NEAR: f64 = 1.0e-6;
 
-/// Longest step [usual steps] at which no row is missing.
+/// Longest step [median steps] at which no row is missing.
 pub(super) const LOST: f64 = 1.5;
 
 /// Standard errors of a rate within which a rounder number is offered for it.
@@ -70,7 +70,7 @@ pub(super) enum Clock {
         rate: f64,
         /// Largest departure [s].
         off: f64,
-        /// Largest difference of a step from the usual [-].
+        /// Largest relative difference of a step from the median [-].
         step: f64,
     },
 }
@@ -91,9 +91,9 @@ impl Clock {
     pub(super) fn of(times: Times<'_>) -> Result<Self, String> {
         times.check(0.0)?;
         let line = times.line();
-        let usual = times.usual_step();
+        let median = times.median_step();
         let steps = times.steps();
-        let step = steps.map(|(step, _)| (step / usual - 1.0).abs());
+        let step = steps.map(|(step, _)| (step / median - 1.0).abs());
         let step = step.fold(0.0, f64::max);
         let (off, _) = times.farthest_off(line);
         let rate = meant(1.0 / line.period, times.rows.len());
@@ -112,7 +112,7 @@ impl Clock {
                 step,
             });
         }
-        Err(times.uneven(line, usual))
+        Err(times.uneven(line, median))
     }
 
     /// What is to be noted of it.
@@ -175,7 +175,7 @@ impl Times<'_> {
     }
 
     /// Median step [s].
-    pub(super) fn usual_step(&self) -> f64 {
+    pub(super) fn median_step(&self) -> f64 {
         let mut steps: Vec<f64> = self.steps().map(|(step, _)| step).collect();
         let middle = steps.len() / 2;
         *steps.select_nth_unstable_by(middle, f64::total_cmp).1
@@ -261,9 +261,10 @@ impl Times<'_> {
             );
         }
         let batch = rows.len() as f64 / stamps as f64;
-        let cause = match batch >= 4.0 {
-            true => format!("rows come in batches of {batch:.1} on average, as out of a buffer"),
-            false => format!("the clock counts in steps of {} s", short(finest)),
+        let cause = if batch >= 4.0 {
+            format!("rows come in batches of {batch:.1} on average, as out of a buffer")
+        } else {
+            format!("the clock counts in steps of {} s", short(finest))
         };
         let error = SURE * fit.error / fit.period * rate;
         let half = 0.5 * error.max(1.0e-9 * rate);
@@ -279,11 +280,11 @@ impl Times<'_> {
         )
     }
 
-    /// The row whose step differs most from the `usual` one, and what was asked of it, in words.
-    fn uneven(&self, line: Line, usual: f64) -> String {
+    /// The row whose step differs most from the median, with the requirement in words.
+    fn uneven(&self, line: Line, median: f64) -> String {
         let file = self.file;
-        let off = |step: f64| (step - usual).abs();
-        let (unusual, at) = self.steps().fold((usual, 0), |most, step| {
+        let off = |step: f64| (step - median).abs();
+        let (worst, at) = self.steps().fold((median, 0), |most, step| {
             if off(step.0) > off(most.0) {
                 step
             } else {
@@ -291,28 +292,28 @@ impl Times<'_> {
             }
         });
         let (most, where_most) = self.farthest_off(line);
-        let rate = roundest(1.0 / usual, 0.01 / usual);
-        let lost = (unusual / usual - 1.0).round();
-        let lost_rows = match unusual > LOST * usual {
+        let rate = roundest(1.0 / median, 0.01 / median);
+        let lost = (worst / median - 1.0).round();
+        let lost_rows = match worst > LOST * median {
             true if lost > 1.0 => format!(", as if {lost} rows were lost"),
             true => ", as if a row were lost".to_owned(),
             false => String::new(),
         };
         format!(
-            "{file}:{at}: {unusual:.6} s after the row before, {usual:.6} s elsewhere{lost_rows}; \
-             rows must be equally spaced: every step within a fifth of the usual one (here {:.0} \
+            "{file}:{at}: {worst:.6} s after the row before, {median:.6} s elsewhere{lost_rows}; \
+             rows must be equally spaced: every step within a fifth of the median one (here {:.0} \
              % off), or every time within a fifth of a period of an even grid (here {:.2} periods \
              at line {where_most}). resample_hz = {rate} interpolates them to an even rate; where \
              the rows are even and only their times are not, give sample_rate_hz = {rate} instead \
              of time_s",
-            100.0 * off(unusual) / usual,
+            100.0 * off(worst) / median,
             most / line.period,
         )
     }
 }
 
-/// The rate that rounded times of as many `rows` stand for: of few digits, where one lies so near that
-/// over all rows it would add up to no more than a twentieth of a period.
+/// The nominal rate behind rounded times of `rows` rows: of few digits, where one is so near that over all
+/// rows the deviation adds up to no more than a twentieth of a period.
 fn meant(rate: f64, rows: usize) -> f64 {
     let near = NEAR.min(0.05 / rows as f64);
     roundest(rate, near * rate.abs())
@@ -323,12 +324,11 @@ fn roundest(value: f64, error: f64) -> f64 {
     let size = value.abs().log10().floor() as i32;
     let rounded = |digits: i32| {
         let unit = digits - 1 - size;
-        let text = match unit >= 0 {
-            true => format!("{value:.*}", unit as usize),
-            false => {
-                let scale = 10_f64.powi(-unit);
-                format!("{}", (value / scale).round() * scale)
-            }
+        let text = if unit >= 0 {
+            format!("{value:.*}", unit as usize)
+        } else {
+            let scale = 10_f64.powi(-unit);
+            format!("{}", (value / scale).round() * scale)
         };
         text.parse().unwrap_or(value)
     };
@@ -338,9 +338,10 @@ fn roundest(value: f64, error: f64) -> f64 {
 
 /// A number to three digits or more.
 pub(super) fn short(value: f64) -> String {
-    match value == 0.0 || !value.is_finite() {
-        true => value.to_string(),
-        false => roundest(value, 5.0e-4 * value.abs()).to_string(),
+    if value == 0.0 || !value.is_finite() {
+        value.to_string()
+    } else {
+        roundest(value, 5.0e-4 * value.abs()).to_string()
     }
 }
 
@@ -368,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Numbers that look random and are evenly spread in [-1, 1].
+    /// Pseudorandom numbers evenly spread in [-1, 1].
     fn scattered(i: u32) -> f64 {
         let phase = f64::from(i) * 0.618_033_988_749_895;
         2.0 * (phase - phase.floor()) - 1.0

@@ -35,7 +35,7 @@ pub(super) fn of_row(
     Condition { source, row }.read()
 }
 
-/// A part of a campaign, and the row of its file that holds what it leaves to columns.
+/// A part of a campaign, with the row of its file for values given by columns.
 struct Condition<'a> {
     source: Source<'a>,
     row: Option<(&'a Header, &'a Row)>,
@@ -161,14 +161,17 @@ impl Condition<'_> {
     }
 
     fn count(&self, key: &str, given: &Option<Given>, most: f64) -> Result<Option<u32>, Misplaced> {
-        let whole = |x: f64| match x.fract() == 0.0 && (0.0..=most).contains(&x) {
-            true => Ok(x),
-            false => Err(RangeError {
-                quantity: "count",
-                unit: "-",
-                range: format!("a whole number from 0 to {most}"),
-                value: x,
-            }),
+        let whole = |x: f64| {
+            if x.fract() == 0.0 && (0.0..=most).contains(&x) {
+                Ok(x)
+            } else {
+                Err(RangeError {
+                    quantity: "count",
+                    unit: "-",
+                    range: format!("a whole number from 0 to {most}"),
+                    value: x,
+                })
+            }
         };
         let count = self.number(key, "1", given, whole)?;
         Ok(count.map(|count| count as u32))
@@ -223,11 +226,12 @@ impl Condition<'_> {
                 header.text(row, place)
             }
         };
-        match text.contains('\0') {
-            true => Err(self
+        if text.contains('\0') {
+            Err(self
                 .source
-                .fault(key, "a text must not hold a NUL character")),
-            false => Ok(text),
+                .fault(key, "a text must not hold a NUL character"))
+        } else {
+            Ok(text)
         }
     }
 
@@ -252,7 +256,7 @@ impl Condition<'_> {
         })
     }
 
-    /// The row that holds columns.
+    /// The row for values given by columns.
     fn row(&self, key: &str) -> Result<(&Header, &Row), Misplaced> {
         let message = "a [[run]] has one value here; columns of values belong to a [table]";
         self.row.ok_or_else(|| self.source.fault(key, message))

@@ -1,4 +1,4 @@
-//! What a campaign file may say, before any of it is checked.
+//! Schema of a campaign file, before validation.
 
 use super::selection::Picked;
 use super::sheet::Layout;
@@ -142,7 +142,7 @@ impl SourceTable {
     }
 }
 
-/// A value, or the column that holds it.
+/// A value, or the column that contains it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Given {
     Number(f64),
@@ -150,7 +150,7 @@ pub(super) enum Given {
     Column(ColumnTable),
 }
 
-/// A standard deviation for all rows, or the column that holds each row's.
+/// A standard deviation for all rows, or a column with that of each row.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "sd is a number or the name of a column")]
 pub(super) enum Spread {

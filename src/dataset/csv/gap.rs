@@ -1,10 +1,10 @@
-//! Cells that hold no number where one is asked for.
+//! Cells without a number in numeric columns.
 
 use std::cell::RefCell;
 use std::fmt;
 use std::rc::Rc;
 
-/// The cells of a column that hold no number; what they would have told counts as not measured.
+/// The cells of a column without a number; they count as not measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gap {
     /// The CSV file.
@@ -13,7 +13,7 @@ pub struct Gap {
     pub column: String,
     /// Line of the first such cell, from 1.
     pub line: u64,
-    /// What the first such cell holds.
+    /// Text of the first such cell.
     pub cell: String,
     /// How many there are.
     pub cells: usize,

@@ -1,11 +1,11 @@
-//! The lines before a table: those to skip, and comments that may hold its names.
+//! The lines before a table: those to skip, and comments that may contain its names.
 
 use std::io::{BufRead, BufReader, Cursor, Read};
 
 /// Longest line [bytes] of a table: a file without line ends must not fill the memory.
 const LONGEST: u64 = 1 << 20;
 
-/// What stands before the first row.
+/// The lines before the first row.
 pub(super) struct Lead {
     /// Comments with their lines, without `#` and blanks.
     pub(super) comments: Vec<(u64, String)>,
@@ -16,10 +16,10 @@ pub(super) struct Lead {
 }
 
 impl Lead {
-    /// Passes `skip` lines, and then empty lines and comments.
+    /// Skips `skip` lines, and then empty lines and comments.
     ///
     /// # Errors
-    /// Where a line does not end within 1 MiB, or what the file system says.
+    /// Where a line does not end within 1 MiB, or an error of the file system.
     pub(super) fn read(source: Box<dyn Read>, skip: u64) -> std::io::Result<Self> {
         let mut source = BufReader::with_capacity(1 << 16, source);
         let mut comments = Vec::new();
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_before_a_table_are_passed_and_comments_kept_with_their_lines() {
+    fn lines_before_a_table_are_skipped_and_comments_stored_with_their_lines() {
         let comment = |line, text: &str| (line, text.to_owned());
         let (comments, lines, rest) = lead("# a\n\n ## t,F\r\n0,1\n#b\n", 0);
         assert_eq!(comments, [comment(1, "a"), comment(3, "t,F")]);

@@ -1,14 +1,13 @@
-//! Times as they stand in a table, without the digits that a double would lose.
+//! Times in a table, at a precision beyond that of a double.
 //!
-//! A stamp of today in nanoseconds has 19 digits, a double 16: read as a number, 1 kHz is lost in
-//! steps of 256 ns. A cell is therefore kept as a whole number and a fraction ([`Tick`]), and what
-//! counts, the time since the first row, is a difference of the two parts. Several columns of one
-//! row (seconds and nanoseconds, date and time of day) are added by their differences.
+//! A stamp of today in nanoseconds has 19 digits, a double 16: as a double, 1 kHz is lost in steps of 256 ns.
+//! A cell is therefore stored as an integer and a fraction ([`Tick`]), and the time since the first row is a
+//! difference of the two parts. Several columns of one row (seconds and nanoseconds, date and time of day)
+//! are added by their differences.
 //!
-//! What a cell is, its text decides once for a column: a number; a date with time of day (ISO
-//! 8601, UTC where it has no zone; other ways of writing need `format`); hours, minutes and
-//! seconds, which start again at midnight; or days and such a time, as pandas writes a
-//! `Timedelta`.
+//! The kind of a cell is determined by its text, once for a column: a number; a date with time of day (ISO
+//! 8601, UTC where it has no zone; other notations need `format`); hours, minutes and seconds, which restart
+//! at midnight; or days and such a time, as in a pandas `Timedelta`.
 
 use super::description::ColumnTable;
 use super::number::{Content, is_missing};
@@ -25,7 +24,7 @@ const NANO: f64 = 1.0e9;
 /// Nanoseconds in a day.
 const DAY: i64 = 86_400_000_000_000;
 
-/// Largest whole number that a double holds with all its digits.
+/// Largest integer that a double represents exactly.
 const EXACT: f64 = 9.0e15;
 
 /// A count of a clock: a whole number and what is left, of the same sign.
@@ -284,15 +283,16 @@ impl Part {
         let whole = i128::from(first.whole) - i128::from(self.subtract.whole);
         let fraction = first.fraction - self.subtract.fraction;
         let size = self.scale * NANO;
-        match size >= 0.5 && (size - size.round()).abs() < 1.0e-9 * size {
-            true => Origin {
+        if size >= 0.5 && (size - size.round()).abs() < 1.0e-9 * size {
+            Origin {
                 nanoseconds: whole.saturating_mul(size.round() as i128),
                 rest: fraction * self.scale,
-            },
-            false => Origin {
+            }
+        } else {
+            Origin {
                 nanoseconds: 0,
                 rest: (whole as f64 + fraction) * self.scale,
-            },
+            }
         }
     }
 }
@@ -300,19 +300,20 @@ impl Part {
 impl Tick {
     fn of(number: f64) -> Self {
         let whole = number.trunc();
-        match whole.abs() < EXACT {
-            true => Self {
+        if whole.abs() < EXACT {
+            Self {
                 whole: whole as i64,
                 fraction: number - whole,
-            },
-            false => Self {
+            }
+        } else {
+            Self {
                 whole: 0,
                 fraction: number,
-            },
+            }
         }
     }
 
-    /// The number that `text` holds, which a double keeps as `number`.
+    /// The number in `text`, which as a double is `number`.
     fn of_text(text: &str, number: f64) -> Self {
         let unsigned = text.trim_start_matches(['+', '-']);
         let (digits, fraction) = unsigned.split_once(['.', ',']).unwrap_or((unsigned, ""));
@@ -325,12 +326,13 @@ impl Tick {
             "" => 0.0,
             digits => format!("0.{digits}").parse().unwrap_or(0.0),
         };
-        match text.starts_with('-') {
-            true => Self {
+        if text.starts_with('-') {
+            Self {
                 whole: -whole,
                 fraction: -fraction,
-            },
-            false => Self { whole, fraction },
+            }
+        } else {
+            Self { whole, fraction }
         }
     }
 
@@ -354,7 +356,7 @@ fn date(text: &str) -> Option<(Tick, Kind)> {
 
 /// A time written as `format` has it.
 fn formatted(format: &str, text: &str) -> Option<(Tick, Kind)> {
-    // A comma may stand where `%.f` has the point.
+    // A comma may be in place of the point of `%.f`.
     let parsed =
         strtime::parse(format, text).or_else(|_| strtime::parse(format, text.replace(',', ".")));
     let parsed = parsed.ok()?;

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Notes on one run, shared by all that read its files. Each stands once.
+/// Notes on one run, shared by all readers of its files, without duplicates.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Notes(Rc<RefCell<Vec<String>>>);
 

@@ -1,8 +1,8 @@
-//! Numbers as they stand in cells, with a decimal point or comma.
+//! Numbers in cells, with a decimal point or comma.
 
 use std::cell::Cell;
 
-/// What stands in a cell where nothing was measured.
+/// Contents of a cell that mean "not measured".
 const MISSING: [&str; 18] = [
     "", "nan", "na", "n/a", "null", "-", "none", "<na>", "nat", "#n/a", "#na", "#div/0!",
     "#value!", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "1.#inf",
@@ -23,7 +23,7 @@ enum Mark {
     Comma,
 }
 
-/// What a cell holds.
+/// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Content {
     /// A finite number.
@@ -37,7 +37,7 @@ pub(super) enum Content {
 }
 
 impl Decimal {
-    /// The mark that a campaign states, or that `delimiter` leaves open.
+    /// The mark stated in a campaign, or otherwise implied by `delimiter`.
     ///
     /// # Errors
     /// A mark that is neither a point nor a comma, in words.
@@ -53,7 +53,7 @@ impl Decimal {
         Ok(Self(Cell::new(mark)))
     }
 
-    /// What `cell` holds.
+    /// Parses `cell`.
     pub(super) fn read(&self, cell: &str) -> Content {
         let cell = cell.trim();
         let parsed = match self.0.get() {
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_between_thousands_and_units_behind_numbers_are_told_from_other_texts() {
+    fn thousands_separators_and_trailing_units_are_distinguished_from_other_texts() {
         for cell in [
             "1.100,5",
             "1'234.5",

@@ -9,7 +9,7 @@ use crate::quantity::RangeError;
 use crate::trace::{Channel, unwrapped};
 use std::path::Path;
 
-/// What one file holds.
+/// Content of one file.
 pub(super) struct Record {
     pub(super) file: String,
     /// Channels, whose times count from the first row.
@@ -124,9 +124,10 @@ fn columns(
             table.times.push((time, row.line()));
         }
     }
-    match table.samples[0].is_empty() {
-        true => Err(rows.nothing()),
-        false => Ok(table),
+    if table.samples[0].is_empty() {
+        Err(rows.nothing())
+    } else {
+        Ok(table)
     }
 }
 

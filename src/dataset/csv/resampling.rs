@@ -1,15 +1,15 @@
-//! Values at even times, interpolated between rows at uneven ones.
+//! Resampling of uneven rows to an even rate by linear interpolation.
 //!
-//! Linear interpolation costs what this module states. Half way between rows a step `d` apart, an
-//! oscillation of frequency `f` keeps `cos(π f d)` of its amplitude: 5 % are lost at `f = 0.1/d`,
-//! 29 % at `0.25/d`. No low pass goes before it: what oscillates faster than half the new rate
-//! appears at a lower frequency. Between rows further apart than the longest gap to bridge, three
-//! usual steps unless the campaign has `longest_gap_s`, values are NaN, as they are beside a row
-//! without a number. Of rows with one time, up to a tenth of all, the last counts. A wheel angle is unwrapped first: half way from 359° to 1° is 0° and not 180°.
+//! Errors of linear interpolation: half way between rows a step `d` apart, an oscillation of frequency `f`
+//! retains `cos(π f d)` of its amplitude: 5 % is lost at `f = 0.1/d`, 29 % at `0.25/d`. There is no
+//! anti-aliasing filter: an oscillation faster than half the new rate is aliased. Between rows further apart
+//! than the longest gap to bridge, three median steps unless the campaign has `longest_gap_s`, values are
+//! NaN, as they are beside a row without a number. Of rows with equal times, up to a tenth of all, the last
+//! is used. A wheel angle is unwrapped first: half way from 359° to 1° is 0° and not 180°.
 
 use super::clock::{Times, short};
 
-/// Longest gap that is bridged [usual steps].
+/// Longest gap that is bridged [median steps].
 const BRIDGED: f64 = 3.0;
 
 /// Loss of amplitude [-] at the frequency that is stated for it.
@@ -55,8 +55,8 @@ struct Cost {
     longest: f64,
     /// Rows that have the time of the row before.
     equal: usize,
-    /// Usual step [s].
-    usual: f64,
+    /// Median step [s].
+    median: f64,
 }
 
 impl Resampling {
@@ -70,8 +70,8 @@ impl Resampling {
         longest_gap: Option<f64>,
     ) -> Result<Self, String> {
         times.check(EQUAL)?;
-        let usual = times.usual_step();
-        let longest_gap = longest_gap.unwrap_or(BRIDGED * usual);
+        let median = times.median_step();
+        let longest_gap = longest_gap.unwrap_or(BRIDGED * median);
         // The last row is within reach in spite of rounding.
         let count = (times.span() * rate + AT_ROW).floor() + 1.0;
         let most = MOST_PER_ROW * times.rows.len() as f64;
@@ -89,7 +89,7 @@ impl Resampling {
             bridged: 0.0,
             longest: times.steps().fold(0.0, |most, (step, _)| most.max(step)),
             equal: times.equal_rows(),
-            usual,
+            median,
         };
         let mut row = 0;
         let places = (0..count as usize).map(|i| {
@@ -122,10 +122,10 @@ impl Resampling {
             bridged,
             longest,
             equal,
-            usual,
+            median,
         } = self.cost;
         let share = |count: usize| 100.0 * count as f64 / self.places.len() as f64;
-        let loses = (1.0 - LOSS).acos() / (std::f64::consts::PI * usual);
+        let loses = (1.0 - LOSS).acos() / (std::f64::consts::PI * median);
         let gaps = match missing {
             0 => String::new(),
             _ => format!(

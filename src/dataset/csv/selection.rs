@@ -1,18 +1,18 @@
-//! Which rows of a table a campaign asks for.
+//! Selection of the rows of a table.
 //!
 //! ```toml
 //! rows = { trial = 3, ground = ["ST", "SGT"], slip = { min = 0.0, max = 0.6 }, day = { not = "3-2-21" } }
 //! ```
 //!
-//! A row is picked where every condition holds. Both ends of a range belong to it; a row without
-//! a number there lies in no range and differs from every number.
+//! A row is selected if all conditions are met. Ranges include both ends; a row without a number there is in
+//! no range and differs from every number.
 
 use super::sheet::{Header, Row};
 use serde::Deserialize;
 use std::cmp::Ordering;
 use std::fmt;
 
-/// What the cells of a column must hold.
+/// A condition on the cells of a column.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(
     untagged,
@@ -25,7 +25,7 @@ pub(super) enum Picked {
     Not(Not),
 }
 
-/// A value a cell may hold.
+/// A permitted value of a cell.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Wanted {
@@ -41,7 +41,7 @@ pub(super) struct Within {
     max: Option<f64>,
 }
 
-/// What a cell must not hold.
+/// An excluded value of a cell.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Not {
@@ -76,10 +76,10 @@ impl Picked {
         }
     }
 
-    /// Whether the cell in `column` is wanted.
+    /// Whether the cell in `column` meets the condition.
     ///
     /// # Errors
-    /// Where a range is asked of a cell that holds neither a number nor nothing.
+    /// Where a range is applied to a cell with a text that is no number.
     pub(super) fn holds(&self, header: &Header, row: &Row, column: usize) -> Result<bool, String> {
         let is = |wanted: &Wanted| wanted.is(header, row, column);
         Ok(match self {

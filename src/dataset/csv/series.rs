@@ -1,9 +1,9 @@
 //! Time series: the files of a run, joined by time.
 //!
-//! Each file keeps its own rate; what joins them is a common zero of time. That is the zero of the
-//! files' clocks, to which `offset_s` adds what a campaign knows of a file's delay. Where clocks
-//! count from 1970 or another day long past, the first row of the first file is the zero, so that no
-//! digit is lost to the date. A file with a rate and no times begins at the run's zero.
+//! Each file has its own rate; they share a common zero of time. That is the zero of the files' clocks, to
+//! which `offset_s` adds the known delay of a file. Where clocks count from 1970 or another distant date, the
+//! first row of the first file is the zero, so that no digit is lost to the date. A file with a rate and no
+//! times begins at the run's zero.
 
 use super::clock::short;
 use super::moment::Origin;
@@ -15,7 +15,7 @@ use super::{Misplaced, condition};
 use crate::trace::{Channel, Trace, turned_along};
 use std::path::Path;
 
-/// Times [s] beyond which a clock's own zero is replaced: they leave too few digits for a sample.
+/// Times [s] beyond which a clock's own zero is replaced: beyond it a double resolves too few digits.
 const LONG_AGO: f64 = 1.0e6;
 
 /// The run that `source` describes, with its id where one is given.
@@ -45,7 +45,7 @@ pub(super) fn read(
     Ok((id, trace))
 }
 
-/// What every file of the run holds.
+/// The records of all files of a run.
 fn records(source: Source<'_>, folder: &Path) -> Result<Vec<Record>, Misplaced> {
     let files = &source.table.source;
     if files.is_empty() {
@@ -147,9 +147,10 @@ fn note_extents(source: Source<'_>, extents: &[(String, [f64; 2])]) {
         .source
         .iter()
         .any(|file| file.offset_s.is_some());
-    let clocks = match offsets {
-        true => "clocks as offset_s sets them",
-        false => "clocks taken as one, no offset_s",
+    let clocks = if offsets {
+        "clocks as offset_s sets them"
+    } else {
+        "clocks taken as one, no offset_s"
     };
     let note = format!("joined by time: {}; {clocks}", files.join(", "));
     source.notes.of_run(note);

@@ -1,13 +1,13 @@
 //! One table of text: names of its columns, and rows of cells.
 //!
-//! Which rows are data is decided by what they hold, unless the campaign states it:
+//! Which rows are data is inferred from their content, unless the campaign states it:
 //!
-//! - Lines that begin with `#` and empty ones are left out, the first `skip_lines` too.
+//! - Lines that begin with `#` and empty ones are skipped, the first `skip_lines` too.
 //! - The first row names the columns (`header_rows = 1`). Rows directly below it without a number
 //!   in any cell are units or short names; they are left out, with a note. `header_rows` states how
 //!   many rows stand above the data.
-//! - Where the first row is made of numbers, the names are those of a comment before it with as
-//!   many cells, with a note, or those that the campaign gives under `names`.
+//! - Where the first row consists of numbers, the names are those of a comment before it with as many cells,
+//!   with a note, or those that the campaign gives under `names`.
 
 mod naming;
 
@@ -27,7 +27,7 @@ use std::rc::Rc;
 /// How alike [0 to 1] two names are that one may have meant for the other.
 const ALIKE: f64 = 0.8;
 
-/// Rows that are looked at before the first is taken for data.
+/// Number of rows examined before the first is taken as data.
 const AHEAD: usize = 32;
 
 /// Most cells that a message lists.
@@ -82,11 +82,10 @@ pub(super) struct Row {
 }
 
 impl Sheet {
-    /// Opens the table at `path`; cells without a number are noted among `gaps`, what is taken for
-    /// granted among `notes`.
+    /// Opens the table at `path`; cells without a number are recorded in `gaps`, assumptions in `notes`.
     ///
     /// # Errors
-    /// What keeps the file from being read, in words.
+    /// Why the file cannot be read.
     pub(super) fn open(
         path: &Path,
         layout: &Layout<'_>,
@@ -203,7 +202,7 @@ impl Sheet {
             }
             other => format!("cannot read {file}: {other:?}"),
         })?;
-        // The reader stands behind the row, which may have passed comments, and lines within quotes.
+        // The reader is past the row, which may have included comments, and line breaks within quotes.
         let within = row.cells.as_slice().iter().filter(|&&byte| byte == b'\n');
         let lines = self.reader.position().line() - 1;
         row.line = (self.passed + lines).saturating_sub(within.count() as u64);
@@ -324,7 +323,7 @@ impl Header {
         }
     }
 
-    /// The text in a cell, without blanks around it.
+    /// The trimmed text of a cell.
     pub(super) fn text(&self, row: &Row, column: usize) -> String {
         let text = row.cells.get(column).map(trimmed).unwrap_or_default();
         if text.contains('\u{fffd}') {
@@ -339,10 +338,10 @@ impl Header {
         text
     }
 
-    /// The number in a cell; NaN where nothing was measured, which is noted.
+    /// The number in a cell; NaN where nothing was measured, which is recorded.
     ///
     /// # Errors
-    /// Where the cell holds anything else: file, line, column and cell, and the way out.
+    /// For any other content: file, line, column and cell, with the remedy.
     pub(super) fn number(&self, row: &Row, column: usize) -> Result<f64, String> {
         let cell = row.cells.get(column).unwrap_or_default();
         let text = std::str::from_utf8(cell).unwrap_or("\u{fffd}");
@@ -364,14 +363,14 @@ impl Header {
         ))
     }
 
-    /// Whether a cell holds this number.
+    /// Whether the number of a cell is this one.
     pub(super) fn is_number(&self, row: &Row, column: usize, number: f64) -> bool {
         let cell = row.cells.get(column).unwrap_or_default();
         let text = std::str::from_utf8(cell).unwrap_or_default();
         self.decimal.read(text) == Content::Number(number)
     }
 
-    /// The text of a cell, and what it holds as a number.
+    /// The text of a cell and its parsed content.
     pub(super) fn cell<'r>(&self, row: &'r Row, column: usize) -> (&'r str, Content) {
         let cell = row.cells.get(column).unwrap_or_default();
         let text = std::str::from_utf8(cell).unwrap_or("\u{fffd}").trim();
@@ -463,19 +462,20 @@ impl Row {
         self.line
     }
 
-    /// Its cells as texts without blanks around them.
+    /// The trimmed texts of its cells.
     fn texts(&self) -> Vec<String> {
         self.cells.iter().map(trimmed).collect()
     }
 }
 
-/// A cell's text on one line, without blanks around it.
+/// A cell's trimmed text on one line.
 fn trimmed(cell: &[u8]) -> String {
     let text = String::from_utf8_lossy(cell);
     let text = text.trim();
-    match text.contains(char::is_control) {
-        true => text.split(char::is_control).collect::<Vec<_>>().join(" "),
-        false => text.to_owned(),
+    if text.contains(char::is_control) {
+        text.split(char::is_control).collect::<Vec<_>>().join(" ")
+    } else {
+        text.to_owned()
     }
 }
 
@@ -537,7 +537,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_told_by_column_with_the_line_of_the_first() {
+    fn gaps_are_reported_by_column_with_the_line_of_the_first() {
         let text = "t,F\n0,1\n1,inf\n2,NaN\n3,4\n,5\n";
         let gaps = Gaps::default();
         let mut sheet = sheet_of(text.as_bytes(), &Layout::default(), &gaps).unwrap();
@@ -547,15 +547,15 @@ mod tests {
                 header.number(sheet.row(), column).unwrap();
             }
         }
-        let told: Vec<String> = gaps.all().iter().map(ToString::to_string).collect();
+        let reported: Vec<String> = gaps.all().iter().map(ToString::to_string).collect();
         let force = "a.csv:3: column \"F\" holds \"inf\", which counts as not measured; it has 2 \
                      such cells";
         let time = "a.csv:6: column \"t\" holds nothing, which counts as not measured";
-        assert_eq!(told, [force, time]);
+        assert_eq!(reported, [force, time]);
     }
 
     #[test]
-    fn a_cell_that_is_no_number_is_told_with_its_line_as_an_editor_counts_them() {
+    fn a_cell_that_is_no_number_is_reported_with_its_line_as_counted_by_an_editor() {
         let error = numbers("# licence\nt,F\n\n0,1\n1,high\n", "F").unwrap_err();
         let start = "a.csv:5: column \"F\" holds \"high\", which is no number; leave";
         assert!(error.starts_with(start), "{error}");

@@ -1,14 +1,14 @@
-//! Where a rig counts slip from: another radius than the rim's, or a wheel that turns without torque.
+//! Definition of slip by a rig: by another radius than the rim's, or zero where the torque is.
 //!
-//! `s = 1 - v/(ω R)` depends on the radius `R` that stands for the wheel. Here `R` is the rim's; rigs
-//! also take that of the lugs' tips, or put slip 0 where the torque vanishes. The motion is the same,
-//! so a slip by another radius becomes one by the rim through the travel per turn, `v/ω`.
+//! `s = 1 - v/(ω R)` depends on the radius `R` assigned to the wheel. Here `R` is the rim's; rigs also use
+//! that of the lugs' tips, or define slip 0 where the torque vanishes. The motion is the same, so a slip by
+//! another radius is converted to the rim's through the travel per turn, `v/ω`.
 //!
-//! Where slip is 0 at no torque nobody measured `v/ω` there. It is taken for pure rolling of the circle
-//! through the tips. For the lugged wheel of Ding et al.
-//! (2011), whose torque is 0 at slip 0, the quadrature's torque vanishes at 0.003 by the tips and at
-//! -0.057 by the rim; one soil for its smooth and its lugged wheel leaves a sum of squares of 243 by the
-//! tips, of 420 by the shear radius and of 552 by the rim (36 values).
+//! Where slip is 0 at zero torque, `v/ω` was not measured there. It is assumed to be pure rolling of the
+//! circle through the tips. For the lugged wheel of Ding et al. (2011), whose torque is 0 at slip 0, the
+//! quadrature's torque vanishes at 0.003 by the tips and at -0.057 by the rim; one soil for its smooth and
+//! its lugged wheel gives a sum of squares of 243 by the tips, of 420 by the shear radius and of 552 by the
+//! rim (36 values).
 
 use super::Misplaced;
 use super::description::SourceTable;
@@ -76,7 +76,7 @@ struct SlipOrigin {
 }
 
 impl SlipOrigin {
-    /// What a table of a campaign says.
+    /// The definition in a table of a campaign.
     ///
     /// # Errors
     /// The key that contradicts another, and why.
@@ -113,9 +113,12 @@ impl SlipOrigin {
             return Ok(None);
         }
         // What nobody knows stays so.
-        let by_rim = |slip: f64| match slip.is_nan() {
-            true => slip,
-            false => Rolling::new(counted, slip).slip_at(rim),
+        let by_rim = |slip: f64| {
+            if slip.is_nan() {
+                slip
+            } else {
+                Rolling::new(counted, slip).slip_at(rim)
+            }
         };
         trace.attributes.slip_ratio = by_rim(trace.attributes.slip_ratio);
         for Channel { name, samples, .. } in &mut trace.channels {

@@ -11,7 +11,7 @@ use crate::trace::{CHANNELS, unit_of};
 use std::path::Path;
 use std::rc::Rc;
 
-/// Characters that may stand between the cells of a row.
+/// Supported delimiters.
 const DELIMITERS: [char; 5] = [',', ';', '\t', '|', ' '];
 
 /// A part of a campaign, and its dotted key: `run.3` or `table`.
@@ -25,11 +25,11 @@ pub(super) struct Source<'a> {
     pub(super) radius: Option<f64>,
 }
 
-/// The rows of a file that a campaign asks for.
+/// The selected rows of a file.
 pub(super) struct Rows<'a> {
     source: Source<'a>,
     sheet: Sheet,
-    /// Columns, and what they must hold.
+    /// Columns with their conditions.
     conditions: Vec<(usize, &'a str, &'a Picked)>,
 }
 
@@ -154,7 +154,7 @@ impl Rows<'_> {
         self.sheet.header()
     }
 
-    /// The next row that the campaign asks for, `None` after the last.
+    /// The next selected row, `None` after the last.
     pub(super) fn next_row(&mut self) -> Result<Option<&Row>, Misplaced> {
         while self.advance()? {
             if self.wants(self.sheet.row())? {
@@ -181,7 +181,7 @@ impl Rows<'_> {
         Ok(true)
     }
 
-    /// The fault that no row was asked for.
+    /// The fault that no row was selected.
     pub(super) fn nothing(&self) -> Misplaced {
         let file = self.header().file();
         let [first, ..] = &self.conditions[..] else {
@@ -304,9 +304,10 @@ fn scale(column: &ColumnTable) -> Result<f64, String> {
 }
 
 pub(super) fn finite(what: &str, value: f64) -> Result<f64, String> {
-    match value.is_finite() {
-        true => Ok(value),
-        false => Err(format!("{what} must be finite, got {value}")),
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{what} must be finite, got {value}"))
     }
 }
 

@@ -33,9 +33,12 @@ pub(super) struct Text {
 /// A file that cannot be read or is no text, in words, with the way out.
 pub(super) fn open(path: &Path, encoding: Option<&str>) -> Result<Text, String> {
     let name = path.display().to_string();
-    let file = File::open(path).and_then(|file| match file.metadata()?.is_dir() {
-        true => Err(ErrorKind::IsADirectory.into()),
-        false => Ok(file),
+    let file = File::open(path).and_then(|file| {
+        if file.metadata()?.is_dir() {
+            Err(ErrorKind::IsADirectory.into())
+        } else {
+            Ok(file)
+        }
     });
     let file = file.map_err(|error| format!("cannot read {name}: {error}"))?;
     from(file, &name, encoding)

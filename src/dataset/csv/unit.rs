@@ -132,7 +132,7 @@ pub(super) fn stated_below(cell: &str, target: &str) -> Option<&'static str> {
         .map(|(unit, _)| *unit)
 }
 
-/// What may be the unit in a header, the most telling first.
+/// Candidates for the unit in a header, the most specific first.
 fn candidates(header: &str) -> Vec<String> {
     let header = header.trim();
     if let Some(open) = header.rfind(['[', '('])
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_header_tells_its_unit_at_its_end_or_in_brackets() {
+    fn a_header_has_its_unit_at_its_end_or_in_brackets() {
         let cases = [
             ("sinkage_mm", "m", Some("mm")),
             ("sinkage_m", "m", None),

@@ -194,7 +194,7 @@ impl RunFile {
     }
 }
 
-/// What a group holds, in the order of its letters: HDF5's own is that of its storage.
+/// The members of a group in alphabetical order; HDF5's own is that of storage.
 fn sorted_names(group: &Group) -> ::hdf5::Result<Vec<String>> {
     group.member_names_by(IndexType::Name, IterationOrder::Increasing)
 }
@@ -212,10 +212,10 @@ fn readable(path: &Path) -> Outcome<()> {
     })
 }
 
-/// Opens a file as soon as nobody else has it locked, or gives up after ten seconds.
+/// Opens a file once it is unlocked, or fails after ten seconds.
 ///
-/// HDF5 locks what it opens, and a child process that another thread has just forked holds the
-/// lock until it executes its program.
+/// HDF5 locks files it opens, and a child process just forked by another thread inherits the lock until it
+/// executes its program.
 fn open_unlocked(path: &Path) -> hdf5::Result<File> {
     const TRIES: u32 = 200;
     for _ in 1..TRIES {
@@ -227,10 +227,10 @@ fn open_unlocked(path: &Path) -> hdf5::Result<File> {
     File::open(path)
 }
 
-/// What the system says of a locked file (EAGAIN).
+/// Message of the system for a locked file (EAGAIN).
 const LOCKED: &str = "temporarily unavailable";
 
-/// What HDF5 says of a file whose writer has not closed it.
+/// Message of HDF5 for a file not closed by its writer.
 const OPEN: &str = "already open for";
 
 /// Time between two tries to open a locked file.
@@ -293,12 +293,14 @@ fn attributes(run: &Place<'_>) -> Outcome<RunAttributes> {
     })
 }
 
-/// Lugs of a run. Files that could not leave the count out have 0 lugs of some height where it is unknown.
+/// Lugs of a run. Files of versions that always had a count have 0 lugs of nonzero height where it is
+/// unknown.
 fn lugs(run: &Place<'_>) -> Outcome<Lugs> {
     let height = run.number("lug_height_m")?;
-    let count = match run.has("lug_count") {
-        true => Some(run.whole("lug_count")?),
-        false => None,
+    let count = if run.has("lug_count") {
+        Some(run.whole("lug_count")?)
+    } else {
+        None
     };
     let unknown = count == Some(0) && height > 0.0;
     Ok(Lugs::stated(count.filter(|_| !unknown), height))
@@ -474,7 +476,7 @@ fn dataset(place: &Place<'_>, parent: &Group, name: &str) -> Outcome<Dataset> {
     found.map_err(|_| place.content(format!("a dataset {name}"), "something else"))
 }
 
-/// All numbers of a dataset or attribute, or what stands there in their place.
+/// All numbers of a dataset or attribute, or its actual content.
 fn numbers(container: &Container) -> Result<Vec<f64>, Wrong> {
     if let Some(unreadable) = odd_float(container) {
         return Err(Wrong::Encoding(unreadable));
@@ -488,7 +490,7 @@ fn numbers(container: &Container) -> Result<Vec<f64>, Wrong> {
     }
 }
 
-/// What stands where something else should.
+/// Content of an unexpected type.
 enum Wrong {
     Kind(String),
     Encoding(encoding::Unreadable),
@@ -501,7 +503,7 @@ impl From<::hdf5::Error> for Wrong {
     }
 }
 
-/// A group or dataset whose attributes are read, for errors that say where.
+/// A group or dataset with attributes, with its path for errors.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     path: &'a Path,

@@ -17,14 +17,13 @@ use ::hdf5::{Dataset, File, Group, Result};
 use std::path::Path;
 use std::str::FromStr;
 
-/// What `format` says in a table's file.
+/// Value of `format` in a table's file.
 const FORMAT: &str = "lugwheel-table";
 
-/// Writes a table to a file named `path`; the file takes its name when it is whole.
+/// Writes a table to `path`; the file appears under that name when complete.
 ///
 /// # Errors
-/// `Write` where the folder does not exist, the disk is full, or a cell of a column of numbers holds
-/// none.
+/// `Write` where the folder does not exist, the disk is full, or a cell of a numeric column is no number.
 pub fn write_table(
     path: impl AsRef<Path>,
     records: &Records,

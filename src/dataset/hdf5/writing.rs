@@ -30,9 +30,9 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Writes a run file, run by run.
 ///
-/// The file grows beside its target and takes its name in [`finish`](Self::finish), so a file
-/// under the target's name is always whole, and one that was there before stays until then. A
-/// writer that is dropped, or that failed, leaves nothing.
+/// The file is written under a temporary name and renamed in [`finish`](Self::finish), so a file under the
+/// target's name is always complete, and an existing one is not replaced before. A writer that is dropped, or
+/// that failed, leaves no file.
 #[derive(Debug)]
 pub struct RunFileWriter {
     target: PathBuf,
@@ -160,7 +160,7 @@ fn unfit(target: &Path, id: &str, reason: String) -> RunFileError {
     }
 }
 
-/// What keeps `trace` from being stored, in words.
+/// The reason why `trace` cannot be stored.
 fn check(id: &str, trace: &Trace) -> Result<(), String> {
     check_name("run id", id)?;
     let attributes = &trace.attributes;

@@ -13,7 +13,7 @@ use crate::trace::Channel;
 /// How far a mean may lie off gravity [-]: gain and tilt of a cheap sensor.
 const NEAR: f64 = 0.05;
 
-/// Units in which gravity may stand: what `g` reads in the channel, taken for m/s², and its name.
+/// Units of an uncorrected gravity: the reading of `g` in the channel, taken as m/s², and its name.
 const UNITS: [(f64, &str); 5] = [
     (GRAVITY, ""),
     (1.0, "in units of g, with "),
@@ -56,7 +56,7 @@ pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
 fn gravity(mean: f64, cos: f64) -> Option<String> {
     let near = |value: f64| (mean / value - 1.0).abs() < NEAR;
     UNITS.iter().find_map(|(unit_of_g, unit)| {
-        let told = |gravity: &str| {
+        let doubt = |gravity: &str| {
             let question = if unit.is_empty() { "" } else { "?" };
             format!("{unit}{gravity}{question}")
         };
@@ -64,13 +64,13 @@ fn gravity(mean: f64, cos: f64) -> Option<String> {
         if is_left_in && unit.is_empty() {
             Some("gravity is still in it; subtract it on import".to_owned())
         } else if is_left_in {
-            Some(told("gravity in it"))
+            Some(doubt("gravity in it"))
         } else if near(-unit_of_g) {
-            Some(told(
+            Some(doubt(
                 "gravity taken off twice, or left in by a sensor that points downward",
             ))
         } else if near(2.0 * unit_of_g) || near(-2.0 * unit_of_g) {
-            Some(told("gravity taken off with the wrong sign"))
+            Some(doubt("gravity taken off with the wrong sign"))
         } else {
             None
         }

@@ -8,7 +8,7 @@ use crate::trace::{RunAttributes, Trace};
 /// Runs from which on they show a trend [-].
 const LEAST_RUNS: usize = 3;
 
-/// Slip [-] over which a trend of the sinkage is looked for.
+/// Least range of slip [-] for a trend of the sinkage.
 const LEAST_SLIP: f64 = 0.1;
 
 /// Fall of the sinkage [m] over the slips that is a trend.

@@ -20,8 +20,8 @@ impl Doubts {
         }
     }
 
-    /// None yet. Nobody has mislabelled or mistaken the signs of a run that was simulated: of it, findings
-    /// say what there is to see, with no guess of its cause, and are no errors.
+    /// No findings yet. A simulated run has correct labels and signs: its findings are observations only,
+    /// without a possible cause, and are no errors.
     pub(super) fn of_trace(run: &str, trace: &Trace) -> Self {
         Self {
             simulated: trace.is_simulated(),
@@ -29,12 +29,12 @@ impl Doubts {
         }
     }
 
-    /// Adds what was `seen` of the run as a whole, and a `guess` of what would explain it.
+    /// Adds the observation `seen` on the run as a whole, and a possible cause `guess`.
     pub(super) fn run(&mut self, severity: Severity, seen: &str, guess: &str) {
         self.add(None, severity, seen, guess);
     }
 
-    /// Adds what was `seen` in a channel, and a `guess` of what would explain it.
+    /// Adds the observation `seen` on a channel, and a possible cause `guess`.
     pub(super) fn channel(&mut self, channel: &str, severity: Severity, seen: &str, guess: &str) {
         self.add(Some(channel.to_owned()), severity, seen, guess);
     }

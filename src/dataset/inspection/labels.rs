@@ -9,18 +9,18 @@ use crate::quantity::SlipRatio;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::{RunAttributes, SLIP_TOLERANCE};
 
-/// How far the mean normal force may lie off the load [-].
+/// Tolerance of the mean normal force about the load [-].
 ///
-/// Vertical balance holds the mean of a good rig to 1 %; a rig with friction drifts by some 10 %.
+/// Vertical balance controls the mean of a good rig to 1 %; a rig with friction drifts by some 10 %.
 const LOAD_TOLERANCE: f64 = 0.1;
 
-/// How far the speed may lie off the command [-]; motors hold it to 1 %.
+/// Tolerance of the speed about the command [-]; motors control it to 1 %.
 const SPEED_TOLERANCE: f64 = 0.05;
 
 /// Slip [-] above which the motor drives: with less, a slope or the carriage may drag the wheel.
 const DRIVING_SLIP: f64 = 0.05;
 
-/// Braking slip [-] above which the ground holds the wheel back on any slope a rig has.
+/// Braking slip [-] above which the ground retards the wheel on any slope of a rig.
 const BRAKING_SLIP: f64 = 0.2;
 
 /// Speed [m/s] beyond which a command is in another unit: no rover drives as fast.
@@ -160,7 +160,7 @@ fn expected_force(attributes: &RunAttributes, force: f64) -> f64 {
     }
 }
 
-/// What a ratio of measured to commanded looks like, to 5 %, if it looks like a mix-up of units.
+/// The unit confusion that explains a ratio of measured to commanded to 5 %, if any.
 fn factor(ratio: f64) -> Option<&'static str> {
     const FACTORS: [(f64, &str); 8] = [
         (GRAVITY, "9.8 times: newton against kilogram?"),
@@ -247,15 +247,16 @@ fn check_slip(subject: &Subject<'_>, doubts: &mut Doubts) {
             number(slip),
             rim(slip, measured)
         );
-        let guess = match (slip + commanded).abs() <= SLIP_TOLERANCE && !is_by_turning {
-            true => "same size, other sign: slip is above 0 where the rim is faster than the wheel",
-            false => "the label is wrong; trust the channel",
+        let guess = if (slip + commanded).abs() <= SLIP_TOLERANCE && !is_by_turning {
+            "same size, other sign: slip is above 0 where the rim is faster than the wheel"
+        } else {
+            "the label is wrong; trust the channel"
         };
         doubts.channel(channel, Severity::Warning, &seen, guess);
     }
 }
 
-/// Rim speed [m/s] at `slip` and `forward_speed` [m/s], where the slip tells it.
+/// Rim speed [m/s] at `slip` and `forward_speed` [m/s], where it follows from the slip.
 fn rim_speed(slip: f64, forward_speed: f64) -> Option<f64> {
     let slip = SlipRatio::new(slip).ok()?;
     let speed = slip.wheel_speed(1.0, forward_speed)?;
@@ -371,8 +372,8 @@ fn tallest_lugs(attributes: &RunAttributes) -> f64 {
     }
 }
 
-/// Height [m] to which ground lifts the lugs' tips above its mean surface: where it may have stones, the wheel
-/// stands on them.
+/// Height [m] of the lugs' tips above the mean surface of the ground: that of the stones, where there may be
+/// any.
 fn highest_rise(attributes: &RunAttributes) -> f64 {
     let radius = attributes.wheel_radius;
     match attributes.terrain {

@@ -1,17 +1,18 @@
-//! Vibration of motor and gear, sized from runs in which the wheel is lifted.
+//! Vibration of motor and gear, estimated from runs with a lifted wheel.
 //!
-//! Nothing but the drive shakes a lifted wheel, and nothing but the sensor's own noise is added. Over runs at different
-//! wheel speeds the two part: with the law of [`crate::sensors::drive_vibration`], the variance between 2 and 100 Hz is
+//! A lifted wheel is excited by its drive only, with the sensor's noise added. Runs at different wheel speeds
+//! separate the two: with the law of [`crate::sensors::drive_vibration`], the variance between 2 and 100 Hz
+//! is
 //!
 //! ```text
 //! v(ω) = v_n + p b² (ω/ω_0)⁴,   p = (2/π) (arctan(f_2/f_c) - arctan(f_1/f_c))
 //! ```
 //!
-//! with the noise `v_n`, the root mean square `b` of the broadband part at `ω_0`, and `p` the share of low-passed white
-//! noise between `f_1` and `f_2`. At one speed `b` has the noise in it and is an upper bound.
+//! with the noise `v_n`, the root mean square `b` of the broadband part at `ω_0`, and `p` the share of
+//! low-passed white noise between `f_1` and `f_2`. At one speed `b` includes the noise and is an upper bound.
 //!
-//! The line of the gear's mesh is the largest line of the spectrum, if it stands above what noise makes once in a thousand
-//! records, at one order of the wheel in all runs.
+//! The line of the gear mesh is the largest line of the spectrum, if it exceeds the level that noise reaches
+//! once in a thousand records, at one order of the wheel in all runs.
 
 use super::doubts::Doubts;
 use super::subject::Subject;
@@ -103,9 +104,10 @@ impl LiftedRuns {
         let size = Size::of(&self.runs);
         let line = self.common_line();
         let measured = self.runs.iter().any(|run| !run.simulated);
-        let guess = match measured {
-            true => set(&size, line),
-            false => String::new(),
+        let guess = if measured {
+            set(&size, line)
+        } else {
+            String::new()
         };
         doubts.channel(
             "acceleration_y",
@@ -235,9 +237,10 @@ impl Size {
     /// By least squares of the variances, each weighed by its own error.
     fn of(runs: &[Lifted]) -> Self {
         let [slow, fast] = range(runs);
-        match fast > SPREAD * slow {
-            true => Self::parted(runs),
-            false => Self::with_noise(runs),
+        if fast > SPREAD * slow {
+            Self::parted(runs)
+        } else {
+            Self::with_noise(runs)
         }
     }
 
@@ -277,7 +280,7 @@ impl Size {
         }
     }
 
-    /// Noise alone where the variance does not grow with speed, vibration alone where it leaves no noise.
+    /// Noise only where the variance does not grow with speed, vibration only where the fit has no noise.
     fn one_alone(runs: &[Lifted], is_noise: bool) -> Self {
         if !is_noise {
             let vibration = Alone::of(runs, |run| run.growth().powi(2));
@@ -372,10 +375,10 @@ fn peak(powers: &[f64]) -> Option<Peak> {
     if *largest <= 2.0 * threshold {
         return None;
     }
-    let around = line.saturating_sub(LEAKAGE)..(line + LEAKAGE + 1).min(powers.len());
+    let near = line.saturating_sub(LEAKAGE)..(line + LEAKAGE + 1).min(powers.len());
     let above = |line: usize| (powers[line] - level).max(0.0);
-    let power: f64 = around.clone().map(above).sum();
-    let place = around.map(|line| line as f64 * above(line)).sum::<f64>() / power;
+    let power: f64 = near.clone().map(above).sum();
+    let place = near.map(|line| line as f64 * above(line)).sum::<f64>() / power;
     Some(Peak { place, power })
 }
 

@@ -1,4 +1,4 @@
-//! Loads that no wheel can have, whatever the ground.
+//! Loads that are physically impossible on any ground.
 //!
 //! **Power.** The motor gives `T ω`; the wheel gives `F v` to what it pulls. The rest goes into the ground:
 //!
@@ -24,8 +24,8 @@
 //! ground. Without torque, `−F` alone is at most as much. Heaps before the wheel and stones let it meet
 //! ground higher than it sinks: these are in the [`HEAP`] and in the roughness of ground that is not known to be sand.
 //!
-//! On a slope both hold for the forces of the contact: what the wheel's own weight adds to the readings is taken off,
-//! and where its mass is unknown neither is asked.
+//! On a slope both apply to the contact forces: the part of the wheel's own weight is subtracted from the
+//! readings; where its mass is unknown neither is checked.
 
 use super::doubts::Doubts;
 use super::subject::{SIGMAS, Steady, Subject, ZERO};
@@ -73,9 +73,10 @@ pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {
         return;
     }
     let steepest = STEEPEST.to_radians().tan();
-    let entry = match doubts.has_any(&["sinkage"]) {
-        true => steepest,
-        false => entry(subject),
+    let entry = if doubts.has_any(&["sinkage"]) {
+        steepest
+    } else {
+        entry(subject)
     };
     let Some(loads) = Loads::of(subject, entry) else {
         return;
@@ -101,7 +102,7 @@ struct Loads {
     tips: f64,
     /// Load `W` [N].
     load: f64,
-    /// Slip [-]; NaN where nobody knows it, which leaves the power open.
+    /// Slip [-]; NaN where unknown, so that the power is not checked.
     slip: f64,
     /// `tan θ_1` [-], the largest that the sinkage allows.
     entry: f64,

@@ -11,13 +11,13 @@ const NOISES: f64 = 3.0;
 /// Force [N] or torque [N·m] below which a reading is made of rounding: no sensor resolves it.
 const ROUNDING: f64 = 1.0e-9;
 
-/// Shortest rest [s] that tells an offset.
+/// Shortest rest [s] to determine an offset.
 const REST: f64 = 0.5;
 
-/// Readings [-] at rest that tell a sensor's noise: one or two of a slow log do not.
+/// Least number of readings [-] at rest to determine a sensor's noise: one or two of a slow log do not.
 const FEWEST: usize = 5;
 
-/// Turning [rad] within which a wheel stands still: a fifth of a degree is 0.5 mm of rim.
+/// Rotation [rad] within which a wheel counts as standing still: a fifth of a degree is 0.5 mm of rim.
 const STILL: f64 = 3.5e-3;
 
 /// Share of the load [-], at the rim for a torque, below which an offset does not matter.
@@ -69,7 +69,7 @@ fn check_unloaded(subject: &Subject<'_>, doubts: &mut Doubts) {
     }
 }
 
-/// Doubts a pull or torque on a wheel that stands before it begins to turn; on a slope they hold it.
+/// Checks pull and torque of a standing wheel before it begins to turn; on a slope they are not 0.
 fn check_standing(subject: &Subject<'_>, doubts: &mut Doubts) {
     let trace = subject.trace;
     let RunAttributes {
@@ -122,7 +122,7 @@ fn rest(wheel_angle: &Channel) -> Option<std::ops::Range<f64>> {
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     mean: f64,
-    /// Standard deviation around the mean; NaN where it is not known.
+    /// Standard deviation about the mean; NaN where unknown.
     noise: f64,
 }
 

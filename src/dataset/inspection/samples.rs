@@ -84,7 +84,7 @@ fn check_gaps(subject: &Subject<'_>, channel: &Channel, doubts: &mut Doubts) {
     }
 }
 
-/// Speeds, slips and angles that a motor holds stay at their extreme value by right.
+/// Controlled speeds, slips and angles may legitimately stay at their extreme value.
 fn is_force_like(name: &str) -> bool {
     const FORCES: [&str; 4] = [
         "acceleration_y",

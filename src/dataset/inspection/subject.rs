@@ -1,4 +1,4 @@
-//! A run as the checks see it: angles continuous, rests left out, each quantity with its uncertainty.
+//! A run prepared for the checks: angles unwrapped, rests removed, each quantity with its uncertainty.
 
 use crate::quantity::SlipRatio;
 use crate::terrain::class::TerrainLabel;
@@ -21,7 +21,7 @@ pub(super) const ZERO: f64 = 0.03;
 /// Way [m] over a stone or two.
 const FEW_STONES: f64 = 0.05;
 
-/// A run, and what several checks ask of it.
+/// A run with what several checks need.
 pub(super) struct Subject<'t> {
     pub(super) trace: &'t Trace,
     pub(super) motion: Motion,
@@ -128,13 +128,14 @@ impl<'t> Subject<'t> {
     /// The channel that shows how fast the wheel turns: the angle, or the speed from which it was integrated.
     pub(super) fn turning_channel(&self) -> &'static str {
         let is_integrated = self.trace.attributes.angle_zero_unknown;
-        match self.turning.is_some() && !is_integrated {
-            true => "wheel_angle",
-            false => "wheel_speed",
+        if self.turning.is_some() && !is_integrated {
+            "wheel_angle"
+        } else {
+            "wheel_speed"
         }
     }
 
-    /// Whether the wheel's angle is read too seldom, or in too large steps, to tell how fast it turns.
+    /// Whether the sampling or resolution of the wheel's angle is too coarse for its speed.
     pub(super) fn is_turning_unresolved(&self) -> bool {
         let (Some((angle, turning)), Some(readings)) =
             (&self.turning, self.trace.channel("wheel_angle"))

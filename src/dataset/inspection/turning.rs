@@ -6,7 +6,7 @@ use super::{Severity, number};
 use crate::trace::RunAttributes;
 use std::f64::consts::TAU;
 
-/// How far a ratio of speeds may lie off a factor between units [-]; slip that was not held changes it.
+/// Tolerance of a ratio of speeds about a unit factor [-]; a poorly controlled slip changes it.
 const NEAR: f64 = 0.1;
 
 /// Sample rate [Hz] of an acceleration below which it shows no vibration: a lug's blow lasts some milliseconds.
@@ -52,7 +52,7 @@ fn check_counter(subject: &Subject<'_>, doubts: &mut Doubts) {
     }
 }
 
-/// States an angle that does not tell how fast the wheel turns.
+/// Reports an angle too coarse for the wheel's speed.
 fn check_resolution(subject: &Subject<'_>, doubts: &mut Doubts) {
     if subject.is_turning_unresolved() && !subject.is_rest() {
         let seen = "is read too seldom or in too large steps to tell how fast the wheel turns; what needs that is \
@@ -71,8 +71,8 @@ const ANGLES: [Guess; 3] = [
     (60.0 / TAU, "integrated from revolutions per minute?"),
 ];
 
-/// Units of time, of an angle over time. Without a command, a forward speed in mm/s looks the same: it is doubted as
-/// a speed.
+/// Units of time, for an angle over time. Without a command, a forward speed in mm/s has the same effect: it
+/// is reported as a speed.
 const TIMES: [Guess; 2] = [
     (1.0e-3, "time in milliseconds?"),
     (1.0e3, "in milliradians, or time in thousands of seconds?"),

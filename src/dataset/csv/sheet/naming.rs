@@ -1,4 +1,4 @@
-//! Where the names of a table's columns stand, and where its data begin.
+//! Position of a table's column names and of its first data row.
 
 use super::super::number::{is_missing, is_number};
 use super::{Layout, Row, listed};
@@ -102,7 +102,7 @@ fn given(ahead: &mut VecDeque<Row>, layout: &Layout<'_>) -> Result<Naming, Strin
     })
 }
 
-/// Names that stand in a comment above the first row, whose cells are `first`.
+/// Names in a comment above the first row, whose cells are `first`.
 fn from_comments(
     first: &[String],
     comments: &[(u64, String)],
@@ -193,7 +193,7 @@ fn is_all_numbers(row: &Row) -> bool {
     cells.iter().all(fits) && cells.iter().any(|cell| is_number(cell))
 }
 
-/// Whether a row holds texts and no number; 1 is the unit of a ratio.
+/// Whether a row has texts and no number; 1 is the unit of a ratio.
 fn is_units(row: &Row) -> bool {
     let cells = row.texts();
     let text = |cell: &&String| !is_missing(cell) && !is_number(cell) && !is_time(cell);
