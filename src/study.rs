@@ -33,17 +33,17 @@
 //! (a list). Which values are drawn depends on seed, key and number of the draw only, so every shard
 //! of a study knows them.
 //!
-//! A *condition* is a scenario with one entry of every sweep. Runs are numbered from 0, scenario by
-//! scenario, the last sweep changing fastest, the repeats of a condition together. All randomness
-//! of a run comes from the study's seed and the run's *stream*:
+//! A *condition* is a scenario with one entry of every sweep. Runs are numbered from 0, scenario by scenario,
+//! the last sweep changing fastest, with the repeats of a condition together. All randomness of a run comes
+//! from the study's seed and the run's *stream*:
 //!
-//! - `common`: repeat `k` of every condition draws from stream `k`. Conditions then meet the same
-//!   ground and noise, so that their differences scatter less than their values.
-//! - `independent`: run `n` draws from stream `n`. No two runs share anything.
+//! - `common`: repeat `k` of every condition draws from stream `k`. Conditions then have the same ground and
+//!   noise (common random numbers), so that their differences scatter less than their values.
+//! - `independent`: run `n` draws from stream `n`. No two runs share random numbers.
 //!
-//! Either way a run is the same bits alone, in the study, and on any thread.
+//! Either way a run is bit-identical alone, in the study, and on any thread.
 //!
-//! With a table `[recognition]` the class of every window is told and scored, see [`score`]:
+//! With a table `[recognition]` the class of every window is recognised and scored, see [`score`]:
 //!
 //! ```toml
 //! [recognition]
@@ -57,8 +57,8 @@
 //! LEIS = [0, 0, 116, 4]
 //! ```
 //!
-//! Without `reference` the features are taken over the computed reference, passed through the
-//! sensors of the run. The windows are those of the scenario, unless `settings` has a `window`.
+//! Without `reference` the features are relative to the computed reference, passed through the sensors of the
+//! run. The windows are those of the scenario, unless `settings` has a `window`.
 //!
 //! With a table `[thresholds]` every window is compared with the limits of Eq. (55) to (58), see
 //! [`thresholds`]:
@@ -83,15 +83,15 @@
 //! LEIS = [8.11, 7.64, 7.75]
 //! ```
 //!
-//! With a table `[diagnosis]` the runs are read as campaigns of a rig, each held against a scenario,
+//! With a table `[diagnosis]` the runs are diagnosed as campaigns of a rig, each compared with a scenario,
 //! see [`diagnosis`]:
 //!
 //! ```toml
 //! [diagnosis]
-//! scenario = "../single_wheel_st.toml"  # what the runs are held against; their own without effects if left out
-//! over = ["rig.single_wheel.slip"]      # a campaign joins runs that differ in these; the slip if left out
+//! scenario = "../single_wheel_st.toml"  # the scenario compared with; by default their own without effects
+//! over = ["rig.single_wheel.slip"]      # a campaign joins runs that differ in these; default: the slip
 //! budget = 20000.0                      # s of driving that may be simulated for each
-//! without = ["slope"]                   # effects to do without
+//! without = ["slope"]                   # effects to exclude
 //! ```
 //!
 //! The magnitude of an effect is swept like any other key, by its name:
@@ -102,8 +102,8 @@
 //! values = [0.0, 0.02, 0.05]
 //! ```
 //!
-//! With a table `[dataset]` the runs become one data set for learners, see [`learning`](crate::learning).
-//! However many there are, memory holds one of each thread:
+//! With a table `[dataset]` the runs become one data set for machine learning, see
+//! [`learning`](crate::learning). Whatever their number, memory contains one per thread:
 //!
 //! ```toml
 //! [dataset]
@@ -118,12 +118,12 @@
 //! windows.csv    one row a window: truth, features, answers; see `study::windows`
 //! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
 //! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
-//! thresholds.txt how far the limits hold, and how tight they are; the program adds a figure of each
+//! thresholds.txt how often the limits are met, and how tight they are; the program adds a figure of each
 //! steady.csv     one row a steady interval: loads, slip, sinkage; see `study::identification`
 //! identification.txt, identification.csv    parameters, force errors, what they predict
-//! diagnosis.txt, diagnosis.csv    what every campaign is read as; see `study::diagnosis`
+//! diagnosis.txt, diagnosis.csv    the diagnosis of every campaign; see `study::diagnosis`
 //! dataset.h5, dataset.windows.csv, dataset.splits.csv, dataset.datasheet.md, dataset.croissant.json
-//!                the runs or the features of their windows for learners; see `learning`
+//!                the runs or the features of their windows for machine learning; see `learning`
 //! timing.csv     seconds of computing per run: the one file that differs between executions
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/, reference.toml and held_against.toml (the
@@ -132,9 +132,9 @@
 //!                (`LUGWHEEL_COMMIT`), seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on
-//! bank/          simulated statistics that the diagnoses share; diagnoses/ what each came to: from
-//!                both an interrupted study goes on
-//! slurm/         what the jobs of a cluster said, see `study::slurm`
+//! bank/          cache of simulated statistics shared by the diagnoses; diagnoses/ their results: from
+//!                both an interrupted study continues
+//! slurm/         logs of the jobs of a cluster, see `study::slurm`
 //! ```
 
 mod band;
@@ -205,9 +205,9 @@ pub enum RandomNumbers {
 pub struct Study {
     /// Where all randomness comes from.
     pub seed: Seed,
-    /// What its report is called; empty where the file does not say.
+    /// Title of its report; empty if not stated.
     pub title: String,
-    /// What it asks; empty where the file does not say.
+    /// The question it answers; empty if not stated.
     pub question: String,
     repeats: u32,
     random_numbers: RandomNumbers,
@@ -649,7 +649,7 @@ fn load_scenarios(paths: &[PathBuf], folder: ScenarioFolder) -> Result<Vec<Named
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         if !names.insert(name.to_string()) {
             return Err(wrong(format!(
-                "a second scenario is named `{name}`; the table tells them apart by file name, so rename one"
+                "a second scenario is named `{name}`; the table identifies them by file name, so rename one"
             )));
         }
         let name = name.into_owned();
@@ -751,15 +751,15 @@ pub enum StudyError {
     /// A value of the options has no meaning.
     #[error(transparent)]
     Range(#[from] RangeError),
-    /// The output folder holds something already.
-    #[error("{} is not empty; go on with what it holds (--resume) or name another folder (--out)", folder.display())]
+    /// The output folder is not empty.
+    #[error("{} is not empty; continue it (--resume) or name another folder (--out)", folder.display())]
     NotEmpty {
         /// The folder.
         folder: PathBuf,
     },
-    /// The output folder holds the results of something else.
+    /// The output folder contains the results of another study.
     #[error(
-        "{} does not hold this study as it is now: its file, a scenario, the seed or the program changed; name another folder (--out)", folder.display()
+        "{} does not belong to this study as it is now: its file, a scenario, the seed or the program changed; name another folder (--out)", folder.display()
     )]
     OtherStudy {
         /// The folder.
@@ -789,17 +789,17 @@ pub enum StudyError {
     #[error(transparent)]
     Slurm(#[from] SlurmError),
     /// The threads cannot be had.
-    #[error("cannot start {jobs} threads; ask for fewer (--jobs)")]
+    #[error("cannot start {jobs} threads; request fewer (--jobs)")]
     Threads {
-        /// How many were asked for; 0 for one a core.
+        /// Number requested; 0 for one per core.
         jobs: usize,
         /// Why.
         source: rayon::ThreadPoolBuildError,
     },
-    /// The runs cannot be kept.
-    #[error("the data set cannot be kept: {0}")]
+    /// The data set cannot be stored.
+    #[error("the data set cannot be stored: {0}")]
     Dataset(#[from] RunFileError),
-    /// What is simulated for a diagnosis cannot be kept.
+    /// Simulations for a diagnosis cannot be stored.
     #[error("the runs cannot be diagnosed: {0}")]
     Diagnosis(#[from] InvestigationError),
     /// The windows of the runs train no classifier.
@@ -812,7 +812,7 @@ pub enum StudyError {
     Stopped {
         /// Shards on disk.
         whole: usize,
-        /// Shards asked for.
+        /// Number of shards requested.
         shards: usize,
     },
     /// The caller stopped it when all runs were done.

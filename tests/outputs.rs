@@ -556,7 +556,7 @@ const FILLERS: [Filler; 6] = [
         words: "study tiny.toml --out {}",
         input: "tiny.toml",
         result: "runs.csv",
-        protected: "is not empty; go on with what it holds (--resume) or name another folder",
+        protected: "is not empty; continue it (--resume) or name another folder",
         not_run: None,
     },
     Filler {
@@ -572,7 +572,7 @@ const FILLERS: [Filler; 6] = [
         words: "challenge make --set C0 --cases 1 --ground hard --duration 0.1 --out {}",
         input: "in.toml",
         result: "campaigns/manifest.json",
-        protected: "holds something else; name another folder",
+        protected: "is not empty; name another folder",
         not_run: None,
     },
     Filler {

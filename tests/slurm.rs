@@ -259,7 +259,8 @@ fn a_task_that_fails_at_every_try_ends_the_study_with_its_last_words() {
     let (_, end) = follow(&queue, &submission(&out));
     assert_eq!(queue.arrays.borrow().len(), TRIES as usize);
     let message = end.unwrap_err().to_string();
-    let start = "2 shards of runs are not whole after 3 tries of their tasks; none left a word in";
+    let start =
+        "2 shards of runs are not whole after 3 tries of their tasks; no task wrote a log in";
     assert!(message.starts_with(start), "{message}");
     // Another three arrays, the last of them as job 11.
     fs::write(out.join("slurm/11_3.log"), "one\ntwo\n\nthree\nfour\n").unwrap();
@@ -268,7 +269,7 @@ fn a_task_that_fails_at_every_try_ends_the_study_with_its_last_words() {
         ..submission(&out)
     };
     let message = follow(&queue, &resumed).1.unwrap_err().to_string();
-    let end = "slurm/11_3.log says:\n  two\n  three\n  four";
+    let end = "slurm/11_3.log reads:\n  two\n  three\n  four";
     assert!(message.ends_with(end), "{message}");
 }
 

@@ -14,7 +14,7 @@ pub struct Quantity {
     /// Its unit as shown.
     pub unit: &'static str,
     column: &'static str,
-    /// Where the table says whether it is steady, and how fast it changes.
+    /// Columns of steadiness and rate of drift.
     tested: Option<[&'static str; 2]>,
     /// From the column's unit to the one shown.
     factor: f64,
@@ -174,7 +174,7 @@ impl Unsteady {
     }
 }
 
-/// The range that holds both.
+/// The union of both ranges.
 fn together(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> {
     match (one, other) {
         (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
@@ -253,7 +253,7 @@ mod tests {
             panic!("of one quantity");
         };
         assert_eq!((all.drifting, all.too_short), (2, 1));
-        // Told in mm.
+        // Reported in mm.
         assert_eq!((all.rates, all.unit.as_str()), (Some([-0.2, 0.1]), "mm/s"));
     }
 

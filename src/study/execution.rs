@@ -35,7 +35,7 @@ pub struct Options {
     pub out: PathBuf,
     /// Threads; one a core if absent.
     pub jobs: Option<NonZeroUsize>,
-    /// Whether to keep the whole shards in the folder and do the others.
+    /// Whether to reuse the complete shards in the folder and run only the others.
     pub resume: bool,
     /// Share `I` of `N`, `I` from 1: every `N`th shard. Processes with different shares may work on
     /// one folder at a time.
@@ -45,7 +45,7 @@ pub struct Options {
 /// How far a study is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Runs done, those of kept shards included.
+    /// Runs done, including those of reused shards.
     pub done: u64,
     /// Runs to do.
     pub total: u64,
@@ -83,16 +83,15 @@ pub struct Outcome {
     pub computing_s: f64,
     /// Shards that other shares have still to do; the tables are there when there are none.
     pub missing_shards: usize,
-    /// How well the classes of all windows were recognised, where the study asks and no shard is
-    /// missing.
+    /// Score of the recognition, if the study has one and no shard is missing.
     pub recognition: Option<RecognitionScore>,
-    /// How far the limits of Eq. (55) to (58) hold, where the study asks and no shard is missing.
+    /// Score of the limits of Eq. (55) to (58), if the study has one and no shard is missing.
     pub thresholds: Option<ThresholdScore>,
-    /// Terrain parameters and what they predict, where the study asks and no shard is missing.
+    /// Terrain parameters and predictions, if the study has them and no shard is missing.
     pub identification: Option<IdentificationScore>,
-    /// What its campaigns are read as, where the study asks and no shard is missing.
+    /// Score of the diagnoses, if the study has them and no shard is missing.
     pub diagnosis: Option<DiagnosisScore>,
-    /// The data set, where the study keeps one and no shard is missing.
+    /// The data set, if the study has one and no shard is missing.
     pub dataset: Option<DataSet>,
 }
 
@@ -108,19 +107,19 @@ pub struct Failure {
 }
 
 impl Study {
-    /// Runs the study, or a share of it, and collects its tables once all shards are there.
+    /// Runs the study, or a share of it, and collects its tables once all shards are present.
     ///
-    /// `progress` hears of every run and of many moments within, from several threads; a `Break`
-    /// stops all at once. What a run, the order or the number of threads did before never shows in
-    /// the results: an execution that was stopped and resumed leaves the same bytes.
+    /// `progress` is called for every run and at many moments within, from several threads; a `Break` stops
+    /// the execution. Results do not depend on the order of runs, the number of threads or interruptions: an
+    /// execution that was stopped and resumed produces the same bytes.
     ///
-    /// A run that fails is in the table with its reason, and the others go on.
+    /// A run that fails is listed in the table with its reason, and the others continue.
     ///
     /// # Errors
-    /// `NotEmpty` where the folder holds something and `resume` is not set; `OtherStudy` where that
-    /// is not this study; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Diagnosis`
-    /// where the file system refuses, `Range` for a share that is none, `Threads` where threads cannot
-    /// be had, `Baseline` where the windows train no classifier.
+    /// `NotEmpty` where the folder is not empty and `resume` is not set; `OtherStudy` where it belongs to
+    /// another study; `Stopped` and `StoppedDiagnosing` on a `Break`; `File` and `Diagnosis` for errors of
+    /// the file system, `Range` for an invalid share, `Threads` where threads cannot be started, `Baseline`
+    /// where no classifier can be trained on the windows.
     pub fn execute(
         &self,
         options: &Options,
@@ -131,7 +130,7 @@ impl Study {
         threads.install(|| self.put_together(&folder, progress))
     }
 
-    /// Runs the study, or a share of it, and leaves its tables to [`Study::collect`].
+    /// Runs the study, or a share of it, without collecting its tables: see [`Study::collect`].
     ///
     /// # Errors
     /// Those of [`Study::execute`].
@@ -184,14 +183,14 @@ impl Study {
         }
     }
 
-    /// Puts the shards in the folder of `options` together, without running any; `progress` hears of
-    /// what is done once all runs are.
+    /// Collects the tables from the shards in the folder of `options`, without running any; `progress` is
+    /// called for the steps after the runs.
     ///
     /// # Errors
-    /// `Incomplete` where shards are missing or damaged; `OtherStudy` where the folder holds
-    /// something else; `Stopped` and `StoppedDiagnosing` when `progress` said so; `File` and `Diagnosis`
-    /// where the file system refuses, `Threads` where threads cannot be had, `Baseline` where the
-    /// windows train no classifier.
+    /// `Incomplete` where shards are missing or damaged; `OtherStudy` where the folder belongs to another
+    /// study; `Stopped` and `StoppedDiagnosing` on a `Break`; `File` and `Diagnosis` for errors of the file
+    /// system, `Threads` where threads cannot be started, `Baseline` where no classifier can be trained on
+    /// the windows.
     pub fn collect(
         &self,
         options: &Options,
@@ -258,26 +257,44 @@ impl Study {
         tables
     }
 
-    /// Puts the shards together, where all are whole.
+    /// Collects the shards, and scores their tables where all are complete.
     fn put_together(
         &self,
         folder: &Folder,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Outcome, StudyError> {
-        let total = self.run_count();
-        let hear = |diagnosing| {
-            progress(Progress {
-                done: total,
-                total,
-                failed: 0,
-                diagnosing,
-            })
-        };
-        let tables = self.tables();
         let shards = shard::all(self);
+        let (collected, missing_shards) = self.collected(folder, &shards);
+        let scored = if missing_shards == 0 {
+            folder.remove_abandoned_parts();
+            collected.write(folder)?;
+            self.scored(folder, &shards, &collected, progress)?
+        } else {
+            Scored::default()
+        };
+        scored.write(folder)?;
+        let failed = collected.failures.iter().map(|failure| failure.run);
+        Ok(Outcome {
+            runs: collected.runs,
+            failed: failed.collect(),
+            computing_s: collected.computing_s(),
+            failures: collected.failures,
+            conditions: scored.conditions,
+            missing_shards,
+            recognition: scored.recognition,
+            thresholds: scored.thresholds,
+            identification: scored.identification,
+            diagnosis: scored.diagnosis,
+            dataset: scored.dataset,
+        })
+    }
+
+    /// The rows of all complete shards in the folder, and the number of the other shards.
+    fn collected(&self, folder: &Folder, shards: &[Shard]) -> (Collected<'_>, usize) {
+        let tables = self.tables();
         let mut collected = Collected::new(self, &tables);
         let mut missing_shards = 0;
-        for shard in &shards {
+        for shard in shards {
             let rows = tables.iter().map(|table| rows(folder, &**table, shard));
             match rows.collect::<Option<Vec<String>>>() {
                 Some(rows) if traces::is_there(self, folder, shard) => {
@@ -286,55 +303,70 @@ impl Study {
                 _ => missing_shards += 1,
             }
         }
-        let (mut recognition, mut held, mut identification) = (None, None, None);
-        let mut diagnosis = None;
-        let mut conditions = Vec::new();
-        let mut dataset = None;
-        if missing_shards == 0 {
-            folder.remove_abandoned_parts();
-            collected.write(folder)?;
-            conditions = self.conditions(&collected.texts[0].1);
-            let windows = collected.text_of(kept::NAME).unwrap_or_default();
-            let failed = collected.failures.len() as u64;
-            dataset = self.keep(folder, &shards, windows, failed, &|| hear(None))?;
-            recognition = self.score(collected.text_of(windows::NAME))?;
-            held = self.hold_to_thresholds(collected.text_of(thresholds::NAME));
-            let steady = collected.text_of(identification::NAME);
-            identification = self.identify(steady, &|| hear(None))?;
-            diagnosis = self.diagnose(folder, &|now| hear(Some(now)))?;
-        }
-        if let Some(score) = &recognition {
+        (collected, missing_shards)
+    }
+
+    /// Data set and scores of the complete tables.
+    fn scored(
+        &self,
+        folder: &Folder,
+        shards: &[Shard],
+        collected: &Collected<'_>,
+        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Scored, StudyError> {
+        let total = self.run_count();
+        let on_progress = |diagnosing| {
+            progress(Progress {
+                done: total,
+                total,
+                failed: 0,
+                diagnosing,
+            })
+        };
+        let windows = collected.text_of(kept::NAME).unwrap_or_default();
+        let failed = collected.failures.len() as u64;
+        let steady = collected.text_of(identification::NAME);
+        Ok(Scored {
+            conditions: self.conditions(&collected.texts[0].1),
+            dataset: self.keep(folder, shards, windows, failed, &|| on_progress(None))?,
+            recognition: self.score(collected.text_of(windows::NAME))?,
+            thresholds: self.hold_to_thresholds(collected.text_of(thresholds::NAME)),
+            identification: self.identify(steady, &|| on_progress(None))?,
+            diagnosis: self.diagnose(folder, &|now| on_progress(Some(now)))?,
+        })
+    }
+}
+
+/// What follows from the tables of all runs; nothing where shards are missing.
+#[derive(Default)]
+struct Scored {
+    conditions: Vec<Condition>,
+    dataset: Option<DataSet>,
+    recognition: Option<RecognitionScore>,
+    thresholds: Option<ThresholdScore>,
+    identification: Option<IdentificationScore>,
+    diagnosis: Option<DiagnosisScore>,
+}
+
+impl Scored {
+    /// Writes the scores as text, and as CSV where they have one.
+    fn write(&self, folder: &Folder) -> Result<(), StudyError> {
+        if let Some(score) = &self.recognition {
             folder.write("recognition.csv", score.to_csv().as_bytes())?;
             folder.write("recognition.txt", score.to_string().as_bytes())?;
         }
-        if let Some(score) = &held {
+        if let Some(score) = &self.thresholds {
             folder.write("thresholds.txt", score.to_string().as_bytes())?;
         }
-        if let Some(score) = &identification {
+        if let Some(score) = &self.identification {
             folder.write("identification.csv", score.to_csv().as_bytes())?;
             folder.write("identification.txt", score.to_string().as_bytes())?;
         }
-        if let Some(score) = &diagnosis {
+        if let Some(score) = &self.diagnosis {
             folder.write("diagnosis.csv", score.to_csv().as_bytes())?;
             folder.write("diagnosis.txt", score.to_string().as_bytes())?;
         }
-        Ok(Outcome {
-            runs: collected.runs,
-            failed: collected
-                .failures
-                .iter()
-                .map(|failure| failure.run)
-                .collect(),
-            computing_s: collected.computing_s(),
-            failures: collected.failures,
-            conditions,
-            missing_shards,
-            recognition,
-            thresholds: held,
-            identification,
-            diagnosis,
-            dataset,
-        })
+        Ok(())
     }
 }
 
@@ -470,7 +502,7 @@ impl Work<'_> {
             .collect()
     }
 
-    /// Tells how far the study is; `Break` when it is to stop.
+    /// Reports the progress; `Break` to stop.
     fn report(&self) -> ControlFlow<()> {
         let progress = Progress {
             done: self.done.load(Ordering::Relaxed),

@@ -7,10 +7,10 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The commit that the program was built from, where the build was told.
+/// The commit that the program was built from, if known at build time.
 const COMMIT: Option<&str> = option_env!("LUGWHEEL_COMMIT");
 
-/// A folder that holds results of one study, and nothing else.
+/// A folder with results of one study only.
 pub(super) struct Folder {
     path: PathBuf,
     fingerprint: String,

@@ -69,7 +69,7 @@ pub(super) fn check_over(study: &Study, over: &[String], not_swept: &str) -> Res
     Ok(())
 }
 
-/// The slip, which groups join unless the file says otherwise.
+/// The slip, the default key joined by groups.
 pub(super) fn slip_of(study: &Study) -> Vec<String> {
     vec![format!("{}.slip", study.scenario_of(0).rig.path())]
 }

@@ -1,34 +1,34 @@
-//! The `[identification]` of a study file: terrain parameters from the steady loads of its runs,
-//! what they predict, and what switching the model by class is worth.
+//! The `[identification]` of a study file: terrain parameters from the steady loads of its runs, their
+//! predictions, and the benefit of selecting the model by class.
 //!
-//! A *fit* joins the runs that differ in the keys of `over` only, the slip unless the file says
-//! otherwise; such runs are a *group*. Three models are fitted to every group, those of ALCT, SLCT
-//! and LEIS: one is that of the class recognised, one that of the class the ground stands for, and
-//! LEIS is what all ground gets where nothing is switched. A rim that its lugs hold above the
-//! ground has no sinkage, where the model of LEIS wants one: it counts with [`RIGID_SINKAGE`].
+//! A *fit* joins the runs that differ only in the keys of `over`, by default the slip; such runs are a
+//! *group*. Three models are fitted to every group, those of ALCT, SLCT and LEIS: one is that of the class
+//! recognised, one that of the class of the ground's label, and LEIS is the model without selection. A rim
+//! held above the ground by its lugs has no sinkage, which the model of LEIS needs: [`RIGID_SINKAGE`] is
+//! used.
 //!
-//! Rows of a group have the uncertainties they have in common ([`pool`](crate::identification::pool)); where a
-//! quantity still changes, the change over the interval is added ([`SteadyRow`](crate::identification::SteadyRow)).
+//! Rows of a group have [pooled](crate::identification::pool) uncertainties; for drifting quantities the
+//! change over the interval is added ([`SteadyRow`](crate::identification::SteadyRow)).
 //!
-//! The class recognised is what [`improved`](crate::recognition::improved) answers most often to
-//! the windows of the group, UWTIC aside; UWTIC where it tells none.
+//! The class recognised is the most frequent result of [`improved`](crate::recognition::improved) over the
+//! windows of the group other than UWTIC; UWTIC where there is no other.
 //!
 //! `steady.csv` has one row a steady interval:
 //!
-//! | columns | hold |
+//! | columns | content |
 //! |---|---|
 //! | `run`, `condition`, `repeat` | numbers from 0 |
 //! | `scenario`, every swept key | the condition |
-//! | `label`, `label_class` | the ground, and the class it stands for |
+//! | `label`, `label_class` | the ground, and its class |
 //! | `answered_alct` ... `answered_uwtic` | answers to the run's windows |
 //! | `recognized` | the most frequent of them, UWTIC aside |
 //! | `slip`, `sinkage_m`, `drawbar_pull_n`, `load_n`, `driving_torque_n_m` | means |
 //! | `slip_sd`, ... | their standard uncertainties, empty where they are not known |
 //! | `from_s`, `to_s` | the interval |
-//! | `drawbar_pull_drift_n_s`, ... | rate of change where it still changes in the interval |
+//! | `drawbar_pull_drift_n_s`, ... | rate of change where it drifts in the interval |
 //! | `reason` | why there is no steady interval; empty where there is |
 //!
-//! `identification.txt` and `identification.csv` say what came of it, see [`score`].
+//! Results are in `identification.txt` and `identification.csv`, see [`score`].
 //!
 //! [`RIGID_SINKAGE`]: crate::identification::RIGID_SINKAGE
 
@@ -81,7 +81,7 @@ enum LawKey {
     /// Eq. (62)-(66).
     #[default]
     Paper,
-    /// The quadrature over rim and lugs, told the scenario's stress distribution, density and `c_3`.
+    /// The quadrature over rim and lugs, with the scenario's stress distribution, density and `c_3`.
     Own,
 }
 
@@ -122,7 +122,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// What the equations are told of a scenario's wheel and soil.
+    /// Conventions of the equations for a scenario's wheel and soil.
     fn setting(&self, scenario: &Scenario) -> Setting {
         let soil = own::soil(scenario).filter(|_| self.law == LawKey::Own);
         let own_exit = soil.map_or(0.0, |soil| soil.exit_angle);
@@ -157,7 +157,7 @@ impl IdentificationTable {
         RangeError::check("exit angle coefficient", "-", given, [-1.0, 0.0])
             .map_err(|error| at("exit_angle")(error.to_string()))?;
         if self.law == LawKey::Own && self.cylinder != Cylinder::Rim {
-            let message = "the quadrature knows rim and lugs apart; leave cylinder out";
+            let message = "the quadrature models rim and lugs separately; omit cylinder";
             return Err(at("cylinder")(message.to_owned()));
         }
         let plan = Plan {
@@ -221,7 +221,7 @@ fn read_from(
     for (key, value) in &values {
         if over.contains(key) {
             return Err(format!(
-                "every fit joins all values of `{key}`, so it does not tell one fit from another"
+                "every fit joins all values of `{key}`, so it cannot distinguish fits"
             ));
         }
         let Some(known) = study.values_of(key) else {
@@ -262,5 +262,5 @@ fn check_group(study: &Study, group: &Group) -> Result<(), String> {
     if group.conditions.iter().all(same) {
         return Ok(());
     }
-    Err("a fit is of one wheel on one ground; leave keys of either out of `over`".to_owned())
+    Err("a fit is of one wheel on one ground; omit keys of either from `over`".to_owned())
 }

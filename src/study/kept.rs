@@ -1,7 +1,7 @@
-//! The `[dataset]` of a study file: its runs, or their features, as one data set for learners.
+//! The `[dataset]` of a study file: its runs, or their features, as one data set for machine learning.
 //!
-//! When all shards are there, runs go one by one from the [files of the shards](super::traces) into
-//! `dataset.h5`. So memory holds one run of each thread, and an interruption costs a shard.
+//! Once all shards are present, runs are moved one by one from the [files of the shards](super::traces) into
+//! `dataset.h5`. So memory contains one run per thread, and an interruption costs one shard.
 
 use super::folder::{Folder, file_error};
 use super::recognition;
@@ -31,11 +31,11 @@ pub(super) struct DatasetTable {
     pub(super) keep: Keep,
 }
 
-/// What is kept of the runs.
+/// Content stored per run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Keep {
-    /// Every channel at its output rate, and what features keeps.
+    /// Every channel at its output rate, and all that features use.
     Traces,
     /// Features and class of every window.
     Features,
@@ -48,7 +48,7 @@ pub(super) struct Windows<'s> {
 }
 
 impl<'s> Windows<'s> {
-    /// The table of a study that asks for it.
+    /// The table, if the study makes a data set.
     pub(super) fn of(study: &'s Study) -> Option<Self> {
         study.dataset?;
         Some(Self {
@@ -97,8 +97,8 @@ impl Table for Windows<'_> {
 }
 
 impl Study {
-    /// Makes the data set of the windows in the table `text` and of the shards' runs. `stop` is asked
-    /// before every run.
+    /// Makes the data set from the windows in the table `text` and the shards' runs. `stop` is polled before
+    /// every run.
     ///
     /// # Errors
     /// `Dataset` and `File` where a file cannot be read or written; `Stopped`.
@@ -138,7 +138,7 @@ impl Study {
         Ok(Some(set))
     }
 
-    /// Puts the runs of all shards into one file; tells the channels of the first.
+    /// Merges the runs of all shards into one file; returns the channels of the first.
     fn merge(
         &self,
         folder: &Folder,

@@ -1,4 +1,4 @@
-//! The `[recognition]` of a study file: what tells the class of the windows, and over what.
+//! The `[recognition]` of a study file: methods and reference of the recognition.
 
 use super::{RandomNumbers, ScenarioFolder, Study, in_one_line};
 use crate::document::{Document, Misfit};
@@ -102,7 +102,7 @@ impl RecognitionTable {
 fn check_methods(methods: &[Method]) -> Result<(), String> {
     let distinct: BTreeSet<&str> = methods.iter().map(|method| method.as_str()).collect();
     if methods.is_empty() || distinct.len() < methods.len() {
-        let message = "name `paper`, `improved` or both, each once; leave `methods` out for both";
+        let message = "name `paper`, `improved` or both, each once; omit `methods` for both";
         return Err(message.to_owned());
     }
     Ok(())
@@ -246,12 +246,12 @@ fn check_same_wheel(scenario: &Scenario, reference: &Scenario) -> Result<(), Str
     if wheel == reference {
         return Ok(());
     }
-    let told = |(radius, count, height): (f64, u32, f64)| {
+    let describe = |(radius, count, height): (f64, u32, f64)| {
         format!("{count} lugs of {height} m on a rim of {radius} m")
     };
     Err(format!(
         "the reference has to be of the same wheel: it has {}, the runs have {}",
-        told(reference),
-        told(wheel)
+        describe(reference),
+        describe(wheel)
     ))
 }

@@ -32,7 +32,7 @@ impl<'s> References<'s> {
     /// The reference of a run. It depends on the study and the run's condition only.
     ///
     /// # Errors
-    /// `Stopped` when `stop` said so; `Failed` where the reference run fails or is no reference.
+    /// `Stopped` on request of `stop`; `Failed` where the reference run fails or is no reference.
     pub(super) fn of(&self, run: &Run, stop: &mut Stop) -> Result<Reference, NoRows> {
         let number = match &self.recognition.reference {
             Some(runs) => runs.of_condition(run.condition),
@@ -66,7 +66,7 @@ impl<'s> References<'s> {
             Err(ExperimentError::Stopped) => return Err(NoRows::Stopped),
             Err(error) => return Ok(Err(error.to_string())),
         };
-        // Its windows are those of the runs, whatever its own scenario says.
+        // Its windows are those of the runs, not those of its own scenario.
         let of_runs = self.study.scenario_of(runs.first_condition(number));
         let reference = Reference::measured([&trace], self.recognition.settings(&of_runs));
         Ok(reference.map_err(|error| error.to_string()))

@@ -1,6 +1,6 @@
 //! `runs.csv`: one row a run.
 //!
-//! | columns | hold |
+//! | columns | content |
 //! |---|---|
 //! | `run`, `condition`, `repeat`, `stream` | numbers from 0 |
 //! | `scenario`, every swept key | the condition |
@@ -15,8 +15,8 @@
 //! | `normal_force_drift_n_s`, ... | rate of change where it drifts |
 //! | `failure` | why there are no values; empty where there are |
 //!
-//! A cell is empty where a value does not exist. Numbers have as many digits as bring the same
-//! number back.
+//! A cell is empty where a value does not exist. Numbers have the shortest representation that reads back
+//! exactly.
 
 pub use super::band::Band;
 

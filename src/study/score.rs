@@ -1,21 +1,21 @@
-//! How well the classes of a study's windows were recognised: confusions, shares with intervals, and
-//! their map over scenarios and swept keys.
+//! Accuracy of the recognition in a study: confusion matrices, shares with intervals, and their dependence on
+//! scenarios and swept keys.
 //!
-//! Every method is scored against the class that the ground stands for, as the paper does, against
-//! the class that lugs and ground really had, and on the windows in which both are one. A trained
-//! [`baseline`] is scored as two more methods:
+//! Every method is scored against the class of the ground's label, as in the paper, against the true class by
+//! the contacts of lugs and ground, and on the windows in which both agree. A trained [`baseline`] is scored
+//! as two more methods:
 //!
-//! - `baseline_new`: every window is told by a classifier trained on the other values of its key,
-//!   `recognition.baseline.key`. Values that differ in sign are one, as a wheel in reverse has the
-//!   speed it has forward.
-//! - `baseline_known`: every window is told by a classifier trained on the other repeats, so on
-//!   the same values. What it does better is what the new value costs.
+//! - `baseline_new`: every window is classified after training on the other values of its key,
+//!   `recognition.baseline.key`. Values that differ in sign are equal, since a wheel in reverse has the same
+//!   speed.
+//! - `baseline_known`: every window is classified after training on the other repeats, at the same values.
+//!   The difference is the cost of a new value.
 //!
-//! Both are trained on the classes that the grounds stand for.
+//! Both are trained on the labels of the grounds.
 //!
 //! `recognition.csv` has one row for a true class in a part of the windows:
 //!
-//! | columns | hold |
+//! | columns | content |
 //! |---|---|
 //! | `method`, `against` | what was scored; `published` are the counts of the study file; `label`, `truth` or `agreed` |
 //! | `by`, `value` | the part: a scenario, the value of a swept key, or all |
@@ -75,7 +75,7 @@ pub struct MethodScore {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Against {
-    /// The class that the ground stands for.
+    /// The class of the ground's label.
     Label,
     /// The class that lugs and ground had in the window.
     Truth,
@@ -136,8 +136,8 @@ impl Study {
         let rows = reading::rows(text, &keys, &recognition.methods);
         let mut answers: Vec<(String, Vec<Wtic>)> = Vec::new();
         for (number, method) in recognition.methods.iter().enumerate() {
-            let told = rows.iter().map(|row| row.answers[number]);
-            answers.push((method.as_str().to_owned(), told.collect()));
+            let of_method = rows.iter().map(|row| row.answers[number]);
+            answers.push((method.as_str().to_owned(), of_method.collect()));
         }
         answers.extend(baselines(recognition, &rows, &keys)?);
         let scores = answers.iter().flat_map(|(method, answers)| {
@@ -234,14 +234,14 @@ fn baselines(
     let value = |row: &Row| magnitude(&row.condition[place]);
     let repeat = |row: &Row| row.repeat.clone();
     Ok(vec![
-        ("baseline_new".to_owned(), told(rows, &value)?),
-        ("baseline_known".to_owned(), told(rows, &repeat)?),
+        ("baseline_new".to_owned(), left_out(rows, &value)?),
+        ("baseline_known".to_owned(), left_out(rows, &repeat)?),
     ])
 }
 
-/// The baseline's answer to every window, trained on the windows of other groups. A window whose
-/// vibration cannot be used is neither trained on nor told.
-fn told(rows: &[Row], group: &dyn Fn(&Row) -> String) -> Result<Vec<Wtic>, BaselineError> {
+/// The baseline's class of every window, trained on the windows of other groups. A window without usable
+/// vibration is neither used in training nor classified.
+fn left_out(rows: &[Row], group: &dyn Fn(&Row) -> String) -> Result<Vec<Wtic>, BaselineError> {
     let sample = |row: &Row| {
         let (powers, class) = (row.powers?, row.label_class?);
         Some(Sample { powers, class })
@@ -288,7 +288,7 @@ mod tests {
         let rows = ["0.01", "0.02", "0.01", "0.02", "0.02"].map(|v| row(v, Wtic::Alct, 1.0));
         let answers = [Wtic::Alct, Wtic::Alct, Wtic::Leis, Wtic::Uwtic, Wtic::Alct];
         let parts = map(&rows, &answers, Against::Label, &["speed"]);
-        let told: Vec<(&str, &str, Option<Share>)> = parts
+        let shown: Vec<(&str, &str, Option<Share>)> = parts
             .iter()
             .map(|part| (part.by.as_str(), part.value.as_str(), part.counted.accuracy))
             .collect();
@@ -297,7 +297,7 @@ mod tests {
             ("speed", "0.01", Share::of(1, 2)),
             ("speed", "0.02", Share::of(2, 3)),
         ];
-        assert_eq!(told, expected);
+        assert_eq!(shown, expected);
         let against_truth = counted(&rows, &answers, Against::Truth, &|_| true);
         assert_eq!(against_truth.confusion.total(), 2, "three have no truth");
     }
@@ -311,11 +311,11 @@ mod tests {
         }
         rows.push(row("0.02", Wtic::Alct, 0.0));
         let by_speed = |row: &Row| magnitude(&row.condition[1]);
-        let answers = told(&rows, &by_speed).unwrap();
+        let answers = left_out(&rows, &by_speed).unwrap();
         assert_eq!(answers[..2], [Wtic::Alct, Wtic::Leis]);
         assert_eq!(answers[6], Wtic::Uwtic);
         // In reverse it is the same speed, so that two values that differ in sign are not two.
-        let error = told(&rows[..4], &by_speed).unwrap_err();
+        let error = left_out(&rows[..4], &by_speed).unwrap_err();
         assert!(matches!(error, BaselineError::OneGroup));
     }
 

@@ -17,7 +17,7 @@ const MOST_RUNS: u64 = 16;
 /// Shards into which a small study is divided, so that many threads or machines share it.
 const SMALL_STUDY: u64 = 64;
 
-/// What stands before the checksum.
+/// Prefix of the checksum.
 const CHECKSUM: &str = "# sha256 ";
 
 /// A block of consecutive runs.
@@ -41,7 +41,7 @@ pub(super) fn all(study: &Study) -> Vec<Shard> {
 }
 
 impl Shard {
-    /// The text of the shard's file around its `rows`.
+    /// The text of the shard's file with its `rows`.
     pub(super) fn seal(&self, fingerprint: &str, rows: &str) -> String {
         sealed(&self.heading(fingerprint), rows)
     }

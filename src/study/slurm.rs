@@ -1,20 +1,20 @@
 //! A study on a cluster: its shares as an array of Slurm jobs, followed to the end.
 //!
 //! ```text
-//! array            task I of N does share I of N, and skips what is whole
-//! collecting job   when the last task has ended, however it ended: puts the shards together
+//! array            task I of N runs share I of N, and skips complete shards
+//! collecting job   when the last task has ended, successfully or not: collects the shards
 //! ```
 //!
-//! The results are in the shards, so that nothing else needs to be kept or trusted: a task that
-//! dies, a node that is lost and a controller that is down cost at most the shards being written.
-//! A task whose node is lost goes back into the queue by Slurm's own rule. When all jobs have left
-//! the queue and shards are not whole, their tasks are submitted again, a bounded number of times.
+//! The results are in the shards, so no other state is needed: a failed task, a lost node or an unavailable
+//! controller costs at most the shards being written. A task whose node is lost is requeued by Slurm. When
+//! all jobs have left the queue and shards are incomplete, their tasks are submitted again, a bounded number
+//! of times.
 //!
-//! Jobs are told apart by their name, which stands for study and folder. Whoever follows may leave
-//! and come back: jobs of that name that are still queued are followed, not submitted twice.
-//! Accounting is not asked for: what is whole is read from the folder, what runs from the queue.
+//! Jobs are identified by their name, which encodes study and folder. A following process may stop and be
+//! restarted: queued jobs of that name are followed, not submitted twice. Accounting is not used: completed
+//! shards are read from the folder, running jobs from the queue.
 //!
-//! Program, study file, scenarios and folder must lie where all nodes see them under the same path.
+//! Program, study file, scenarios and folder must be at the same path on all nodes.
 
 mod programs;
 mod script;
@@ -33,10 +33,10 @@ use std::path::{Path, PathBuf};
 /// How often the tasks of shards that are not whole are submitted, the first time included.
 pub const TRIES: u32 = 3;
 
-/// Most tasks unless told otherwise: a scheduler has to look at each.
+/// Default maximum number of tasks, to limit the load of the scheduler.
 const MANY_TASKS: u32 = 1000;
 
-/// The folder of what jobs say, in the folder of the study.
+/// Folder of the jobs' logs, in the folder of the study.
 const WORDS: &str = "slurm";
 
 /// How a study is handed to a cluster; none of it changes the results.
@@ -44,7 +44,7 @@ const WORDS: &str = "slurm";
 pub struct Submission {
     /// Folder of the results.
     pub out: PathBuf,
-    /// Whether to keep what the folder holds and follow the jobs that work on it.
+    /// Whether to continue in the folder and follow the jobs that work on it.
     pub resume: bool,
     /// This program, as the nodes find it.
     pub program: PathBuf,
@@ -58,12 +58,12 @@ pub struct Submission {
     pub options: Vec<String>,
 }
 
-/// What a study asks of Slurm.
+/// Requests to Slurm.
 pub trait Queue {
-    /// Submits a job with these options of `sbatch` and this text; tells its number.
+    /// Submits a job with these options of `sbatch` and this script; returns its number.
     ///
     /// # Errors
-    /// Where Slurm does not take it.
+    /// If Slurm rejects it.
     fn submit(&self, options: &[String], script: &str) -> Result<u32, SlurmError>;
 
     /// The jobs of this name, every task of an array for itself; also those that ended lately, as
@@ -104,7 +104,7 @@ pub enum JobState {
     Ended(String),
 }
 
-/// What the one who follows hears.
+/// Events reported while following the jobs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum News {
     /// Jobs were submitted.
@@ -118,7 +118,7 @@ pub enum News {
     },
     /// How far the study is. After each the caller decides how long to wait for the next.
     Standing(Standing),
-    /// Slurm does not answer; it is asked again. After each the caller decides when.
+    /// Slurm does not respond; the request is repeated. The caller decides when.
     Silence(String),
     /// All jobs have ended, shards are not whole, and their tasks are submitted again.
     Again {
@@ -147,7 +147,7 @@ pub struct Standing {
 pub enum SlurmError {
     /// A program of Slurm cannot be started.
     #[error(
-        "cannot start {program}: {reason}; submit from a machine of the cluster, or leave out --slurm"
+        "cannot start {program}: {reason}; submit from a machine of the cluster, or omit --slurm"
     )]
     NoProgram {
         /// Its name.
@@ -186,33 +186,33 @@ pub enum SlurmError {
     Unfinished {
         /// Shards that are not whole.
         missing: usize,
-        /// What one of the tasks said.
+        /// Last line of the log of one of the tasks.
         last_words: String,
     },
 }
 
 impl Study {
-    /// Has a cluster run the study, and returns when all shards are whole and no job is left.
+    /// Runs the study on a cluster, and returns when all shards are complete and no job is left.
     ///
-    /// The tables are the collecting job's to write, and anybody's by [`Study::collect`].
+    /// The tables are written by the collecting job, or by [`Study::collect`].
     ///
-    /// `heard` is told what happens, and says by a `Break` that it follows no longer; the jobs go
-    /// on then.
+    /// `on_news` is called for every event; a `Break` ends the following, while the jobs continue.
     ///
     /// # Errors
-    /// `NotEmpty` where the folder holds something and `resume` is not set; `OtherStudy` where that
-    /// is not this study; `File` where the file system refuses; `Slurm` with its reasons.
+    /// `NotEmpty` where the folder is not empty and `resume` is not set; `OtherStudy` where it belongs to
+    /// another study; `File` for errors of the file system; `Slurm` with its reasons.
     pub fn execute_on(
         &self,
         queue: &dyn Queue,
         submission: &Submission,
-        heard: &mut dyn FnMut(News) -> ControlFlow<()>,
+        on_news: &mut dyn FnMut(News) -> ControlFlow<()>,
     ) -> Result<(), StudyError> {
-        let before = match submission.resume {
-            true => Before::ThisStudy,
-            false => Before::Nobody,
+        let before = if submission.resume {
+            Before::ThisStudy
+        } else {
+            Before::Nobody
         };
-        // Asked first: where there is no Slurm, there shall be no folder either.
+        // First, so that no folder is created where there is no Slurm.
         let largest_task = queue.largest_task()?;
         let folder = Folder::open(self, &submission.out, before)?;
         let words = folder.make(WORDS)?;
@@ -226,7 +226,7 @@ impl Study {
             words,
             seen: BTreeSet::new(),
             last: None,
-            heard,
+            on_news,
         };
         following.run_to_the_end()
     }
@@ -260,11 +260,11 @@ struct Following<'s> {
     folder: &'s Folder,
     name: String,
     words: PathBuf,
-    /// Numbers of the jobs seen in the queue or submitted since the following began.
+    /// Numbers of the jobs found in the queue or submitted so far.
     seen: BTreeSet<u32>,
     /// The last array submitted, and one of its tasks.
     last: Option<(u32, u32)>,
-    heard: &'s mut dyn FnMut(News) -> ControlFlow<()>,
+    on_news: &'s mut dyn FnMut(News) -> ControlFlow<()>,
 }
 
 impl Following<'_> {
@@ -284,7 +284,7 @@ impl Following<'_> {
             }
             if tried > 0 {
                 let ended = counted(&ended);
-                self.tell(News::Again { missing, ended })?;
+                self.report(News::Again { missing, ended })?;
             }
             self.submit(&shards)?;
         }
@@ -295,14 +295,14 @@ impl Following<'_> {
         .into())
     }
 
-    /// Follows the jobs in the queue, and tells how the tasks ended that were seen there.
+    /// Follows the jobs in the queue; returns the final states of the tasks found there.
     fn until_no_job_is_left(&mut self) -> Result<Vec<JobState>, SlurmError> {
         loop {
             let jobs = match self.queue.jobs(&self.name) {
                 Ok(jobs) => jobs,
                 // A controller that answered before is down for a while.
                 Err(SlurmError::Refused { reason, .. }) if !self.seen.is_empty() => {
-                    self.tell(News::Silence(reason))?;
+                    self.report(News::Silence(reason))?;
                     continue;
                 }
                 Err(error) => return Err(error),
@@ -315,7 +315,7 @@ impl Following<'_> {
                     .filter(|job| job.is_task && self.seen.contains(&job.number));
                 return Ok(ours.map(|job| job.state).collect());
             };
-            self.tell(News::Standing(standing))?;
+            self.report(News::Standing(standing))?;
         }
     }
 
@@ -354,7 +354,7 @@ impl Following<'_> {
             .queue
             .submit(&script.collecting_options(array), &script.collecting())?;
         self.seen.insert(collecting);
-        self.tell(News::Submitted {
+        self.report(News::Submitted {
             array,
             tasks: tasks.len(),
             name: self.name.clone(),
@@ -362,8 +362,8 @@ impl Following<'_> {
         Ok(())
     }
 
-    fn tell(&mut self, news: News) -> Result<(), SlurmError> {
-        match (self.heard)(news) {
+    fn report(&mut self, news: News) -> Result<(), SlurmError> {
+        match (self.on_news)(news) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(SlurmError::Left {
                 name: self.name.clone(),
@@ -371,22 +371,22 @@ impl Following<'_> {
         }
     }
 
-    /// What the first task of the last array said in the end, or what it means that it said nothing.
+    /// Last line of the log of the first task of the last array, or the likely cause if it is empty.
     fn last_words(&self) -> String {
         const LINES: usize = 3;
         let words = self.words.display();
         let Some((array, task)) = self.last else {
-            return format!("see what they said in {words}");
+            return format!("see their logs in {words}");
         };
         let file = self.words.join(format!("{array}_{task}.log"));
         let Ok(text) = std::fs::read_to_string(&file) else {
             return format!(
-                "none left a word in {words}: program, study and folder must lie where all nodes see them under the same path"
+                "no task wrote a log in {words}: program, study and folder must lie where all nodes see them under the same path"
             );
         };
         let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
         let last = lines[lines.len().saturating_sub(LINES)..].join("\n  ");
-        format!("{} says:\n  {last}", file.display())
+        format!("{} reads:\n  {last}", file.display())
     }
 }
 

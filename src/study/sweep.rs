@@ -54,7 +54,7 @@ pub(super) struct Sweep {
     form: Form,
 }
 
-/// A sweep as it is told: conditions are divided by it.
+/// A sweep in the reports: an axis of the conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Its keys.
@@ -94,7 +94,7 @@ impl Sweep {
         pairs.map(|(key, value)| format!("{key}={value}")).collect()
     }
 
-    /// Where an entry stands below its `[[sweep]]`.
+    /// Position of an entry below its `[[sweep]]`.
     pub(super) fn place(&self, entry: usize) -> String {
         match self.form {
             Form::Values => format!("values.{entry}"),
@@ -104,7 +104,7 @@ impl Sweep {
         }
     }
 
-    /// Where the keys stand below their `[[sweep]]`.
+    /// Position of the keys below their `[[sweep]]`.
     pub(super) fn key_place(&self) -> &'static str {
         match self.form {
             Form::Values | Form::Grid => "key",
@@ -172,7 +172,7 @@ impl SweepTable {
         };
         let sweep = Sweep { keys, rows, form };
         if sweep.len() == 0 {
-            let message = "a sweep needs a value; leave it out where nothing is swept";
+            let message = "a sweep needs a value; omit it where nothing is swept";
             let key = match sweep.form {
                 Form::Rows => "rows",
                 Form::Values | Form::Grid | Form::Drawn => "values",
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_linear_grid_reads_as_it_would_be_written_and_ends_where_it_says() {
+    fn a_linear_grid_has_round_values_and_ends_at_its_end() {
         let grid = "grid = { from = 0.0, to = 0.6, count = 7, spacing = \"linear\" }";
         let values = sweep(&format!("key = \"slip\"\n{grid}")).rows.concat();
         assert_eq!(values, ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 /// Rows of cells.
 pub(super) type Rows = Vec<Vec<String>>;
 
-/// Hears the simulated time [s] of what is simulated for a table, and may stop it.
+/// Callback with the simulated time [s] of runs for a table; may stop them.
 pub(super) type Stop<'p> = dyn FnMut(f64) -> ControlFlow<()> + 'p;
 
 /// A table to which every run adds rows. The rows of a run depend on nothing but the study and the
@@ -24,7 +24,7 @@ pub(super) trait Table: Sync {
     /// The rows of a run.
     ///
     /// # Errors
-    /// `NoRows` stops the study or says why the run failed, though it left a trace.
+    /// `NoRows` stops the study or gives the reason why the run failed, though it has a trace.
     fn rows(&self, run: &Run, trace: &Trace, stop: &mut Stop) -> Result<Rows, NoRows>;
 
     /// The rows of a run that failed, for this table or another.

@@ -1,13 +1,13 @@
-//! The `[thresholds]` of a study file, and `thresholds.csv`: what (55) to (58) are to bound, one row
-//! a window of every run that did not fail.
+//! The `[thresholds]` of a study file, and `thresholds.csv`: the quantities bounded by (55) to (58), one row
+//! per window of every run that did not fail.
 //!
-//! | columns | hold |
+//! | columns | content |
 //! |---|---|
 //! | `run`, `condition`, `repeat` | numbers from 0 |
 //! | `scenario`, every swept key | the condition |
 //! | `start_s`, `end_s`, `lug_passes` | the window, and how far the wheel turned in it, in lug angles |
 //! | `lugs`, `multi_lugged` | their number, and whether the rim clears flat ground |
-//! | `truth`, `touched_share` | the class that lugs and ground really had, and the share behind it |
+//! | `truth`, `touched_share` | the true class by the contacts, and its share |
 //! | `bound_kappa_a` | (57); for an olig-lugged wheel its own, see [`bounds`]. The bound of `kappa_ms` is its square |
 //! | `kappa_a_20_hz`, `kappa_ms_20_hz`, ... | of the acceleration at each bandwidth, over the computed reference |
 //! | `rolled_touched_share` | of the wheel rolled without slip over the same ground |
@@ -18,7 +18,7 @@
 //! | `displacement_kappa_a`, `displacement_kappa_ms` | of its displacement |
 //! | `relative_kappa_a`, `relative_kappa_ms` | of its displacement above the lines between takeovers: `C_f²` and `C_f⁴`, mean over the turn |
 //!
-//! The displacement's columns are empty on ground that moves or gives way.
+//! The displacement's columns are empty on movable or yielding ground.
 //!
 //! `thresholds.txt` has a table for every [`Statement`]: how often windows on which every lug
 //! touched exceed the limit, and how tight it is.
@@ -104,7 +104,7 @@ pub(super) fn acceleration_columns(bandwidth: f64) -> [String; 2] {
     ["a", "ms"].map(|of| format!("kappa_{of}_{bandwidth}_hz"))
 }
 
-/// The table of a study that asks for it.
+/// The table, if the study tests the limits.
 pub(super) struct Windows<'s> {
     study: &'s Study,
     thresholds: &'s Thresholds,

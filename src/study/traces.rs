@@ -89,7 +89,7 @@ fn seal_name(shard: &Shard) -> String {
     format!("shards/{:05}.traces.sha256", shard.number)
 }
 
-/// What stands beside the runs of a shard: whose they are, and their checksum.
+/// Sidecar of the runs of a shard: their origin and checksum.
 fn seal(folder: &Folder, fact: &FileFact) -> String {
     format!("study {}\nsha256 {}\n", folder.fingerprint(), fact.sha256)
 }

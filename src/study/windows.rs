@@ -1,21 +1,20 @@
-//! `windows.csv`: one row a window of every run that did not fail.
+//! `windows.csv`: one row per window of every run that did not fail.
 //!
-//! | columns | hold |
+//! | columns | content |
 //! |---|---|
 //! | `run`, `condition`, `repeat` | numbers from 0 |
 //! | `scenario`, every swept key | the condition |
 //! | `start_s`, `end_s` | the window |
 //! | `lug_passes` | how far the wheel turned in it, in lug angles |
-//! | `label`, `label_class` | the ground, and the class it stands for ([`TerrainLabel::class`]) |
-//! | `truth` | the class that lugs and ground really had in it |
+//! | `label`, `label_class` | the ground, and its class ([`TerrainLabel::class`]) |
+//! | `truth` | the true class by the contacts in it |
 //! | `touched_share`, `entered_share` | of the lugs that passed the bottom |
 //! | `p1` ... `p4` | the feature vector |
 //! | `paper_class`, `paper_confidence`, `paper_reason`, ... | the answer of each method |
 //! | `power_1` ... | the vibration in bands, see [`band_powers`](crate::features::band_powers) |
 //!
-//! The truth of a window is that of the true class window that lies in it for the most part. A
-//! run whose channels no method can use has its true class windows for windows, their class
-//! unknown.
+//! The truth of a window is that of the true class window that contains most of it. A run with channels that
+//! no method can use has its true class windows as windows, with unknown class.
 //!
 //! [`TerrainLabel::class`]: crate::terrain::class::TerrainLabel::class
 
@@ -51,7 +50,7 @@ struct Window {
 }
 
 impl<'s> Windows<'s> {
-    /// The table of a study that asks for it.
+    /// The table, if the study recognises.
     pub(super) fn of(study: &'s Study) -> Option<Self> {
         let recognition = study.recognition.as_ref()?;
         Some(Self {

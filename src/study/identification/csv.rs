@@ -72,14 +72,14 @@ fn add_group(text: &mut String, group: &GroupScore) {
         let Some(found) = fit.found() else {
             continue;
         };
-        for told in &found.parameters {
-            let ends = told.ci95.map(cell);
-            let values = [told.parameter.name(), told.unit].map(str::to_owned);
+        for parameter in &found.parameters {
+            let ends = parameter.ci95.map(cell);
+            let values = [parameter.parameter.name(), parameter.unit].map(str::to_owned);
             let mut cells = first_cells(group, "parameter", fit.class.as_str());
             cells.extend(values);
-            cells.push(cell(Some(told.value)));
+            cells.push(cell(Some(parameter.value)));
             cells.extend(ends);
-            cells.push(cell(told.own));
+            cells.push(cell(parameter.own));
             cells.extend([String::new(), String::new()]);
             text.push_str(&line(&cells));
         }

@@ -1,8 +1,8 @@
-//! Rows of one group predicted by an estimate from another.
+//! Predictions for the rows of one group by an estimate from another.
 //!
-//! Where the class sets the sinkage, `k_s zᴺ` is the load that was fitted and follows no other.
-//! What such ground tells of another load is pull and torque in proportion to it (Eq. 68, 69): they
-//! are predicted at the load measured, and the load as it is.
+//! Where the class sets the sinkage, `k_s zᴺ` is the fitted load and does not depend on the load. For another
+//! load such ground gives only pull and torque in proportion to it (Eq. 68, 69): they are predicted at the
+//! measured load, and the load is that of the fit.
 
 use super::fit::GroupRows;
 use crate::identification::{
@@ -23,35 +23,35 @@ impl GroupRows {
         let mut predicted = Vec::new();
         for row in other.loads(class, |_| true) {
             let predict = |row| identification.predict_on(&other.setting, estimate, &[row]);
-            let told = predict(row)?;
+            let forces = predict(row)?;
             predicted.extend(match class {
-                Wtic::Leis => told,
-                _ => at_measured_load(told, row, predict)?,
+                Wtic::Leis => forces,
+                _ => at_measured_load(forces, row, predict)?,
             });
         }
         Ok(predicted)
     }
 }
 
-/// What was told of a row, its pull and torque at the load measured.
+/// Forces predicted for a row, with pull and torque scaled to the measured load.
 fn at_measured_load(
-    told: Vec<PredictedForce>,
+    forces: Vec<PredictedForce>,
     row: SteadyLoad,
     predict: impl Fn(SteadyLoad) -> Result<Vec<PredictedForce>, IdentifyError>,
 ) -> Result<Vec<PredictedForce>, IdentifyError> {
-    let of_load = told.into_iter().find(|told| told.force == Force::Load);
+    let of_load = forces.into_iter().find(|of| of.force == Force::Load);
     let Some(load) = of_load else {
         return Ok(Vec::new());
     };
     let ratio = load.measured / load.predicted;
     let others = predict(times(row, 1.0 / ratio))?;
-    let others = others.into_iter().filter(|told| told.force != Force::Load);
-    let others = others.map(|told| PredictedForce {
-        force: told.force,
-        measured: told.measured * ratio,
-        predicted: told.predicted * ratio,
-        uncertainty: told.uncertainty.map(|sd| sd * ratio),
-        half_width: told.half_width.map(|half_width| half_width * ratio),
+    let others = others.into_iter().filter(|of| of.force != Force::Load);
+    let others = others.map(|of| PredictedForce {
+        force: of.force,
+        measured: of.measured * ratio,
+        predicted: of.predicted * ratio,
+        uncertainty: of.uncertainty.map(|sd| sd * ratio),
+        half_width: of.half_width.map(|half_width| half_width * ratio),
     });
     Ok(std::iter::once(load).chain(others).collect())
 }
@@ -89,7 +89,7 @@ mod tests {
         };
         // Fitted at 100 N, where the pull is 60 N and known to 3 N.
         let predict = |row: SteadyLoad| {
-            let told = |force, measured, predicted| PredictedForce {
+            let force = |force, measured, predicted| PredictedForce {
                 force,
                 measured,
                 predicted,
@@ -97,13 +97,13 @@ mod tests {
                 half_width: Some(3.0),
             };
             Ok(vec![
-                told(Force::DrawbarPull, row.drawbar_pull, 60.0),
-                told(Force::Load, row.load, 100.0),
+                force(Force::DrawbarPull, row.drawbar_pull, 60.0),
+                force(Force::Load, row.load, 100.0),
             ])
         };
-        let told = at_measured_load(predict(row).unwrap(), row, predict).unwrap();
-        let [load, pull] = told[..] else {
-            panic!("{told:?}");
+        let forces = at_measured_load(predict(row).unwrap(), row, predict).unwrap();
+        let [load, pull] = forces[..] else {
+            panic!("{forces:?}");
         };
         assert_eq!((load.measured, load.predicted), (300.0, 100.0));
         assert!((pull.predicted - 180.0).abs() < 1e-9 && (pull.measured - 180.0).abs() < 1e-9);

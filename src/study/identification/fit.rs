@@ -73,7 +73,7 @@ impl GroupRows {
         found
     }
 
-    /// The class its ground stands for.
+    /// The class of its ground's label.
     pub fn label_class(&self) -> Wtic {
         self.scenario.terrain.label().class()
     }
@@ -83,7 +83,7 @@ impl GroupRows {
         class_of_most(self.answers)
     }
 
-    /// Rows whose rim stands above the ground on its lugs.
+    /// Number of rows with the rim held above the ground by the lugs.
     pub fn above_ground(&self) -> usize {
         let above = self.rows.iter().filter(|row| is_above(&row.steady.load));
         above.count()

@@ -27,7 +27,7 @@ pub(super) fn own_value(scenario: &Scenario, parameter: Parameter) -> Option<f64
     }
 }
 
-/// Whether the 95 % interval of a parameter holds a value, in its unit.
+/// Whether the 95 % interval of a parameter covers a value, in its unit.
 pub(super) fn holds(identified: &Identified, value: f64) -> bool {
     let [low, high] = identified.ci95();
     low.is_none_or(|low| low <= value) && high.is_none_or(|high| value <= high)

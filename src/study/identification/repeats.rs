@@ -7,7 +7,7 @@ use crate::identification::{Estimate, Identified, Parameter, identify};
 use crate::recognition::confusion::Share;
 use crate::terrain::class::Wtic;
 
-/// What the repeats say of each free parameter of a class; nothing of fewer than two fits.
+/// Scores of each free parameter of a class over the repeats; none for fewer than two fits.
 pub(super) fn scores(rows: &GroupRows, class: Wtic) -> Vec<RepeatScore> {
     let alone = |repeat: &u32| {
         let loads = rows.loads(class, |row| row.repeat == *repeat);
@@ -23,25 +23,27 @@ pub(super) fn scores(rows: &GroupRows, class: Wtic) -> Vec<RepeatScore> {
 }
 
 fn score(parameter: Parameter, fits: &[Estimate], own: Option<f64>) -> RepeatScore {
-    let told: Vec<&Identified> = fits
+    let identified: Vec<&Identified> = fits
         .iter()
         .map(|estimate| estimate.of(parameter))
         .filter(|identified| identified.is_identifiable())
         .collect();
-    let at: Vec<f64> = told
+    let at: Vec<f64> = identified
         .iter()
         .map(|identified| parameter.coordinate(identified.value))
         .collect();
     let mean = mean(&at);
     let share = |value: f64| {
-        let held = told.iter().filter(|identified| holds(identified, value));
-        Share::of(held.count() as u64, told.len() as u64)
+        let covering = identified
+            .iter()
+            .filter(|identified| holds(identified, value));
+        Share::of(covering.count() as u64, identified.len() as u64)
     };
-    let halves: Vec<f64> = told.iter().filter_map(|i| half_width(i)).collect();
+    let halves: Vec<f64> = identified.iter().filter_map(|i| half_width(i)).collect();
     RepeatScore {
         parameter,
         fits: fits.len(),
-        identified: told.len(),
+        identified: identified.len(),
         deviation: deviation(&at),
         half_width: self::mean(&halves),
         holds_mean: mean.and_then(|mean| share(parameter.value(mean))),

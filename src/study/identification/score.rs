@@ -1,36 +1,36 @@
-//! What the steady loads of a study gave: parameters, force errors by the right model and by the
-//! wrong ones, and how far an estimate predicts.
+//! Results of the identification of a study: parameters, force errors by the right model and the wrong ones,
+//! and accuracy of predictions.
 //!
-//! - [`GroundScore`]: force errors by ground and model, beside those published. A model is fitted
-//!   to all rows of a group, and, for the rows *left out*, to those at the other values of the
-//!   first key joined. *Means* are those of a condition over its repeats. *Scatter* is what the
-//!   rows' stated uncertainties alone would leave of error: on loose stones, the most of it.
-//! - [`GroupScore`]: the parameters of every group by every model, with 95 % intervals, and the
-//!   scenario's own values where its ground has them: `φ = atan μ` of wheel on stone on hard
-//!   ground, all of them on sand. A rim stands for the wheel in every model: what lugs do is in
-//!   the parameters, so an interval need not hold the soil's own value.
-//! - [`RepeatScore`]: every repeat fitted alone.
+//! - [`GroundScore`]: force errors by ground and model, with the published ones. A model is fitted to all
+//!   rows of a group, and, for *left out* (cross-validation), to those at the other values of the first key
+//!   joined. *Means* are those of a condition over its repeats. *Scatter* is the error expected from the
+//!   rows' stated uncertainties alone: on loose stones most of it.
+//! - [`GroupScore`]: the parameters of every group by every model, with 95 % intervals, and the scenario's
+//!   true values where its ground has them: `φ = atan μ` of wheel on stone on hard ground, all of them on
+//!   sand. Every model is of a smooth rim: parameters absorb the effect of lugs, so an interval need not
+//!   cover the soil's true value.
+//! - [`RepeatScore`]: every repeat fitted separately.
 //! - [`PredictionScore`]: the parameters found at the values of `from` predict all other groups.
-//! - [`CarriedScore`]: the parameters found on one ground predict another, as they would for a
-//!   rover that neither switches nor identifies anew.
+//! - [`CarriedScore`]: the parameters found on one ground predict another, as for a rover that neither
+//!   switches the model nor identifies again.
 //!
-//! Predictions have the model of the class recognised where they start, or of the label's where
-//! none was recognised. Where that class sets the sinkage it sets the load, too: there pull and
-//! torque are predicted at the load measured (Eq. 68, 69), and the load as it was fitted. The 95 %
-//! intervals hold the estimate's error and the rows' scatter about the model.
+//! Predictions use the model of the class recognised in the group fitted, or of its label where none was
+//! recognised. Where that class sets the sinkage it also sets the load: pull and torque are then predicted at
+//! the measured load (Eq. 68, 69), and the load is that of the fit. The 95 % prediction intervals cover the
+//! uncertainty of the estimate and the scatter of the rows about the model.
 //!
 //! `identification.csv` has a row for every number:
 //!
-//! | columns | hold |
+//! | columns | content |
 //! |---|---|
 //! | `scenario`, every swept key not joined | the group |
 //! | `label`, `recognized` | its ground, and the class recognised |
 //! | `model` | the class whose model was fitted |
 //! | `what` | `parameter`, `fitted`, `means`, `left_out`, `predicted` (by the group of `from`), `carried from` a scenario, `not_steady` |
-//! | `name`, `unit` | parameter or force, errors in %; of `not_steady` the channel that still changes and the unit of its rate |
+//! | `name`, `unit` | parameter or force, errors in %; of `not_steady` the channel that drifts and the unit of its rate |
 //! | `value`, `low`, `high` | with its 95 % interval, where it is identified; of `not_steady` mean, least and greatest rate |
-//! | `own` | the scenario's own value |
-//! | `covered`, `of` | forces within their intervals, and forces with one; of `not_steady` rows that change, and all rows |
+//! | `own` | the scenario's true value |
+//! | `covered`, `of` | forces within their intervals, and forces with one; of `not_steady` rows that drift, and all rows |
 
 use super::Published;
 use crate::identification::{
@@ -66,7 +66,7 @@ pub struct IdentificationScore {
 pub struct Accuracy {
     /// Relative errors.
     pub force_error_percent: ForceErrors,
-    /// Relative errors that the scatter of the rows alone would leave.
+    /// Relative errors expected from the scatter of the rows alone.
     pub scatter_percent: ForceErrors,
     /// Share of the forces that lie in their 95 % interval, of those that have one.
     pub covered: BTreeMap<Force, Share>,
@@ -127,7 +127,7 @@ pub struct GroupScore {
     pub recognized: Wtic,
     /// Steady rows.
     pub rows: usize,
-    /// Rows whose rim stands above the ground on its lugs.
+    /// Number of rows with the rim held above the ground by the lugs.
     pub above_ground: usize,
     /// Rows in which something still changes; the change over the interval is in their uncertainty.
     pub not_steady: usize,
@@ -164,14 +164,14 @@ pub struct DriftScore {
 pub struct Source {
     /// The estimate.
     pub estimate: Estimate,
-    /// What stands for the wheel.
+    /// Conventions of the equations.
     pub setting: Setting,
     /// The steady loads, as the model takes them.
     pub loads: Vec<SteadyLoad>,
 }
 
 impl Source {
-    /// What the estimate says at other loads and slips; none where the rows make no identification.
+    /// Predictions at other loads and slips; `None` where the rows cannot be identified.
     pub fn predictor(&self) -> Option<Predictor> {
         let class = self.estimate.class;
         let identification = Identification::new(&self.loads, class, &self.setting).ok()?;
@@ -236,7 +236,7 @@ pub struct ParameterScore {
     pub identified: Identified,
     /// The scenario's own value.
     pub own: Option<f64>,
-    /// Whether the interval holds it, of a parameter that the rows fix.
+    /// Whether the interval covers it, for an identified parameter.
     pub holds_own: Option<bool>,
 }
 
@@ -254,9 +254,9 @@ pub struct RepeatScore {
     pub deviation: Option<f64>,
     /// Mean half-width of their 95 % intervals.
     pub half_width: Option<f64>,
-    /// Intervals that hold the mean of the repeats.
+    /// Share of intervals that cover the mean of the repeats.
     pub holds_mean: Option<Share>,
-    /// Intervals that hold the scenario's own value.
+    /// Share of intervals that cover the scenario's true value.
     pub holds_own: Option<Share>,
 }
 

@@ -29,8 +29,8 @@ struct FittedGroup {
 }
 
 impl Study {
-    /// Identifies the table of the steady rows, where the study has one. `stop` is asked before every
-    /// group is fitted.
+    /// Identifies the table of the steady rows, where the study has one. `stop` is polled before every fit of
+    /// a group.
     ///
     /// # Errors
     /// `Stopped`.
@@ -97,10 +97,10 @@ impl FittedGroup {
 impl Accuracy {
     fn of(predicted: &[PredictedForce]) -> Self {
         let covered = Force::ALL.into_iter().filter_map(|force| {
-            let of_force = predicted.iter().filter(|told| told.force == force);
-            let told: Vec<bool> = of_force.filter_map(PredictedForce::is_covered).collect();
-            let within = told.iter().filter(|within| **within).count();
-            Some((force, Share::of(within as u64, told.len() as u64)?))
+            let of_force = predicted.iter().filter(|of| of.force == force);
+            let covered: Vec<bool> = of_force.filter_map(PredictedForce::is_covered).collect();
+            let within = covered.iter().filter(|within| **within).count();
+            Some((force, Share::of(within as u64, covered.len() as u64)?))
         });
         Self {
             force_error_percent: ForceErrors::of(predicted),

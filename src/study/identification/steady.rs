@@ -33,7 +33,7 @@ pub(super) const DRIFTS: [&str; 4] = [
     "sinkage_drift_m_s",
 ];
 
-/// The table of the steady intervals of a study that asks for it.
+/// The table of the steady intervals, if the study identifies.
 pub(in crate::study) struct SteadyRows<'s> {
     study: &'s Study,
 }
@@ -105,7 +105,7 @@ impl Table for SteadyRows<'_> {
         names
     }
 
-    /// A run without a steady interval has a row that says why.
+    /// A run without a steady interval has a row with the reason.
     fn rows(&self, run: &Run, trace: &Trace, _: &mut Stop) -> Result<Rows, NoRows> {
         let first = self.first_cells(run, trace)?;
         let row = |then: Vec<String>| [&first[..], &then[..]].concat();

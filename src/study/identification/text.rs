@@ -41,7 +41,7 @@ impl fmt::Display for IdentificationScore {
     }
 }
 
-/// A line without the blanks that padding leaves at its end.
+/// A line without trailing blanks.
 fn put(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     writeln!(f, "{}", text.trim_end())
 }
@@ -72,7 +72,7 @@ fn write_ground(
             Choice::Recognized => "by class recognized".to_owned(),
             Choice::Always(of) => always(of, class),
         };
-        let told = if model.groups == 0 {
+        let text = if model.groups == 0 {
             "could not be fitted".to_owned()
         } else {
             let ModelScore {
@@ -86,11 +86,11 @@ fn write_ground(
             let covered = [fitted, left_out].map(covered);
             [errors.concat(), scatter.concat(), covered.concat()].concat()
         };
-        put(f, &format!("  {name:MODEL$}{told}"))?;
+        put(f, &format!("  {name:MODEL$}{text}"))?;
     }
     if let Some(published) = published {
-        let told = Force::ALL.map(|force| published.error(class, force));
-        put(f, &format!("  {:MODEL$}{}", "published", three(told)))?;
+        let shown = Force::ALL.map(|force| published.error(class, force));
+        put(f, &format!("  {:MODEL$}{}", "published", three(shown)))?;
     }
     Ok(())
 }
@@ -115,10 +115,10 @@ fn scatter(accuracy: &Accuracy) -> String {
 
 /// Pull, load and torque [%], as wide as [`ERRORS`].
 fn three(values: [Option<f64>; 3]) -> String {
-    let told = values.map(|value| value.map_or_else(|| "-".to_owned(), percent));
-    let [pull, load, torque] = told;
-    let told = format!("{pull:>6} {load:>6} {torque:>6}");
-    format!("{told:<ERRORS$}")
+    let shown = values.map(|value| value.map_or_else(|| "-".to_owned(), percent));
+    let [pull, load, torque] = shown;
+    let shown = format!("{pull:>6} {load:>6} {torque:>6}");
+    format!("{shown:<ERRORS$}")
 }
 
 /// A percentage with one decimal; without any above a thousand.
@@ -141,8 +141,8 @@ fn covered(accuracy: &Accuracy) -> String {
             |share| format!("{:.0}", 100.0 * share.value),
         )
     });
-    let told = format!("{pull:>3} {load:>3} {torque:>3}");
-    format!("{told:<COVERED$}")
+    let shown = format!("{pull:>3} {load:>3} {torque:>3}");
+    format!("{shown:<COVERED$}")
 }
 
 fn write_carried(
@@ -161,8 +161,8 @@ fn write_carried(
     for from in names() {
         let on = |to: &str| {
             let found = carried.iter().find(|c| c.from == from && c.to == to);
-            let told = found.map(|found| errors(&found.accuracy));
-            format!("{:<w$}", told.unwrap_or_default(), w = ERRORS + 3)
+            let shown = found.map(|found| errors(&found.accuracy));
+            format!("{:<w$}", shown.unwrap_or_default(), w = ERRORS + 3)
         };
         let row: String = names().map(on).collect();
         put(f, &format!("  {from:width$}{row}"))?;
@@ -226,9 +226,9 @@ fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fm
     let names = Parameter::ALL.map(|parameter| format!("{:>COLUMN$}", parameter.name()));
     put(f, &format!("  {:width$}model {}", "", names.concat()))?;
     for group in &score.groups {
-        let told = |told: &ParameterScore| {
-            let value = number(told.value);
-            let value = match (told.identifiable, told.identified.standing) {
+        let text = |parameter: &ParameterScore| {
+            let value = number(parameter.value);
+            let value = match (parameter.identifiable, parameter.identified.standing) {
                 (false, Standing::NotIdentifiable) => format!("({value})"),
                 (false, _) => "set".to_owned(),
                 (true, _) => value,
@@ -237,7 +237,7 @@ fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fm
         };
         let (class, values) = group.parameters().map_or_else(
             || ("-".to_owned(), String::new()),
-            |(class, found)| (class.to_string(), found.iter().map(told).collect()),
+            |(class, found)| (class.to_string(), found.iter().map(text).collect()),
         );
         let mark = if group.not_steady > 0 { "~" } else { "" };
         let place = format!("{}{mark}", place(&group.scenario, &group.shared));
@@ -332,12 +332,12 @@ fn write_parameters(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Resu
     put(f, &format!("  {:18}{:12}{names}", "parameter", "own value"))?;
     for (place, parameter) in Parameter::ALL.into_iter().enumerate() {
         let of = |fit: &&FitScore| fit.found().map(|found| found.parameters[place]);
-        let told: Vec<ParameterScore> = found.iter().filter_map(of).collect();
-        let own = told.iter().find_map(|told| told.own);
+        let parameters: Vec<ParameterScore> = found.iter().filter_map(of).collect();
+        let own = parameters.iter().find_map(|parameter| parameter.own);
         let own = own.map_or_else(|| "-".to_owned(), number);
-        let values: String = told
+        let values: String = parameters
             .iter()
-            .map(|told| format!("{:<PARAMETER$}", value(told)))
+            .map(|parameter| format!("{:<PARAMETER$}", value(parameter)))
             .collect();
         let name = format!("{} [{}]", parameter.name(), parameter.unit());
         put(f, &format!("  {name:18}{own:12}{values}"))?;
@@ -345,15 +345,15 @@ fn write_parameters(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Resu
     Ok(())
 }
 
-/// A value and its interval; `*` where the interval holds the scenario's own value.
-fn value(told: &ParameterScore) -> String {
-    let value = number(told.value);
-    let [low, high] = told.ci95;
+/// A value with its interval; `*` where the interval covers the scenario's true value.
+fn value(parameter: &ParameterScore) -> String {
+    let value = number(parameter.value);
+    let [low, high] = parameter.ci95;
     match (low, high) {
         (Some(low), Some(high)) if low == high => format!("{value} (set)"),
-        _ if !told.identifiable => format!("{value} (not identifiable)"),
+        _ if !parameter.identifiable => format!("{value} (not identifiable)"),
         (Some(low), Some(high)) => {
-            let holds = if told.holds_own == Some(true) {
+            let holds = if parameter.holds_own == Some(true) {
                 " *"
             } else {
                 ""
@@ -408,7 +408,7 @@ fn write_repeats(f: &mut fmt::Formatter<'_>, repeats: &[RepeatScore]) -> fmt::Re
         "    parameter  identified  deviation  half-width  holds mean  holds own value",
     )?;
     for repeat in repeats {
-        let told = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+        let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
         let share = |share: Option<Share>| {
             let of = |share: Share| {
                 let held = (share.value * share.n as f64).round();
@@ -422,8 +422,8 @@ fn write_repeats(f: &mut fmt::Formatter<'_>, repeats: &[RepeatScore]) -> fmt::Re
                 "    {:11}{:>10}  {:>9}  {:>10}  {:>10}  {:>15}",
                 repeat.parameter.name(),
                 repeat.identified,
-                told(repeat.deviation),
-                told(repeat.half_width),
+                shown(repeat.deviation),
+                shown(repeat.half_width),
                 share(repeat.holds_mean),
                 share(repeat.holds_own)
             ),
@@ -452,9 +452,9 @@ mod tests {
 
     #[test]
     fn numbers_have_four_digits_whatever_their_size() {
-        let told = [0.0, 31.894, -0.5771, 2.5114e6, 4.2e-5, 250.0].map(number);
+        let shown = [0.0, 31.894, -0.5771, 2.5114e6, 4.2e-5, 250.0].map(number);
         let expected = ["0", "31.89", "-0.5771", "2.511e6", "4.200e-5", "250.0"];
-        assert_eq!(told, expected);
+        assert_eq!(shown, expected);
         assert_eq!([12.34, 5678.9].map(percent), ["12.3", "5679"]);
     }
 }

@@ -155,18 +155,26 @@ pub(crate) fn hundredths(value: f64) -> String {
     }
 }
 
-/// Writes the tables of features for reading.
+/// Writes the tables of features: their percentiles, and their dependence on speed where there is one.
 pub(super) fn write(f: &mut fmt::Formatter<'_>, scenarios: &[FeaturesOfScenario]) -> fmt::Result {
+    let names = scenarios.iter().map(|s| s.scenario.len());
+    let width = names.max().unwrap_or(0) + 2;
+    write_percentiles(f, scenarios, width)?;
+    if scenarios.iter().all(|s| s.features[0].slope.is_none()) {
+        return Ok(());
+    }
+    write_slopes(f, scenarios, width)
+}
+
+fn write_percentiles(
+    f: &mut fmt::Formatter<'_>,
+    scenarios: &[FeaturesOfScenario],
+    width: usize,
+) -> fmt::Result {
     writeln!(
         f,
-        "\nfeatures: 10 %, 50 %, 90 % of the windows, and windows within the paper's limits for what the ground stands for"
+        "\nfeatures: 10 %, 50 %, 90 % of the windows, and windows within the paper's limits for the class of the label"
     )?;
-    let width = scenarios
-        .iter()
-        .map(|s| s.scenario.len())
-        .max()
-        .unwrap_or(0)
-        + 2;
     write!(f, "  {:width$}{:>7}", "scenario", "windows")?;
     for name in NAMES {
         write!(f, "   {name:<28}")?;
@@ -190,9 +198,14 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, scenarios: &[FeaturesOfScenario]
         }
         writeln!(f)?;
     }
-    if scenarios.iter().all(|s| s.features[0].slope.is_none()) {
-        return Ok(());
-    }
+    Ok(())
+}
+
+fn write_slopes(
+    f: &mut fmt::Formatter<'_>,
+    scenarios: &[FeaturesOfScenario],
+    width: usize,
+) -> fmt::Result {
     writeln!(
         f,
         "\nspeed: decades of a feature per decade of speed, with Student's 95 % interval"

@@ -89,7 +89,7 @@ impl fmt::Display for RecognitionScore {
         for score in self.scores.iter().filter(labelled) {
             write!(
                 f,
-                "\n{}: right answers by part, and their number of windows; true is what the ground stands for\n",
+                "\n{}: right answers by part, and their number of windows; true is the class of the label\n",
                 score.method
             )?;
             parts(f, &score.map)?;
@@ -100,7 +100,7 @@ impl fmt::Display for RecognitionScore {
 
 fn what_is_true(against: Against) -> &'static str {
     match against {
-        Against::Label => "true is what the ground stands for\n",
+        Against::Label => "true is the class of the label\n",
         Against::Truth => "true is how lugs and ground met\n",
         Against::Agreed => "windows in which both are one\n",
     }

@@ -54,7 +54,7 @@ fn call(program: &'static str, options: &[String], input: &str) -> Result<String
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let mut child = command.spawn().map_err(no_program)?;
     if let Some(mut stdin) = child.stdin.take() {
-        // A program that refuses its options does not read; its words tell more.
+        // A program that rejects its options does not read; its output has the reason.
         let _ = stdin.write_all(input.as_bytes());
     }
     answer(program, &child.wait_with_output().map_err(no_program)?)
@@ -78,7 +78,7 @@ fn refused(program: &'static str, reason: String) -> SlurmError {
     SlurmError::Refused { program, reason }
 }
 
-/// The number of a job in what `sbatch --parsable` says; a cluster's name may stand behind it.
+/// The job number in the output of `sbatch --parsable`; the name of a cluster may follow.
 fn job_number(said: &str) -> Option<u32> {
     said.trim().split(';').next()?.parse().ok()
 }
@@ -109,7 +109,7 @@ fn state(name: &str, reason: &str) -> JobState {
     }
 }
 
-/// The largest number of a task in what `scontrol show config` says.
+/// The largest task number in the output of `scontrol show config`.
 fn largest_task(said: &str) -> Option<u32> {
     let values = said.lines().filter_map(|line| line.split_once('='));
     let mut sizes = values.filter(|(key, _)| key.trim() == "MaxArraySize");

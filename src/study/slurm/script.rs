@@ -9,7 +9,7 @@ use std::path::Path;
 pub(super) struct Script<'s> {
     pub(super) submission: &'s Submission,
     pub(super) name: &'s str,
-    /// Folder of what the jobs say.
+    /// Folder of the jobs' logs.
     pub(super) words: &'s Path,
 }
 
@@ -55,7 +55,7 @@ impl Script<'_> {
         format!("--cpus-per-task={}", self.submission.threads)
     }
 
-    /// The user's options stand behind what they may change, and before what must be as it is.
+    /// The user's options, after those they may override and before fixed ones.
     fn options<const N: usize>(&self, first: [String; N], last: [String; 1]) -> Vec<String> {
         let name = format!("--job-name={}", self.name);
         let users = self.submission.options.iter().cloned();
@@ -82,7 +82,7 @@ impl Script<'_> {
     }
 }
 
-/// A word of the shell that stands for `text`.
+/// `text` quoted as a word of the shell.
 fn quoted(text: &OsStr) -> String {
     format!("'{}'", text.to_string_lossy().replace('\'', r"'\''"))
 }

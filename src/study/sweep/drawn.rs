@@ -13,10 +13,10 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Sampling {
-    /// Each draw by itself: more draws leave those before as they were.
+    /// Independent draws: more draws do not change the earlier ones.
     Random,
-    /// The distribution of every key is cut into as many strata of equal probability as there are
-    /// draws, and each holds one; which strata of the keys meet is random (McKay et al. 1979).
+    /// The distribution of every key is divided into as many strata of equal probability as draws, with one
+    /// draw in each; strata of different keys are combined at random (McKay et al. 1979).
     LatinHypercube,
 }
 
@@ -169,7 +169,7 @@ mod tests {
             let rows = draws(sampling, 1000);
             (rows.iter().map(|[a, _]| a).sum::<f64>() / 1000.0 - 0.5).abs()
         };
-        // Strata leave 1/n of a uniform number's scatter: 1/sqrt(12 n^3), and four of those.
+        // With strata, 1/n of a uniform number's scatter remains: 1/sqrt(12 n^3), and four of those.
         assert!(error(Sampling::LatinHypercube) < 4.0 / (12.0e9_f64).sqrt());
         assert!(error(Sampling::Random) < 4.0 / (12.0e3_f64).sqrt());
     }

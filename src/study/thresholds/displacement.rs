@@ -1,9 +1,8 @@
 //! How a wheel would move on a run's ground if it rolled there without slipping.
 //!
-//! The displacement that (55) and (56) are derived for is that of Section 2: the wheel is let down
-//! where the run's axle stood at the start of the window and turned by the run's own wheel angle
-//! over the run's own ground, without slip ([`rolling`]). The axle's place is that of the command, as
-//! both rigs hold its speed.
+//! (55) and (56) are derived for the displacement of Section 2: the wheel is lowered at the run's axle
+//! position at the start of the window and turned by the run's own wheel angle over the run's own ground,
+//! without slip ([`rolling`]). The axle's position is the commanded one, since both rigs control its speed.
 
 use crate::features::Extractor;
 use crate::features::record::Record;
@@ -53,7 +52,7 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The ground under `terrain`, where none of it moves or gives way.
+    /// The ground under `terrain`, where all of it is fixed and rigid.
     pub fn of(scenario: &Scenario, terrain: &Terrain) -> Option<Self> {
         let fixed = [TerrainLabel::Reference, TerrainLabel::Hard];
         let stretches = terrain.stretches();
@@ -111,7 +110,7 @@ impl Ground {
         })
     }
 
-    /// Where the axle stands at `time` [s], along the track [m].
+    /// Position of the axle at `time` [s] along the track [m].
     fn position(&self, time: f64) -> f64 {
         let steps = (time / STEP).round().max(0.0) as u32;
         let speed = |step: u32| {

@@ -42,7 +42,7 @@ impl Windows {
 }
 
 impl Window<'_> {
-    /// A number, where the cell holds one.
+    /// A number, unless the cell is empty.
     pub(super) fn number(&self, column: &str) -> Option<f64> {
         self.cell(column).parse().ok()
     }

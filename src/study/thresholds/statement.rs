@@ -1,4 +1,4 @@
-//! What (55) to (58) say, put to the windows of a study.
+//! The statements of (55) to (58), tested on the windows of a study.
 
 use super::reading::{Window, Windows};
 use super::tally::{Bounded, Empirical, Tally};
@@ -8,7 +8,7 @@ use crate::trace::truth::MOST;
 use crate::vibration::bounds::mean_square_bound_of_jumps;
 use serde::Serialize;
 
-/// How far the limits hold on the windows of a study.
+/// Validity of the limits on the windows of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ThresholdScore {
     /// Windows of all runs that did not fail.
@@ -131,9 +131,26 @@ const SLOPE: &str = "corrected, with the steepest line between contacts of neigh
 const JUMPS: &str = "of velocity jumps without slip, a tenth of the lugs missing singly";
 const BUMP: &str = "off a bump off which the next lug still touches, (r + l)(1 - cos(min(α + φ_s, π/2)))/l, squared for mean squares";
 
-/// The limits of displacements.
+/// The limits of displacements: (55) and (56).
 fn of_displacement() -> Vec<Limit> {
-    let limit = |name: &str, equation, quantity: &str, limit, value, bound| Limit {
+    let mut limits = of_contact();
+    limits.extend(of_spectrum());
+    limits
+}
+
+fn displacement_limit(
+    name: &str,
+    equation: &'static str,
+    quantity: &str,
+    value: Value,
+    bound: Bound,
+) -> Limit {
+    let limit = if bound == Bound::OnSlope {
+        SLOPE
+    } else {
+        PAPER
+    };
+    Limit {
         name: name.to_owned(),
         equation,
         quantity: quantity.to_owned(),
@@ -141,73 +158,61 @@ fn of_displacement() -> Vec<Limit> {
         of: Of::Displacement,
         value,
         bound,
-    };
+    }
+}
+
+/// The limits of the largest or median displacement on a lug.
+fn of_contact() -> Vec<Limit> {
+    let limit =
+        |name, quantity, value, bound| displacement_limit(name, "(55)", quantity, value, bound);
     let column = |name: &str| Value::Column(name.to_owned());
     let contact = "C_M of the window's largest displacement on a lug";
     vec![
-        limit(
-            "contact",
-            "(55)",
-            contact,
-            PAPER,
-            column("c_m_largest"),
-            Bound::Amplitude,
-        ),
+        limit("contact", contact, column("c_m_largest"), Bound::Amplitude),
         limit(
             "contact_median",
-            "(55)",
             "C_M of the window's median displacement on a lug",
-            PAPER,
             column("c_m_median"),
             Bound::Amplitude,
         ),
         limit(
             "contact_on_slope",
-            "(55)",
             contact,
-            SLOPE,
             column("c_m_largest"),
             Bound::OnSlope,
         ),
         limit(
             "contact_relative",
-            "(55)",
             "C_f², the largest displacement on a lug above the line between takeovers",
-            PAPER,
             Value::SquareOf("c_f_largest"),
             Bound::Amplitude,
         ),
-        limit(
-            "displacement_a",
-            "(55)",
-            "κ_A, sum of amplitudes of the displacement",
-            PAPER,
-            column("displacement_kappa_a"),
-            Bound::Amplitude,
-        ),
-        limit(
-            "relative_a",
-            "(55)",
+    ]
+}
+
+/// The limits of the sum of amplitudes and of the mean square, of the displacement itself and of that above the
+/// lines between takeovers.
+fn of_spectrum() -> Vec<Limit> {
+    let amplitudes = |name: &str, quantity| {
+        let column = Value::Column(format!("{name}_kappa_a"));
+        let name = format!("{name}_a");
+        displacement_limit(&name, "(55)", quantity, column, Bound::Amplitude)
+    };
+    let mean_square = |name: &str, quantity| {
+        let column = Value::Column(format!("{name}_kappa_ms"));
+        let name = format!("{name}_ms");
+        displacement_limit(&name, "(56)", quantity, column, Bound::MeanSquare)
+    };
+    vec![
+        amplitudes("displacement", "κ_A, sum of amplitudes of the displacement"),
+        amplitudes(
+            "relative",
             "κ_A of the displacement above the lines between takeovers",
-            PAPER,
-            column("relative_kappa_a"),
-            Bound::Amplitude,
         ),
-        limit(
-            "displacement_ms",
-            "(56)",
-            "κ_ms, mean square of the displacement",
-            PAPER,
-            column("displacement_kappa_ms"),
-            Bound::MeanSquare,
-        ),
-        limit(
-            "relative_ms",
-            "(56)",
+        mean_square("displacement", "κ_ms, mean square of the displacement"),
+        mean_square(
+            "relative",
             "κ_ms of the displacement above the lines between takeovers",
-            PAPER,
-            column("relative_kappa_ms"),
-            Bound::MeanSquare,
         ),
     ]
 }

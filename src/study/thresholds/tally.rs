@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(Tally::of(&[]), None);
     }
 
-    /// Ranks 982 and 997 of 1000 hold the 990th with 95 % (tables of the binomial distribution).
+    /// Ranks 982 and 997 of 1000 cover the 990th with 95 % (tables of the binomial distribution).
     #[test]
     fn the_interval_of_a_quantile_is_that_of_its_order_statistics() {
         let values: Vec<f64> = (1..=1000).map(f64::from).collect();
