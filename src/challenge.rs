@@ -1,26 +1,25 @@
-//! Blind trials of the diagnosis: campaigns whose truth is sealed, and the score of its answers.
+//! Blind trials of the diagnosis: campaigns with sealed truth, and the score of the answers.
 //!
 //! ```text
 //! order ──▶ cases ──▶ campaigns/  manifest.json, a scenario a ground, a run file a case
-//!             └─────▶ truth/      what was done, with its salt; hashed in the manifest
+//!             └─────▶ truth/      the true effects, salted; hashed in the manifest
 //!           campaigns/ ──▶ diagnosis ──▶ answers/
 //!           campaigns/ + truth/ + answers/ ──▶ score
 //! ```
 //!
-//! [`make()`] draws the cases of an [`Order`] and simulates them. A campaign reads like a measured
-//! one: no scenario, seed, ground truth or physics rate stands in it, commands stand as commanded,
-//! and the file's place in the list tells nothing. What was done stands in a [`Truth`], whose
-//! SHA-256 is published in the [`Manifest`]: nobody can change it later, and nobody can guess it,
-//! since it holds 128 random bits of salt. [`answer()`] knows the campaigns only; [`score()`] opens
-//! the truth, refuses what is not as sealed, and counts.
+//! [`make()`] draws the cases of an [`Order`] and simulates them. A campaign looks like a measured one: it
+//! contains no scenario, seed, ground truth or physics rate, commands are as commanded, and the file's
+//! position in the list is random. The truth is in a [`Truth`], whose SHA-256 is published in the
+//! [`Manifest`] (commitment scheme): it cannot be changed later, and cannot be guessed, since it contains 128
+//! random bits of salt. [`answer()`] reads the campaigns only; [`score()`] opens the truth, rejects what does
+//! not match its seal, and scores.
 //!
-//! All randomness comes from the order's seed. Who is not told that seed cannot open a seal, and who
-//! is told can make everything again, so a trial keeps its seed (in `truth/`) until its answers are
-//! in. Seeds of cases for scoring, of cases for calibrating a diagnosis and of everybody else never
-//! meet: see [`Family`].
+//! All randomness comes from the order's seed. Without it no seal can be opened, and with it everything can
+//! be reproduced, so a trial keeps its seed (in `truth/`) until its answers are complete. Seeds of cases for
+//! scoring, of cases for calibrating a diagnosis and of all other uses are disjoint: see [`Family`].
 //!
-//! The sets are those of [`Set`]; what the runs are and how rigs differ stands in
-//! `scenarios/challenge/`, with the magnitudes of every effect, frozen before any score.
+//! The sets are those of [`Set`]; runs, rig variations and the magnitudes of every effect are defined in
+//! `scenarios/challenge/`, frozen before any score.
 
 mod answer;
 mod answering;
@@ -96,10 +95,10 @@ pub enum ChallengeError {
     /// The duration of runs cannot be.
     #[error(transparent)]
     Duration(#[from] crate::quantity::RangeError),
-    /// The folder holds something else.
-    #[error("{} holds something else; name another folder", .0.display())]
+    /// The folder is not empty.
+    #[error("{} is not empty; name another folder", .0.display())]
     NotEmpty(PathBuf),
-    /// The folder holds another trial.
+    /// The folder contains another trial.
     #[error(
         "{} holds a trial of another order; name another folder, or leave set, cases, grounds and \
          seed as they were", .0.display()
@@ -111,8 +110,8 @@ pub enum ChallengeError {
     /// A truth is not the one that was sealed.
     #[error("the truth of {0} is not the one that was sealed: its hash differs")]
     TruthAltered(String),
-    /// A case was asked without other effects than those that its truth leaves out.
-    #[error("{0} is asked without other effects than its truth says: the manifest was altered")]
+    /// A case is posed without other effects than those excluded by its truth.
+    #[error("{0} excludes other effects than its truth: the manifest was altered")]
     QuestionAltered(String),
     /// Nothing to score yet.
     #[error("no campaign in {} is diagnosed yet; `lugwheel challenge run` does it", .0.display())]
@@ -125,7 +124,7 @@ pub enum ChallengeError {
     Stopped {
         /// Cases done.
         done: usize,
-        /// Cases asked for.
+        /// Cases requested.
         total: usize,
     },
 }

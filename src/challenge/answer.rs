@@ -14,12 +14,12 @@ pub struct Suspect {
     pub magnitude: Option<f64>,
     /// 95 % interval of the magnitude; open where there is no number.
     pub ci95: Option<[Option<f64>; 2]>,
-    /// What the runs cannot tell from it.
+    /// Effects that the runs cannot distinguish from it.
     #[serde(default)]
     pub equivalent_to: Vec<String>,
 }
 
-/// What could be seen of an effect at all.
+/// Detectability of an effect.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Screened {
     /// Name, with its channel where it has one.
@@ -62,9 +62,9 @@ pub struct Answer {
     /// Strongest cells of what is left.
     #[serde(default)]
     pub located: Vec<serde_json::Value>,
-    /// The run that would tell more.
+    /// The most informative next run.
     pub next_run: Option<serde_json::Value>,
-    /// What could be seen of every effect tried.
+    /// Detectability of every effect tested.
     #[serde(default)]
     pub screen: Vec<Screened>,
     /// What was compared.
@@ -138,7 +138,7 @@ impl Answer {
         }
     }
 
-    /// The run that would tell more, in words.
+    /// The most informative next run, in words.
     pub(super) fn further_run(&self) -> Option<String> {
         let next = self.next_run.as_ref()?;
         let run = next.get("run").unwrap_or(next);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// What a diagnosis is asked.
+/// Input of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question<'a> {
     /// The case.
@@ -40,9 +40,9 @@ pub struct Answered {
     pub failed: Vec<(String, String)>,
 }
 
-/// Puts every case in `folder` that has no answer to `diagnose`, which returns the text of a JSON
-/// document as [`Answer`] reads it, on the threads of the pool in which this is called. `progress` hears of every case, first of those answered
-/// before, and may stop it.
+/// Calls `diagnose` for every case in `folder` without an answer, on the current thread pool; it returns the
+/// JSON text of an [`Answer`]. `progress` is called for every case, first for those answered before, and may
+/// stop.
 ///
 /// # Errors
 /// `File` and `Content` where there are no campaigns, `CampaignAltered` for one that was changed,
@@ -58,7 +58,7 @@ pub fn answer(
     let total = campaigns.manifest.cases.len();
     let cases = campaigns.manifest.cases.iter();
     let open: Vec<&Posed> = cases.filter(|it| known(&answers, it).is_none()).collect();
-    // All of them first: what was changed is to be told before hours of work.
+    // All of them first: a changed file is to be reported before hours of work.
     for posed in &open {
         campaigns.check(posed)?;
     }
@@ -96,7 +96,7 @@ pub fn answer(
 /// How far the questions are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Cases asked about.
+    /// Cases diagnosed.
     pub done: usize,
     /// All cases.
     pub total: usize,
@@ -114,9 +114,10 @@ fn begin(answers: &Path, campaigns: &Campaigns) -> Result<(), ChallengeError> {
     }
     folder::make_folder(answers)?;
     folder::check_room(answers)?;
-    match is_known {
-        true => Ok(()),
-        false => folder::write(&file, &text),
+    if is_known {
+        Ok(())
+    } else {
+        folder::write(&file, &text)
     }
 }
 
@@ -131,7 +132,7 @@ impl From<ChallengeError> for Halt {
     }
 }
 
-/// Asks about one case; its failure where it has one.
+/// Diagnoses one case; its failure, if any.
 fn ask(
     campaigns: &Campaigns,
     posed: &Posed,

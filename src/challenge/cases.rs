@@ -1,8 +1,8 @@
 //! The cases of an order, drawn from its seed.
 //!
-//! Each set is a list in which every beginning is balanced over effects and magnitudes; an order for
-//! fewer cases takes the beginnings, as many of each set as it has a share in all. Cases then
-//! change places, so that their numbers tell nothing.
+//! Each set is a list in which every prefix is balanced over effects and magnitudes; an order for fewer cases
+//! takes prefixes, in proportion to the size of each set. Cases are then shuffled, so that their numbers are
+//! uninformative.
 
 use super::design::Design;
 use super::frozen::{Frozen, frozen};
@@ -183,9 +183,8 @@ impl Hand<'_> {
             Set::C0 => (0..NOTHING).map(|at| self.nothing(at)).collect(),
             Set::C1 => {
                 let has_other = |it: &Placed| self.other.iter().any(|o| o.effect == it.effect);
-                self.singles(&self.own, set, Form::Own, |it| match has_other(it) {
-                    true => REPEATS,
-                    false => 2 * REPEATS,
+                self.singles(&self.own, set, Form::Own, |it| {
+                    if has_other(it) { REPEATS } else { 2 * REPEATS }
                 })
             }
             Set::C2 => self.singles(&self.other, set, Form::Other, |_| REPEATS),
@@ -482,7 +481,7 @@ mod tests {
     }
 
     #[test]
-    fn a_case_s_number_tells_nothing_of_its_set() {
+    fn a_case_s_number_is_independent_of_its_set() {
         let cases = all();
         let mean = |set: Set| {
             let places = cases.iter().enumerate().filter(|(_, case)| case.set == set);

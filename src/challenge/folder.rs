@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What `format` says in a manifest.
+/// Value of `format` in a manifest.
 const FORMAT: &str = "lugwheel-challenge";
 /// The version of the manifest: since 2 scenarios have their hash.
 const FORMAT_VERSION: u32 = 2;
@@ -63,7 +63,7 @@ impl Manifest {
     }
 }
 
-/// The published part of a trial, which is all that a diagnosis sees.
+/// The published part of a trial, the only input of a diagnosis.
 #[derive(Debug)]
 pub(super) struct Campaigns {
     path: PathBuf,
@@ -163,7 +163,7 @@ pub(super) fn check_room(path: &Path) -> Result<(), ChallengeError> {
     whole_file::check_room(path).map_err(|source| file_error("write in the folder", path, source))
 }
 
-/// What a JSON file holds.
+/// Parses a JSON file.
 pub(super) fn parsed<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ChallengeError> {
     serde_json::from_str(text).map_err(|error| ChallengeError::Content {
         path: path.to_owned(),

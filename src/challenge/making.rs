@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// The file of the order, which is as secret as the truth.
 const ORDER: &str = "order.json";
 
-/// An order as the folder keeps it.
+/// An order as stored in the folder.
 #[derive(Serialize, Deserialize)]
 struct Begun {
     program: String,
@@ -55,18 +55,18 @@ pub fn begun(folder: &Path) -> Result<Option<Seed>, ChallengeError> {
 pub struct Made {
     /// What is published.
     pub manifest: Manifest,
-    /// Cases that could not be simulated, and why; nobody is asked about them.
+    /// Cases that could not be simulated, with the reason; they are not diagnosed.
     pub failed: Vec<(String, String)>,
 }
 
-/// Makes the campaigns of an order in `folder`, and seals their truth; what is there of the same
-/// order stays. `size` hears first how much is to be simulated [s], `progress` of every step [s],
-/// from several threads, and may stop it. Cases are made on the threads of the pool in which this
-/// is called; the bytes do not depend on their number.
+/// Makes the campaigns of an order in `folder`, and seals their truth; existing ones of the same order are
+/// reused. `size` is first called with the total to be simulated [s], `progress` for every step [s], from
+/// several threads, and may stop. Cases are made on the current thread pool; the bytes do not depend on its
+/// size.
 ///
 /// # Errors
-/// `NotEmpty` and `OtherOrder` for a folder that holds something else, `NoGround` and `Duration` for
-/// an order that cannot be, `File` and `Campaign` where a file cannot be written, `Stopped`.
+/// `NotEmpty` and `OtherOrder` for a folder with other content, `NoGround` and `Duration` for an invalid
+/// order, `File` and `Campaign` where a file cannot be written, `Stopped`.
 pub fn make(
     folder: &Path,
     order: &Order,

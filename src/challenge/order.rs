@@ -1,4 +1,4 @@
-//! What is asked for: which cases, how many, on which grounds, from which seed.
+//! Specification of a trial: cases, number, grounds and seed.
 
 use super::{ChallengeError, GROUNDS};
 use crate::quantity::{RangeError, Seed};
@@ -17,7 +17,7 @@ pub enum Set {
     C1,
     /// The same in another form.
     C2,
-    /// One effect that the diagnosis is not told of: the right answer is unknown.
+    /// One effect that is excluded from the diagnosis: the right answer is unknown.
     C3,
     /// Two effects.
     C4,

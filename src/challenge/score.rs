@@ -1,19 +1,19 @@
-//! Answers beside the truth, in numbers.
+//! Scores of the answers against the truth.
 //!
-//! | score | what it is |
+//! | score | definition |
 //! |---|---|
 //! | `C0.cleared` | share of cases without effect that are answered `none` or `parameter` |
 //! | `C0.false_attribution` | share of them in which an effect is named |
 //! | `top1` | share of cases in which the verdict names the true effect on its channel, and no other; undecided is a miss, as a failed diagnosis is |
-//! | `top1_equivalent` | the same where the true effect is in the set of effects that the answer cannot tell from the one it names |
+//! | `top1_equivalent` | the same where the true effect is in the equivalence set of the one named |
 //! | `top3` | share in which effects are named and the true one is among the three likeliest |
 //! | `set_size` | median size of the sets named |
 //! | `probability_on_truth` | mean probability of the right answer (`none` and `parameter` together, `unknown` in C3, the pair in C4) |
 //! | `magnitude_error` | median of error over the distance of the typical magnitude from neutral, where the effect is named; `magnitude_error_relative` over that of the true one |
-//! | `magnitude_covered` | share of 95 % intervals that hold the true magnitude |
-//! | `closed` | mean share of the gap closed where the effect is named. The gap is counted down to the floor of repeats, which the true effect at its true magnitude reaches: the share is one over that of an oracle |
+//! | `magnitude_covered` | share of 95 % intervals that cover the true magnitude |
+//! | `closed` | mean share of the gap closed where the effect is named. The gap is measured above the floor of repeats, which the true effect at its true magnitude reaches: the share is one over that of an oracle |
 //! | `C3.unknown`, `C3.located` | share answered `unknown`; of these the share that is located in a channel in which the effect shows |
-//! | `unknown.auroc`, `unknown.f1` | how well the probability of `unknown`, and that verdict, tell C3 from all others |
+//! | `unknown.auroc`, `unknown.f1` | how well the probability of `unknown`, and that verdict, discriminate C3 from all others |
 //! | `c1_less_c2` | `top1_equivalent` of C1 less that of C2, over effects that have another form |
 //! | `calibration_error` | expected error of the likeliest answer's probability, in ten equal classes |
 //! | `C4.one_named`, `C4.both_named` | share of pairs of which one effect, or both, are named, up to equivalence |
@@ -82,13 +82,13 @@ pub struct Single {
     pub magnitude_error: Score,
     /// Median error over the true magnitude [-].
     pub magnitude_error_relative: Score,
-    /// Share of intervals that hold the true magnitude.
+    /// Share of intervals that cover the true magnitude.
     pub magnitude_covered: Score,
     /// Mean share of the gap closed.
     pub closed: Score,
 }
 
-/// Cases of an effect that the diagnosis was not told of.
+/// Cases of an effect that is excluded from the diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
     /// Share answered `unknown`.
@@ -112,7 +112,7 @@ pub struct Pairs {
     pub probability_on_truth: Score,
 }
 
-/// How well the unknown is told.
+/// Detection of unknown effects.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unknown {
     /// Area under the curve of hits against false alarms.
@@ -124,7 +124,7 @@ pub struct Unknown {
 /// All scores of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scores {
-    /// What the cases are for; calibration cases tell nothing of quality. None without cases.
+    /// Purpose of the cases; calibration cases give no score of quality. `None` without cases.
     pub family: Option<Family>,
     /// Cases published.
     pub cases: usize,
@@ -132,7 +132,7 @@ pub struct Scores {
     pub answered: usize,
     /// Cases in which the diagnosis failed: misses.
     pub failed: usize,
-    /// Cases that nobody was asked about yet; they are in no score.
+    /// Cases without an answer yet; they are in no score.
     pub unanswered: usize,
     /// Nothing withheld.
     #[serde(rename = "C0")]
@@ -163,7 +163,7 @@ pub struct Scores {
     pub confusion: Matrix,
     /// Mean probability of answers by truth.
     pub told: Matrix,
-    /// Mean size of the cosine between projected signatures of effects, where answers tell it.
+    /// Mean absolute cosine between projected signatures of effects, over the answers that state it.
     pub isolability: Matrix,
     /// Hits against magnitude over detection limit.
     pub power: Vec<Power>,
@@ -290,10 +290,10 @@ impl Single {
 
 impl LeftOut {
     fn of(cases: &[&Judged]) -> Self {
-        let told = cases.iter().filter(|case| case.is(Verdict::Unknown));
+        let unknown = cases.iter().filter(|case| case.is(Verdict::Unknown));
         Self {
             unknown: share(cases, |case| case.is(Verdict::Unknown)),
-            located: Score::share(told.map(|case| case.is_located())),
+            located: Score::share(unknown.map(|case| case.is_located())),
             false_attribution: share(cases, Judged::is_blaming),
             probability_on_truth: probability_on_truth(cases.iter().copied()),
         }
@@ -312,27 +312,28 @@ impl Pairs {
 
 impl Unknown {
     fn of(cases: &[Judged]) -> Self {
-        let told = cases.iter().filter_map(|case| {
+        let scored = cases.iter().filter_map(|case| {
             let answer = case.answer.as_ref()?;
             Some((
                 case.is_of(Set::C3),
                 answer.probability(Verdict::Unknown.name()),
             ))
         });
-        let told: Vec<(bool, f64)> = told.collect();
+        let scored: Vec<(bool, f64)> = scored.collect();
         let verdicts = cases.iter();
         let verdicts = verdicts.map(|case| (case.is_of(Set::C3), case.is(Verdict::Unknown)));
         let verdicts: Vec<(bool, bool)> = verdicts.collect();
         Self {
-            auroc: Score::of(&told, auroc),
+            auroc: Score::of(&scored, auroc),
             f1: Score::of(&verdicts, f1),
         }
     }
 }
 
-/// Probability [-] that one of the true is told more than one of the others; ties count half.
-fn auroc(told: &[&(bool, f64)]) -> Option<f64> {
-    let mut sorted = told.to_vec();
+/// Probability [-] that a positive case has a higher score than a negative one; ties count half (area under
+/// the ROC curve).
+fn auroc(scored: &[&(bool, f64)]) -> Option<f64> {
+    let mut sorted = scored.to_vec();
     sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut below = 0;
     let mut wins = 0.0;
@@ -342,7 +343,7 @@ fn auroc(told: &[&(bool, f64)]) -> Option<f64> {
         wins += hits as f64 * (f64::from(below) + 0.5 * others as f64);
         below += u32::try_from(others).ok()?;
     }
-    let hits = told.iter().filter(|(is_true, _)| *is_true).count();
+    let hits = scored.iter().filter(|(is_true, _)| *is_true).count();
     let pairs = hits as f64 * f64::from(below);
     (pairs > 0.0).then(|| wins / pairs)
 }
@@ -378,13 +379,13 @@ fn c1_less_c2(cases: &[Judged]) -> Score {
 }
 
 fn calibration_error(cases: &[Judged]) -> Score {
-    let told = cases.iter().filter_map(|case| {
+    let likeliest = cases.iter().filter_map(|case| {
         let labels = case.labels();
         let (label, probability) = labels.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((*probability, *label == case.label()))
     });
-    let told: Vec<(f64, bool)> = told.collect();
-    Score::of(&told, |drawn| {
+    let likeliest: Vec<(f64, bool)> = likeliest.collect();
+    Score::of(&likeliest, |drawn| {
         let mut classes = [(0.0, 0.0); CLASSES];
         for (probability, is_right) in drawn {
             let class = ((probability * CLASSES as f64) as usize).min(CLASSES - 1);
@@ -393,7 +394,7 @@ fn calibration_error(cases: &[Judged]) -> Score {
         }
         let off: f64 = classes
             .iter()
-            .map(|(told, right)| (told - right).abs())
+            .map(|(probability, right)| (probability - right).abs())
             .sum();
         (!drawn.is_empty()).then(|| off / drawn.len() as f64)
     })
@@ -535,7 +536,7 @@ mod tests {
     }
 
     #[test]
-    fn who_guesses_is_right_as_often_as_chance_says() {
+    fn a_guess_is_right_as_often_as_chance() {
         let truths = truths(400);
         let names: Vec<String> = truths
             .iter()
@@ -603,10 +604,10 @@ mod tests {
         assert_eq!(scores.own_form.top1.value, Some(0.0));
         assert_eq!(scores.own_form.top1_equivalent.value, Some(1.0));
         assert_eq!(scores.own_form.set_size.value, Some(2.0));
-        let told = scores.own_form.probability_on_truth.value.unwrap();
+        let mean = scores.own_form.probability_on_truth.value.unwrap();
         // The mean of equal numbers, but for rounding.
-        assert!((told - 0.3).abs() < 1.0e-12, "{told}");
-        // One set that holds both effects of a pair names one of them.
+        assert!((mean - 0.3).abs() < 1.0e-12, "{mean}");
+        // A set with both effects of a pair names one of them.
         assert_eq!(scores.pairs.one_named.value, Some(1.0));
         assert_eq!(scores.pairs.both_named.value, Some(0.0));
         let effect = &scores.effects[0];
@@ -627,14 +628,15 @@ mod tests {
     }
 
     #[test]
-    fn power_is_told_against_the_least_that_can_be_detected() {
+    fn power_is_relative_to_the_detection_limit() {
         let twice = |truth: &Truth| {
             let mut answer = perfect(truth);
             let half = truth.effects.iter().map(|hidden| {
                 let seat = hidden.application().unwrap().seat();
-                let detectable = match seat.neutral.is_finite() {
-                    true => (hidden.magnitude - seat.neutral).abs() / 3.0,
-                    false => hidden.magnitude * 3.0,
+                let detectable = if seat.neutral.is_finite() {
+                    (hidden.magnitude - seat.neutral).abs() / 3.0
+                } else {
+                    hidden.magnitude * 3.0
                 };
                 json!({"name": hidden.name, "detectable": detectable})
             });
@@ -654,7 +656,7 @@ mod tests {
 
     #[test]
     fn an_area_under_the_curve_is_the_share_of_pairs_in_order() {
-        let told = [
+        let scored = [
             (true, 0.9),
             (true, 0.4),
             (false, 0.4),
@@ -662,7 +664,7 @@ mod tests {
             (false, 0.6),
         ];
         // 0.9 beats three; 0.4 beats one, ties one, loses one.
-        let area = auroc(&told.iter().collect::<Vec<_>>()).unwrap();
+        let area = auroc(&scored.iter().collect::<Vec<_>>()).unwrap();
         assert!((area - 4.5 / 6.0).abs() < 1.0e-12, "{area}");
         assert_eq!(auroc(&[&(true, 0.5)]), None);
     }

@@ -1,7 +1,7 @@
-//! What was done to make a campaign, and the seal on it.
+//! The true effects of a campaign, and their seal.
 //!
-//! The seal is the SHA-256 of the truth's file, byte by byte, so that `sha256sum` opens it. The salt
-//! stands in the file: few truths are possible, and without it a hash could be found by trying.
+//! The seal is the SHA-256 of the truth's file, byte by byte, so that `sha256sum` verifies it. The file
+//! includes a salt: few truths are possible, and without it the hash could be found by exhaustive search.
 
 use super::order::{Family, Set};
 use crate::effects::{Application, EffectError, Form};
@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 pub enum Level {
     /// Seldom less in practice.
     Low,
-    /// Usual.
+    /// Typical.
     Typical,
     /// Seldom more in practice.
     High,
@@ -98,7 +98,7 @@ pub struct Truth {
     pub rig: Rig,
     /// What that comes to.
     pub edits: Vec<Edit>,
-    /// What the scenario leaves out.
+    /// Effects excluded from the scenario.
     pub effects: Vec<Hidden>,
     /// Where ground and noise come from.
     pub seed: Seed,

@@ -21,7 +21,7 @@ pub(super) struct Magnitude {
     pub(super) of_typical: f64,
     /// Error over the distance of the true magnitude from neutral [-].
     pub(super) of_true: f64,
-    /// Whether the interval holds the true one; none where it has none.
+    /// Whether the interval covers the true one; none without an interval.
     pub(super) is_covered: Option<bool>,
 }
 
@@ -98,7 +98,7 @@ impl Judged {
         }
     }
 
-    /// Whether nothing was withheld, and the answer says so.
+    /// Whether no effect was withheld, and the answer agrees.
     pub(super) fn is_cleared(&self) -> bool {
         matches!(self.verdict(), Some(Verdict::None | Verdict::Parameter))
     }
@@ -153,7 +153,7 @@ impl Judged {
         }
     }
 
-    /// Probability [-] of the effect and of all that the answer holds equivalent to it.
+    /// Probability [-] of the effect and of all in its equivalence set.
     pub(super) fn probability_on_set(&self) -> f64 {
         let (Some(answer), Some(hidden)) = (&self.answer, self.hidden()) else {
             return 0.0;
@@ -207,9 +207,8 @@ impl Judged {
         Some((hidden, suspect, hidden.application().ok()?))
     }
 
-    /// The true magnitude's distance from neutral over the least that could be detected [-], the
-    /// other way round for magnitudes themselves where neutral is infinite; none where the answer
-    /// does not tell it.
+    /// The true magnitude's distance from neutral over the detection limit [-], inverted for magnitudes whose
+    /// neutral value is infinite; none where the answer does not state it.
     pub(super) fn power(&self) -> Option<f64> {
         let hidden = self.hidden()?;
         let effect = hidden.application().ok()?;
@@ -219,9 +218,10 @@ impl Judged {
             .find(|screened| screened.name == hidden.name)?;
         let detectable = screened.detectable.filter(|it| *it > 0.0)?;
         let size = distance(&effect, hidden.magnitude);
-        Some(match effect.seat().neutral.is_finite() {
-            true => size / detectable,
-            false => detectable / size,
+        Some(if effect.seat().neutral.is_finite() {
+            size / detectable
+        } else {
+            detectable / size
         })
     }
 }
@@ -229,15 +229,17 @@ impl Judged {
 /// Distance of a magnitude from neutral; the magnitude itself where neutral is infinite.
 fn distance(effect: &Application, magnitude: f64) -> f64 {
     let neutral = effect.seat().neutral;
-    match neutral.is_finite() {
-        true => (magnitude - neutral).abs(),
-        false => magnitude.abs(),
+    if neutral.is_finite() {
+        (magnitude - neutral).abs()
+    } else {
+        magnitude.abs()
     }
 }
 
 fn pair(a: &str, b: &str) -> String {
-    match a <= b {
-        true => format!("{a}+{b}"),
-        false => format!("{b}+{a}"),
+    if a <= b {
+        format!("{a}+{b}")
+    } else {
+        format!("{b}+{a}")
     }
 }

@@ -51,7 +51,7 @@ pub struct OfEffect {
     pub is_weak: bool,
     /// What was answered instead most often.
     pub partner: Option<String>,
-    /// The run that the answers ask for most often.
+    /// The next run recommended most often.
     pub next_run: Option<String>,
 }
 
@@ -98,8 +98,8 @@ pub(super) fn confusion(cases: &[Judged]) -> Matrix {
     }
 }
 
-/// Mean size of the cosine [-] between projected signatures of effects, over the answers that tell
-/// it: 1 where they cannot be isolated.
+/// Mean absolute cosine [-] between projected signatures of effects, over the answers that state it: at 1
+/// they cannot be isolated.
 pub(super) fn isolability(cases: &[Judged]) -> Matrix {
     let answers: Vec<&Answer> = cases.iter().filter_map(|it| it.answer.as_ref()).collect();
     let mut cosines: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
@@ -138,9 +138,12 @@ pub(super) fn told(cases: &[Judged]) -> Matrix {
             .iter()
             .filter(|case| truth_of(case).as_ref() == Some(row))
             .collect();
-        let told: Vec<BTreeMap<String, f64>> = of_row.iter().map(|it| by_effect(it)).collect();
+        let probabilities: Vec<BTreeMap<String, f64>> =
+            of_row.iter().map(|it| by_effect(it)).collect();
         let mean_of = |column: &String| {
-            let values = told.iter().map(|it| it.get(column).copied().unwrap_or(0.0));
+            let values = probabilities
+                .iter()
+                .map(|it| it.get(column).copied().unwrap_or(0.0));
             mean(values).unwrap_or(0.0)
         };
         columns.iter().map(mean_of).collect()
@@ -224,14 +227,14 @@ fn truth_of(case: &Judged) -> Option<String> {
 
 /// Probabilities of an answer, those of an effect's channels together.
 fn by_effect(case: &Judged) -> BTreeMap<String, f64> {
-    let mut told = BTreeMap::new();
+    let mut by_effect = BTreeMap::new();
     for (label, probability) in case.labels() {
         if !label.contains('+') {
             let effect = label.split('.').next().unwrap_or(&label).to_owned();
-            *told.entry(effect).or_insert(0.0) += probability;
+            *by_effect.entry(effect).or_insert(0.0) += probability;
         }
     }
-    told
+    by_effect
 }
 
 /// The most frequent; the first in the order of letters where several are.

@@ -30,7 +30,7 @@ impl fmt::Display for Scores {
         if self.family == Some(Family::Calibration) {
             writeln!(
                 f,
-                "cases for calibration: no score of theirs tells of quality"
+                "cases for calibration: their scores do not measure quality"
             )?;
         }
         writeln!(f, "{:<46}{:>9}{:>20}{:>6}  should be", "", "", "95 %", "n")?;
@@ -47,67 +47,62 @@ impl fmt::Display for Scores {
 }
 
 impl Scores {
+    /// Scores by set, then over all cases.
     fn lines(&self) -> Vec<Line<'_>> {
-        use Shown::{Number, Percent};
+        let mut lines = self.lines_of_sets();
+        lines.extend(self.lines_of_all());
+        lines
+    }
+
+    fn lines_of_sets(&self) -> Vec<Line<'_>> {
+        let percent = |name, score, goal| line(name, score, Shown::Percent, goal);
         let Self {
             nothing,
-            own_form,
-            other_form,
             left_out,
             pairs,
-            unknown,
             ..
         } = self;
-        let line = |name: &str, score, shown, goal| (name.to_owned(), score, shown, goal);
         let mut lines = vec![
-            line(
-                "C0 none or parameter",
-                &nothing.cleared,
-                Percent,
-                "95 % or more",
-            ),
-            line(
-                "C0 an effect named",
-                &nothing.false_attribution,
-                Percent,
-                "",
-            ),
+            percent("C0 none or parameter", &nothing.cleared, "95 % or more"),
+            percent("C0 an effect named", &nothing.false_attribution, ""),
         ];
-        lines.extend(of_single(Set::C1, own_form));
-        lines.extend(of_single(Set::C2, other_form));
+        lines.extend(of_single(Set::C1, &self.own_form));
+        lines.extend(of_single(Set::C2, &self.other_form));
         lines.extend([
-            line(
+            percent(
                 "C1 less C2, up to equivalence",
                 &self.c1_less_c2,
-                Percent,
                 "10 % or less",
             ),
-            line("C3 unknown", &left_out.unknown, Percent, ""),
-            line("C3 located where it shows", &left_out.located, Percent, ""),
-            line("C4 one named", &pairs.one_named, Percent, "90 % or more"),
-            line("C4 both named", &pairs.both_named, Percent, "60 % or more"),
-            line(
-                "unknown: area under the curve",
-                &unknown.auroc,
-                Number,
-                "0.90 or more",
-            ),
-            line("unknown: F1", &unknown.f1, Number, ""),
-            line(
-                "probability of the right answer",
-                &self.probability_on_truth,
-                Number,
-                "0.75 or more",
-            ),
-            line(
-                "expected calibration error",
-                &self.calibration_error,
-                Number,
-                "0.05 or less",
-            ),
-            line("time of a diagnosis [s]", &self.seconds, Number, ""),
+            percent("C3 unknown", &left_out.unknown, ""),
+            percent("C3 located where it shows", &left_out.located, ""),
+            percent("C4 one named", &pairs.one_named, "90 % or more"),
+            percent("C4 both named", &pairs.both_named, "60 % or more"),
         ]);
         lines
+    }
+
+    fn lines_of_all(&self) -> [Line<'_>; 5] {
+        let number = |name, score, goal| line(name, score, Shown::Number, goal);
+        [
+            number(
+                "unknown: area under the curve",
+                &self.unknown.auroc,
+                "0.90 or more",
+            ),
+            number("unknown: F1", &self.unknown.f1, ""),
+            number(
+                "probability of the right answer",
+                &self.probability_on_truth,
+                "0.75 or more",
+            ),
+            number(
+                "expected calibration error",
+                &self.calibration_error,
+                "0.05 or less",
+            ),
+            number("time of a diagnosis [s]", &self.seconds, ""),
+        ]
     }
 
     fn write_weak(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -131,6 +126,10 @@ impl Scores {
         }
         Ok(())
     }
+}
+
+fn line<'s>(name: &str, score: &'s Score, shown: Shown, goal: &'static str) -> Line<'s> {
+    (name.to_owned(), score, shown, goal)
 }
 
 fn of_single(set: Set, single: &Single) -> Vec<Line<'_>> {
@@ -173,7 +172,7 @@ fn of_single(set: Set, single: &Single) -> Vec<Line<'_>> {
             "",
         ),
         line(
-            "intervals that hold the magnitude",
+            "intervals that cover the magnitude",
             &single.magnitude_covered,
             Percent,
             "",
