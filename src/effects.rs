@@ -1,11 +1,9 @@
-//! Named departures from the ideal: each one edits an experiment, by a magnitude that has a
-//! neutral value.
+//! Named deviations from the ideal experiment: each edits it by a magnitude with a neutral value.
 //!
-//! A simulator leaves things out: an axle beside the rim's centre, friction of a guide, moist sand,
-//! a sensor that leans. An [`Effect`] names one of them, says what it edits, how large it is in
-//! practice and how it shows, and puts it into a [`Setup`]. Stages know nothing of effects: their
-//! parameters have ideal values, which an effect changes. At its neutral value an effect changes no
-//! bit of a run.
+//! A simulator omits things: an eccentric axle, friction of a guide, moist sand, a tilted sensor. An
+//! [`Effect`] names one of them, with what it edits, its magnitude in practice and its signature, and applies
+//! it to a [`Setup`]. The simulation does not depend on effects: its parameters have ideal values, which an
+//! effect changes. At its neutral value an effect changes no bit of a run.
 //!
 //! In a scenario file:
 //!
@@ -39,11 +37,11 @@ use serde::Serialize;
 /// What an effect may edit: an experiment before it is built.
 #[derive(Debug)]
 pub struct Setup<'a> {
-    /// The ground asked for.
+    /// The ground specified.
     pub terrain: &'a mut TerrainSpec,
     /// The wheel.
     pub wheel: &'a mut Wheel,
-    /// What holds, loads and drives it.
+    /// Rig, load and drive.
     pub rig: &'a mut Rig,
     /// How it is measured.
     pub sensors: &'a mut Sensors,
@@ -56,7 +54,7 @@ pub struct Effect {
     pub name: &'static str,
     /// What it is, in a few words.
     pub title: &'static str,
-    /// What it edits: keys of a scenario, or what stands for them.
+    /// What it edits: keys of a scenario, or a description.
     pub edits: &'static str,
     /// What it needs to be simulated again.
     pub stage: Stage,
@@ -208,7 +206,7 @@ pub enum EffectError {
         what: &'static str,
     },
     /// The effect acts in one way only.
-    #[error("the effect `{effect}` has one form only; leave `form` out")]
+    #[error("the effect `{effect}` has one form only; omit `form`")]
     OneForm {
         /// The effect, with its channel.
         effect: String,

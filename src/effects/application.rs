@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_effect_tells_the_way_out() {
+    fn a_rejected_effect_has_a_remedy() {
         let said = message("gain_eror=0.05");
         assert!(said.contains("did you mean `gain_error`"), "{said}");
         let said = message("gain_error.sinkages=0.05");

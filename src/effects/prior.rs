@@ -147,10 +147,10 @@ mod tests {
                 let mass = seat.prior.below(seat.range[1]) - base;
                 for level in seat.levels {
                     let found = draws.iter().filter(|draw| **draw < level).count() as f64 / 400.0;
-                    let told = (seat.prior.below(level) - base) / mass;
+                    let expected = (seat.prior.below(level) - base) / mass;
                     // Five standard errors of a share of 400, the largest being 0.025.
-                    let error = 5.0 * (told * (1.0 - told) / 400.0).sqrt() + 1.0 / 400.0;
-                    assert!((found - told).abs() < error, "{}: {level}", effect.name);
+                    let error = 5.0 * (expected * (1.0 - expected) / 400.0).sqrt() + 1.0 / 400.0;
+                    assert!((found - expected).abs() < error, "{}: {level}", effect.name);
                 }
             }
         }
@@ -166,9 +166,13 @@ mod tests {
                 let sum: f64 = (0..steps)
                     .map(|i| seat.prior.density(from + (f64::from(i) + 0.5) * width) * width)
                     .sum();
-                let told = seat.prior.below(to) - seat.prior.below(from);
+                let expected = seat.prior.below(to) - seat.prior.below(from);
                 // The midpoint rule on 20 000 intervals of a smooth bell.
-                assert!((sum - told).abs() < 1e-4, "{}: {sum} {told}", effect.name);
+                assert!(
+                    (sum - expected).abs() < 1e-4,
+                    "{}: {sum} {expected}",
+                    effect.name
+                );
             }
         }
     }

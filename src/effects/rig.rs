@@ -1,15 +1,15 @@
-//! Effects of what holds and loads the wheel.
+//! Effects of rig and load.
 
 use super::{Bound, Effect, OtherForm, Prior, Seat, Signature, Source, Stage};
 
-/// The effects of what holds and loads the wheel.
+/// The effects of rig and load.
 pub(super) const EFFECTS: &[Effect] = &[RIG_RESONANCE, RAIL_FRICTION, LOAD_DRIFT, LOAD_TRANSFER];
 
 /// Drawbar pull over load [-] at which both forms of guide friction are alike.
-const USUAL_PULL: f64 = 0.2;
+const TYPICAL_PULL: f64 = 0.2;
 
 /// Slip [-] at which both forms of a load that drifts are alike.
-const USUAL_SLIP: f64 = 0.3;
+const TYPICAL_SLIP: f64 = 0.3;
 
 const RIG_RESONANCE: Effect = Effect {
     name: "rig_resonance",
@@ -96,7 +96,7 @@ const RAIL_FRICTION: Effect = Effect {
                       fifth of the load",
         not_on: &[],
         law: |setup, friction, _| {
-            let pull = USUAL_PULL * setup.rig.load();
+            let pull = TYPICAL_PULL * setup.rig.load();
             setup.rig.frame_mut().friction_of_pull += friction / pull;
             Ok(())
         },
@@ -143,7 +143,7 @@ const LOAD_DRIFT: Effect = Effect {
         not_on: &[],
         law: |setup, per_slip, _| {
             let slip = setup.rig.drive().commanded_slip(setup.wheel.radius);
-            *setup.rig.load_mut() *= 1.0 + per_slip * slip * slip.abs() / USUAL_SLIP;
+            *setup.rig.load_mut() *= 1.0 + per_slip * slip * slip.abs() / TYPICAL_SLIP;
             Ok(())
         },
     }),

@@ -22,9 +22,9 @@ pub(super) const EFFECTS: &[Effect] = &[
 /// Fewest lugs of a wheel on which one may be short.
 const FEWEST_LUGS: u32 = 4;
 
-/// Wheel speed [rad/s] at which both forms of cogging are alike, and of a wrong scale: 56 mm/s on a rim of 140 mm,
-/// between the 20 and 100 mm/s of a campaign that is to tell them apart.
-const USUAL_SPEED: f64 = 0.4;
+/// Wheel speed [rad/s] at which both forms of cogging, and of a wrong scale, are equal: 56 mm/s on a rim of
+/// 140 mm, between the 20 and 100 mm/s of a campaign that is to separate them.
+const TYPICAL_SPEED: f64 = 0.4;
 
 const WHEEL_ECCENTRICITY: Effect = Effect {
     name: "wheel_eccentricity",
@@ -192,7 +192,7 @@ const MOTOR_COGGING: Effect = Effect {
                       not grow with speed, and is the same at 0.4 rad/s",
         not_on: &[],
         law: |setup, part, _| {
-            drive_flaws(setup).cogging_speed += part * USUAL_SPEED;
+            drive_flaws(setup).cogging_speed += part * TYPICAL_SPEED;
             Ok(())
         },
     }),
@@ -281,8 +281,8 @@ const ENCODER_SCALE: Effect = Effect {
                 .rig
                 .drive()
                 .full_wheel_speed(radius)
-                .unwrap_or(USUAL_SPEED);
-            scale_wheel(setup, 1.0 + error * speed.abs() / USUAL_SPEED);
+                .unwrap_or(TYPICAL_SPEED);
+            scale_wheel(setup, 1.0 + error * speed.abs() / TYPICAL_SPEED);
             Ok(())
         },
     }),

@@ -8,7 +8,7 @@ use crate::sensors::transducer::Transducer;
 /// Time [s] over which a drift is stated.
 const WARMING: f64 = 10.0;
 
-/// Bandwidth [Hz] over which noise is stated: what a channel at 2 kHz keeps.
+/// Bandwidth [Hz] of the stated noise: that of a channel at 2 kHz.
 const NOISE_BAND: f64 = 1.0e3;
 
 /// The analogue channel that an effect sits on.
@@ -197,8 +197,8 @@ pub(super) const NONLINEARITY: Effect = Effect {
          its range or over a tenth of it",
     ),
     law: |setup, error, seated| {
-        let usual = usual(setup, seated);
-        transducer(setup, seated)?.curvature += error / usual;
+        let typical = typical(setup, seated);
+        transducer(setup, seated)?.curvature += error / typical;
         Ok(())
     },
     other_form: None,
@@ -214,8 +214,8 @@ const BEND: Seat = Seat::new(
     },
 );
 
-/// What a channel reads in a usual run, in its unit.
-fn usual(setup: &Setup, seated: Seated) -> f64 {
+/// Typical reading of a channel, in its unit.
+fn typical(setup: &Setup, seated: Seated) -> f64 {
     let load = setup.rig.load();
     match seated.channel {
         "normal_force" => load,

@@ -1,4 +1,4 @@
-//! Sensors that look elsewhere than they should: leaning ones, and axes that mix.
+//! Misaligned force sensors: tilted ones, and crosstalk of axes.
 
 use crate::effects::{Bound, Effect, Prior, Seat, Signature, Source, Stage};
 use crate::sensors::force_torque::ForceTorque;
@@ -95,7 +95,7 @@ const CROSSED: Seat = Seat::new(
     },
 );
 
-/// Turns the sensor by an angle [rad]: its pull axis then sees part of the normal force.
+/// Turns the sensor by an angle [rad]: its pull axis then measures part of the normal force.
 fn turn(sensor: &mut ForceTorque, angle: f64) {
     let (sin, cos) = libm::sincos(angle);
     sensor.crosstalk = sensor.crosstalk.map(|[normal, pull, torque]| {
