@@ -1,13 +1,13 @@
-//! What is measured: [`WheelState`] in, [`Channel`]s of a trace out.
+//! Sensor models: [`WheelState`] in, [`Channel`]s of a trace out.
 //!
 //! ```text
 //! state -> rate up -> delay, clock -> mount, bandwidth -> gain, bias -> noise -> range, steps -> rate down
 //!        (physics rate to sensor rate)                                        (sensor rate to output rate)
 //! ```
 //!
-//! That is the way of the fast channels: acceleration, forces, torque, speed. The wheel angle is
-//! latched at the output rate, and a camera tells sinkage and slip frame by frame. Every figure of
-//! a sensor has a neutral value, which is its default.
+//! This is the chain of the fast channels: acceleration, forces, torque, speed. The wheel angle is latched at
+//! the output rate, and a camera measures sinkage and slip frame by frame. Every parameter of a sensor has a
+//! neutral value, which is its default.
 
 pub mod accelerometer;
 pub mod decimator;
@@ -52,20 +52,20 @@ use vision::Vision;
 pub struct Sensors {
     /// Rate [Hz] at which accelerometer and force sensor are sampled.
     pub rate: SampleRate,
-    /// Rate [Hz] of the samples kept; divides `rate`.
+    /// Rate [Hz] of the stored samples; divides `rate`.
     pub output_rate: SampleRate,
-    /// Whether to keep the samples of the fast channels at the sensor rate too, as
-    /// `<channel>_raw`. They hold nothing but noise above half of the physics rate.
+    /// Whether to store the samples of the fast channels at the sensor rate too, as `<channel>_raw`. Above
+    /// half of the physics rate they contain only noise.
     pub raw: bool,
     /// Whether samples pass an anti-alias filter before most of them are dropped.
     pub anti_alias: bool,
-    /// Share [-] of the samples kept that passes the anti-alias filter by.
+    /// Share [-] of the stored samples' signal that bypasses the anti-alias filter.
     pub alias_leak: f64,
-    /// Share [-] of the samples kept that passes a mean over the samples dropped instead of the
-    /// anti-alias filter.
+    /// Share [-] of the stored samples' signal that passes a moving average over the dropped samples instead
+    /// of the anti-alias filter.
     pub alias_mean: f64,
-    /// Relative error [-] of the sampling clock: above 0 it runs slow, so that samples lie
-    /// farther apart than their rate says.
+    /// Relative error [-] of the sampling clock: above 0 it runs slow, so that the true sample interval is
+    /// longer than nominal.
     pub clock_error: f64,
     /// On the axle.
     pub accelerometer: Accelerometer,
@@ -96,8 +96,8 @@ impl Default for Sensors {
 }
 
 impl Sensors {
-    /// Sensors as a good laboratory has them, calibrated and tared; the figures and the kind of
-    /// device they describe stand at each sensor's own `realistic`.
+    /// Sensors of a good laboratory, calibrated and tared; values and type of device are documented at each
+    /// sensor's own `realistic`.
     pub fn realistic() -> Self {
         Self {
             accelerometer: Accelerometer::realistic(),
@@ -126,7 +126,7 @@ impl Sensors {
     }
 }
 
-/// The run whose motion sensors look at. Their noise belongs to it, one stream a channel.
+/// The run observed by the sensors. Their noise depends on it, one random stream per channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observed {
     /// Rate [Hz] of the states.
@@ -149,7 +149,7 @@ const ANALOGUE: [(&str, &str); 5] = [
 ];
 
 impl Sensors {
-    /// Samples at the sensor rate per sample kept.
+    /// Number of samples at the sensor rate per stored sample.
     ///
     /// # Errors
     /// `RangeError` where that is no whole number.
@@ -220,7 +220,7 @@ impl Quantities {
     }
 }
 
-/// The sensors at work on one run; memory grows with the samples kept, not with the physics rate.
+/// The sensors of one run; memory grows with the stored samples, not with the physics rate.
 pub struct SensorChain {
     quantities: Quantities,
     fast: Vec<FastChannel>,

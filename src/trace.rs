@@ -1,4 +1,4 @@
-//! What one run leaves behind: channels with units and rates, ground truth, provenance.
+//! Record of one run: channels with units and rates, ground truth, provenance.
 
 pub mod clipping;
 pub mod encoder;
@@ -41,7 +41,7 @@ pub fn unit_of(channel: &str) -> Option<&'static str> {
     known.map(|(_, unit)| *unit)
 }
 
-/// A unit as it stands behind a number in a text: nothing where there is none.
+/// A unit for use after a number in a text; empty for a dimensionless one.
 pub fn behind_number(unit: &str) -> String {
     match unit {
         "-" => String::new(),
@@ -190,7 +190,7 @@ impl AtLimit {
     }
 }
 
-/// What a run's file says of it besides its channels. Numbers that nobody knows are NaN.
+/// Attributes of a run in its file. Unknown numbers are NaN.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunAttributes {
     /// Rim radius [m].
@@ -210,7 +210,7 @@ pub struct RunAttributes {
     pub plate: Option<Plate>,
     /// Slope of the track [°], above 0 uphill.
     pub slope_deg: f64,
-    /// Commanded load [N]; 0 where the wheel is held off the ground.
+    /// Commanded load [N]; 0 for a lifted wheel.
     pub load: f64,
     /// Commanded forward speed [m/s].
     pub speed: f64,
@@ -236,7 +236,7 @@ pub struct RunAttributes {
 }
 
 impl RunAttributes {
-    /// Whether the wheel is held off the ground.
+    /// Whether the wheel is lifted off the ground.
     pub fn is_lifted(&self) -> bool {
         self.load == 0.0
     }
@@ -284,7 +284,7 @@ impl Trace {
             .unwrap_or(self.attributes.slip_ratio)
     }
 
-    /// Whether a simulation made it and says so.
+    /// Whether it is the result of a simulation and marked as such.
     pub fn is_simulated(&self) -> bool {
         self.truth.is_some() || self.attributes.physics_rate.is_some()
     }
@@ -295,8 +295,7 @@ impl Trace {
         durations.fold(0.0, f64::max)
     }
 
-    /// With the digits that a run file keeps: what stands still in one that was written must not creep in
-    /// one that was not.
+    /// Rounded to the precision of a run file, so that a run has the same values before and after storage.
     pub fn as_kept(mut self) -> Self {
         let channels = self.channels.iter_mut();
         for channel in channels.filter(|channel| channel.is_single_precision()) {
@@ -307,8 +306,8 @@ impl Trace {
         self
     }
 
-    /// Without all that no rig knows of a run: truth, class, steps of a simulation, and remarks, which
-    /// may tell what was simulated.
+    /// Without what a rig cannot know of a run: truth, class, physics rate, and remarks, which may describe
+    /// the simulation.
     pub fn as_measured(mut self) -> Self {
         self.truth = None;
         self.attributes.class = None;

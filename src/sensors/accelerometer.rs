@@ -93,7 +93,7 @@ impl Accelerometer {
     }
 }
 
-/// Sensitive axis: weights of the accelerations and what a tilt leaves of gravity [m/s²].
+/// Sensitive axis: weights of the accelerations and the residual of gravity under a tilt [m/s²].
 #[derive(Clone, Copy)]
 pub(super) struct Axis {
     upward: f64,

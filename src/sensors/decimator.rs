@@ -35,8 +35,8 @@ impl Decimator {
         Ok(Self::of_stages(stages.collect()))
     }
 
-    /// Keeps every `factor`-th sample without a filter, so that what lies above the output's
-    /// Nyquist frequency aliases.
+    /// Takes every `factor`-th sample without a filter, so that frequencies above the output's Nyquist
+    /// frequency alias.
     pub(super) fn without_filter(factor: u32) -> Self {
         Self::of_stages(vec![LowPass::new(factor, vec![1.0])])
     }
@@ -55,12 +55,12 @@ impl Decimator {
         }
     }
 
-    /// Takes samples and appends those that they settle to `out`.
+    /// Takes samples and appends the outputs that they complete to `out`.
     pub fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
         self.stages.push(block, out);
     }
 
-    /// Appends what the last samples leave open.
+    /// Appends the remaining outputs.
     pub fn finish(self, out: &mut Vec<f64>) {
         self.stages.finish(out);
     }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What tells motion: the wheel's encoder and the carriage's speed signal.
+/// Motion sensors: the wheel's encoder and the carriage's speed signal.
 ///
 /// The default is ideal.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]

@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ForceTorque {
-    /// What each bridge sees of the loads: row by row for `F_N`, `F_DP` and `M_R`, column by
-    /// column of `F_N` [N], `F_DP` [N] and `M_R` [N·m].
+    /// Sensitivity of each bridge to the loads: rows `F_N`, `F_DP` and `M_R`, columns `F_N` [N], `F_DP` [N]
+    /// and `M_R` [N·m].
     pub crosstalk: [[f64; 3]; 3],
     /// Channel of the normal force, in N.
     pub normal_force: Transducer,
@@ -74,7 +74,7 @@ impl ForceTorque {
         self.driving_torque.check("N m", rate)
     }
 
-    /// What the bridges see: normal force [N], drawbar pull [N], driving torque [N·m].
+    /// Loads at the bridges: normal force [N], drawbar pull [N], driving torque [N·m].
     pub(super) fn bridges(&self, loads: &Loads) -> [f64; 3] {
         self.crosstalk.map(|[normal, pull, torque]| {
             normal * loads.normal_force + pull * loads.drawbar_pull + torque * loads.driving_torque

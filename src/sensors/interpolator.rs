@@ -30,12 +30,12 @@ impl Interpolator {
         }
     }
 
-    /// Takes samples and appends those that they settle to `out`.
+    /// Takes samples and appends the outputs that they complete to `out`.
     pub(super) fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
         self.stages.push(block, out);
     }
 
-    /// Appends what the last samples leave open.
+    /// Appends the remaining outputs.
     pub(super) fn finish(self, out: &mut Vec<f64>) {
         self.stages.finish(out);
     }

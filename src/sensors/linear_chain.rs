@@ -1,4 +1,4 @@
-//! One motion read again by other sensors, at the output rate.
+//! One motion measured again by other sensors, at the output rate.
 //!
 //! Most of what sensors do to a quantity is linear and the same at all times: they weigh quantities against one another,
 //! filter, delay, amplify and add. Such stages commute with the change of rate, so that they may follow it. The quantities
@@ -431,7 +431,7 @@ impl Transform {
         self.samples(spectrum, samples.len())
     }
 
-    /// What the anti-alias filter leaves of white noise.
+    /// White noise after the anti-alias filter.
     fn anti_aliased(&self, noise: &[f64]) -> Vec<f64> {
         let mut padded = noise.to_vec();
         padded.resize(self.forward.len(), 0.0);

@@ -1,4 +1,4 @@
-//! When samples are really taken: later than they say, or by a clock that runs wrong.
+//! Sampling instants: delayed, or by an inaccurate clock.
 
 /// Takes a stream at shifted instants: output `m` is the input at `m · stretch - delay`.
 ///
@@ -25,7 +25,7 @@ impl Resampler {
         })
     }
 
-    /// Takes samples and appends those that they settle to `out`.
+    /// Takes samples and appends the outputs that they complete to `out`.
     pub(super) fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
         self.buffer.extend_from_slice(block);
         let received = self.base + self.buffer.len();
@@ -38,7 +38,7 @@ impl Resampler {
         self.base += done;
     }
 
-    /// Appends what the last samples leave open.
+    /// Appends the remaining outputs.
     pub(super) fn finish(mut self, out: &mut Vec<f64>) {
         while self.produced < self.base + self.buffer.len() {
             self.take(out);
@@ -68,7 +68,7 @@ impl Resampler {
     }
 }
 
-/// The instants at which a slow sensor looks, on the grid of physics steps.
+/// Sampling instants of a slow sensor on the grid of physics steps.
 pub(super) struct Instants {
     steps_per_reading: f64,
     delay: f64,

@@ -49,7 +49,7 @@ impl SlowChannels {
         }
     }
 
-    /// Looks at the state of this step.
+    /// Samples the state of this step.
     pub(super) fn push(&mut self, step: u64, state: &WheelState) {
         self.latch.push(step, state.wheel_angle);
         self.camera.push(step, state);

@@ -2,17 +2,17 @@
 
 /// One filter of a chain.
 pub(super) trait Stage {
-    /// Takes samples and appends those that they settle to `out`.
+    /// Takes samples and appends the outputs that they complete to `out`.
     fn push(&mut self, block: &[f64], out: &mut Vec<f64>);
 
-    /// Appends what the last samples leave open.
+    /// Appends the remaining outputs.
     fn finish(&mut self, out: &mut Vec<f64>);
 }
 
 /// A chain of filters.
 pub(super) struct Stages<S> {
     stages: Vec<S>,
-    /// The first sample: filters see differences from it, so that a constant passes exactly.
+    /// The first sample: filters operate on differences from it, so that a constant passes exactly.
     reference: Option<f64>,
     ping: Vec<f64>,
     pong: Vec<f64>,
@@ -28,7 +28,7 @@ impl<S: Stage> Stages<S> {
         }
     }
 
-    /// Takes samples and appends those that they settle to `out`.
+    /// Takes samples and appends the outputs that they complete to `out`.
     pub fn push(&mut self, block: &[f64], out: &mut Vec<f64>) {
         let Some(&first) = block.first() else { return };
         let reference = *self.reference.get_or_insert(first);
@@ -42,7 +42,7 @@ impl<S: Stage> Stages<S> {
         out.extend(self.ping.iter().map(|x| x + reference));
     }
 
-    /// Appends what the last samples leave open.
+    /// Appends the remaining outputs.
     pub fn finish(self, out: &mut Vec<f64>) {
         let Some(reference) = self.reference else {
             return;

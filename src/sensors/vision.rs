@@ -115,7 +115,7 @@ impl Vision {
     }
 }
 
-/// Speed [m/s] of rim and axle below which the wheel stands, and its slip is no number.
+/// Speed [m/s] of rim and axle below which the wheel counts as standing and its slip is NaN.
 ///
 /// A wheel that has stopped swings on belt and soil by micrometres; the slowest that a rover drives is a hundred times
 /// faster than this.
@@ -222,7 +222,7 @@ impl Camera {
         reading
     }
 
-    /// Slip ratio between two frames; NaN where the wheel stands, whose slip is not defined.
+    /// Slip ratio between two frames; NaN where the wheel is at rest, as it is not defined.
     fn match_frames(&mut self, earlier: &Frame, later: &Frame) -> f64 {
         let turned = later.wheel_angle - earlier.wheel_angle;
         let chord = 2.0 * self.vision.mark_radius * libm::sin(turned.abs() / 2.0).abs();
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn ideal_frames_tell_driving_braking_and_reverse_slip() {
+    fn ideal_frames_give_driving_braking_and_reverse_slip() {
         for forward_speed in [0.014, -0.014] {
             for slip in [0.0, 0.2, 0.6, -0.3] {
                 let camera = watched(Vision::default(), forward_speed, slip);

@@ -1,10 +1,10 @@
-//! Samples at the end of a sensor's range.
+//! Detection of clipped samples.
 //!
-//! A clipped signal stays at its extreme value, as it would have gone beyond, and comes there far more
-//! often than to the value next to it. A quantised one stays at its extreme too, but no longer than it
-//! stays elsewhere: what holds it there is the step, not the range.
+//! A clipped signal stays at its extreme value, and has it far more often than the neighbouring value. A
+//! quantised one stays at its extreme too, but no longer than at other values: the cause is the step, not the
+//! range.
 
-/// Samples in a row at an extreme value that look like a stay [-].
+/// Number of consecutive samples at an extreme value that count as a stay [-].
 const STAY: usize = 3;
 
 /// Times as many samples at the extreme value as at the next one, from which it is clipped [-].

@@ -1,16 +1,16 @@
-//! The turning of a wheel between the steps of a coarse encoder.
+//! Interpolation of a coarse encoder between its steps.
 //!
-//! An encoder of few counts a turn keeps its reading for many samples while the wheel turns on. The reading is
-//! the wheel's angle only where it changes; between two changes the wheel is taken to turn evenly. Only a reading
-//! that stays several times as long as usual is that of a wheel at rest.
+//! An encoder of few counts per turn has the same reading for many samples while the wheel turns. The reading
+//! equals the wheel's angle only where it changes; between two changes the speed is taken as constant. Only a
+//! reading that stays several times as long as the median is that of a wheel at rest.
 
-/// Usual stay [samples] of a reading from which on an encoder is coarse.
+/// Median stay [samples] of a reading above which an encoder is coarse.
 const COARSE: usize = 2;
 
-/// Usual stays [-] beyond which a reading that does not change is that of a wheel at rest.
+/// Number of median stays [-] above which a constant reading is that of a wheel at rest.
 const RESTS: usize = 4;
 
-/// Changes [-] of a reading that tell how long it usually stays.
+/// Least number of changes [-] for a median stay.
 const FEWEST: usize = 4;
 
 /// A reading that does not change from one sample on.
@@ -25,18 +25,21 @@ struct Stay {
 /// What is no number stays so.
 pub fn between_steps(angles: &[f64]) -> Vec<f64> {
     let stays = stays(angles);
-    let Some(usual) = usual(&stays).filter(|&usual| usual >= COARSE) else {
+    let Some(median) = median(&stays).filter(|&median| median >= COARSE) else {
         return angles.to_vec();
     };
-    let knots = knots(&stays, usual, angles.len());
-    let interpolated = |(index, &angle): (usize, &f64)| match angle.is_finite() {
-        true => interpolated(&knots, index as f64),
-        false => angle,
+    let knots = knots(&stays, median, angles.len());
+    let interpolated = |(index, &angle): (usize, &f64)| {
+        if angle.is_finite() {
+            interpolated(&knots, index as f64)
+        } else {
+            angle
+        }
     };
     angles.iter().enumerate().map(interpolated).collect()
 }
 
-/// Whether a reading changes so seldom that it does not tell how fast the wheel turns.
+/// Whether a reading changes too seldom to resolve the wheel's speed.
 pub fn is_too_coarse(angles: &[f64]) -> bool {
     let stays = stays(angles);
     stays.len() < FEWEST && stays.len() * COARSE * 2 < angles.len()
@@ -54,22 +57,23 @@ fn stays(angles: &[f64]) -> Vec<Stay> {
 }
 
 /// Median length [samples] of the stays of which beginning and end are known.
-fn usual(stays: &[Stay]) -> Option<usize> {
+fn median(stays: &[Stay]) -> Option<usize> {
     let whole = stays.get(1..)?.windows(2);
     let mut lengths: Vec<usize> = whole.map(|pair| pair[1].from - pair[0].from).collect();
     lengths.sort_unstable();
     (stays.len() >= FEWEST).then(|| lengths[lengths.len() / 2])
 }
 
-/// Samples and angles between which the wheel turns evenly, the first and last stay as long as they are seen.
-fn knots(stays: &[Stay], usual: usize, count: usize) -> Vec<[f64; 2]> {
-    let longest = RESTS * usual;
+/// Samples and angles between which the speed is taken as constant; the first and last stay as long as
+/// observed.
+fn knots(stays: &[Stay], median: usize, count: usize) -> Vec<[f64; 2]> {
+    let longest = RESTS * median;
     let mut knots: Vec<[f64; 2]> = Vec::new();
     for pair in stays.windows(2) {
         let [stay, next] = [pair[0], pair[1]];
         knots.push([stay.from as f64, stay.angle]);
         if next.from - stay.from > longest {
-            knots.push([(next.from - usual) as f64, stay.angle]);
+            knots.push([(next.from - median) as f64, stay.angle]);
         }
     }
     if let [.., before, last] = stays {
@@ -79,7 +83,7 @@ fn knots(stays: &[Stay], usual: usize, count: usize) -> Vec<[f64; 2]> {
         let share = if seen > longest {
             0.0
         } else {
-            (seen as f64 / usual as f64).min(1.0)
+            (seen as f64 / median as f64).min(1.0)
         };
         let on = share * (last.angle - before.angle);
         if seen > 0 {

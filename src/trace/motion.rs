@@ -1,7 +1,7 @@
-//! When the wheel of a run moves, and when it rests.
+//! Detection of motion and rest of the wheel in a run.
 //!
-//! A wheel at rest has no slip: rim speed and forward speed are both nil, and their ratio is made of noise
-//! or rounding. What is averaged over a drive leaves its rests out.
+//! A wheel at rest has no slip: rim speed and forward speed are both zero, and their ratio is noise or
+//! rounding. Averages over a drive exclude its rests.
 
 use super::encoder::between_steps;
 use super::turning::unwrapped;
@@ -161,9 +161,10 @@ fn without_starts_and_stops(moves: &[bool]) -> Vec<bool> {
     let at = |index: usize| moves.get(index).copied().unwrap_or(true);
     let within = |index: usize| at(index) && at(index.wrapping_sub(1)) && at(index + 1);
     let steadily: Vec<bool> = (0..moves.len()).map(within).collect();
-    match steadily.contains(&true) {
-        true => steadily,
-        false => moves.to_vec(),
+    if steadily.contains(&true) {
+        steadily
+    } else {
+        moves.to_vec()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Whether a value read from a stretch of a run is that of a steady state.
+//! Test whether the mean over a stretch of a run is that of a steady state.
 //!
 //! **The statistic.** Samples `x(t)` of a stretch of length `T` are compared with those of one lag `L` later:
 //!
@@ -54,7 +54,7 @@ pub const LIMIT: f64 = 0.02;
 /// By how much the autocorrelation of so many blocks is raised, times their number [-].
 const RAISED: f64 = 6.0;
 
-/// Lug passes [-] that a stretch has at least if its value is to count as steady.
+/// Least number of lug passes [-] of a stretch whose value may count as steady.
 ///
 /// With fewer, there are too few whole passes to compare: of 1.5 passes of a wheel that still sank into sand, the
 /// pull was 20 % below its steady value and looked steady.
@@ -74,7 +74,7 @@ pub enum Steadiness {
         /// Rate of change, in the quantity's unit per second.
         rate: f64,
     },
-    /// No drift is seen, but there are too few samples or lug passes to exclude one.
+    /// No drift is significant, but there are too few samples or lug passes to exclude one.
     TooShort,
 }
 
@@ -184,8 +184,8 @@ fn wheel_speed(wheel_angle: &Channel, interval: [f64; 2]) -> Option<f64> {
     (last > first).then(|| turned * wheel_angle.sample_rate / (last - first) as f64)
 }
 
-/// Change of a steady value that matters to nobody: what a calibration leaves open of a force and a speed,
-/// what a rig resolves of a sinkage and a slip.
+/// Least relevant change of a steady value: the calibration uncertainty of a force or speed, the resolution
+/// of a rig's sinkage or slip.
 fn least_change(name: &str, attributes: &RunAttributes) -> f64 {
     const PART: f64 = 0.01;
     const SINKAGE: f64 = 1.0e-4;
@@ -234,9 +234,10 @@ impl Stretch<'_> {
         let power = |lag: f64| lag * lag * lag.min(count - lag);
         let best = 2.0 / 3.0 * count / pass;
         let candidates = [best.floor().max(1.0) * pass, best.ceil() * pass];
-        let lag = match power(candidates[1]) > power(candidates[0]) {
-            true => candidates[1],
-            false => candidates[0],
+        let lag = if power(candidates[1]) > power(candidates[0]) {
+            candidates[1]
+        } else {
+            candidates[0]
         };
         lag.round() as usize
     }
@@ -281,7 +282,7 @@ impl Differences {
         self.mean() / self.lag
     }
 
-    /// What a line through the blocks leaves of them.
+    /// Residuals of the blocks about their line.
     fn residuals(&self) -> Vec<f64> {
         let middle = 0.5 * (self.count() - 1.0);
         let blocks = || {

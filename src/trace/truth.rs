@@ -1,5 +1,4 @@
-//! Ground truth as the simulation sees it: which lug touched, which entered, and the class of
-//! every window.
+//! Ground truth of the simulation: which lug touched, which entered, and the class of every window.
 //!
 //! A *passage* is a lug's way through the lower half of the wheel. A lug *touched* on its passage
 //! when it carried load at any time of it, and *entered* when its edge was in the soil while it
@@ -199,8 +198,8 @@ fn class(tally: LugTally) -> Wtic {
 
 /// The lugs on their way through the lower half of the wheel.
 ///
-/// All lugs stand at whole multiples of the lug angle when one of them is at the bottom, so one
-/// pair of thresholds on the wheel angle tells when a lug enters, passes and leaves.
+/// All lugs are at integer multiples of the lug angle when one of them is at the bottom, so one pair of
+/// thresholds on the wheel angle determines when a lug enters, passes and leaves.
 #[derive(Debug, Clone)]
 struct Passages {
     lugs: i64,
@@ -364,8 +363,8 @@ impl Windows {
 mod tests {
     use super::*;
 
-    /// Rolls `wheel` forward by `turns` in 100 s and records what `bits` says of lug and position
-    /// [rad]: (touching, entered).
+    /// Rolls `wheel` forward by `turns` in 100 s and records `bits` of lug and position [rad]: (touching,
+    /// entered).
     fn roll(wheel: &Wheel, turns: f64, bits: impl Fn(u32, f64) -> (bool, bool)) -> Truth {
         let mut recorder = TruthRecorder::new(wheel, PAPER_WINDOW);
         let steps = 100_000;

@@ -27,7 +27,7 @@ pub struct Turning {
     pub angles: Vec<f64>,
     /// The counter's range, where it rolled over at another one than a turn.
     pub roll_over: Option<RollOver>,
-    /// Whether the readings tell how fast it turns; where they lie within one turn and most of their steps do not
+    /// Whether the readings resolve the speed; where they lie within one turn and most of their steps do not
     /// resolve it, whole turns may be lost between two of them.
     pub is_resolved: bool,
 }
@@ -111,9 +111,12 @@ impl Steps {
     /// Whether most steps are below a quarter of a turn, whole turns left out where all readings lie within
     /// one: with larger steps a lost turn cannot be told from a fast wheel.
     fn resolve_a_turn(&self) -> bool {
-        let turns = |step: f64| match self.span <= TAU {
-            true => TAU * (step / TAU).round(),
-            false => 0.0,
+        let turns = |step: f64| {
+            if self.span <= TAU {
+                TAU * (step / TAU).round()
+            } else {
+                0.0
+            }
         };
         let steps = self.steps.iter().map(|&step| step - turns(step));
         let small = steps.filter(|step| step.abs() < 0.5 * PI).count();
