@@ -1,7 +1,7 @@
-//! A TOML text in which every key knows its place: to point at a line, and to edit one.
+//! A TOML text with the position of every key: to report the line of a fault, and to edit a value in place.
 //!
-//! Scenarios, studies and campaigns of measured runs are such texts; a [`Fault`] in one of them
-//! shows the line that holds it.
+//! Scenarios, studies and campaigns of measured runs are such texts; a [`Fault`] in one of them shows the
+//! line concerned.
 
 use crate::quantity::RangeError;
 use serde::de::DeserializeOwned;
@@ -11,7 +11,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
-/// Something wrong, and the bytes of the text that say so.
+/// A fault with its byte range in the text.
 #[derive(Debug)]
 pub(crate) struct Misfit {
     pub(crate) place: Range<usize>,
@@ -117,7 +117,7 @@ impl<'t> Document<'t> {
         missing.is_empty().then_some(value)
     }
 
-    /// Where the value of a dotted key stands, or else the innermost table that would hold it.
+    /// Position of the value of a dotted key, or of the innermost table that would contain it.
     pub(crate) fn place(&self, path: &str) -> Range<usize> {
         self.deepest(path).0.span()
     }
@@ -139,7 +139,7 @@ impl<'t> Document<'t> {
             .map_or(within.span(), |(_, Reverse(start), end)| start..end)
     }
 
-    /// Whether the table that would hold a dotted key is there.
+    /// Whether the table that would contain a dotted key exists.
     pub(crate) fn has_table_of(&self, path: &str) -> bool {
         path.rsplit_once('.')
             .is_none_or(|(table, _)| self.value(table).is_some())
@@ -154,7 +154,7 @@ impl<'t> Document<'t> {
         is_there
     }
 
-    /// Every dotted key that holds a value, for a message that lists those like `wanted`.
+    /// Every dotted key with a value, for a message that lists those similar to `wanted`.
     pub(crate) fn keys_like(&self, wanted: &str) -> Vec<String> {
         let mut keys = Vec::new();
         for_each_leaf("", &self.root, &mut |key, _| keys.push(key.to_owned()));
@@ -233,7 +233,7 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// The innermost value along a path, and the keys of the path that it does not hold.
+    /// The innermost value along a path, and the remaining keys of the path.
     fn deepest<'p>(&self, path: &'p str) -> (&Spanned<DeValue<'t>>, Vec<&'p str>) {
         let mut keys = path.split('.').peekable();
         let mut value = &self.root;
@@ -245,7 +245,7 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Refuses another version of a `kind` of file before its keys are looked at, which may be others.
+/// Rejects another version of a `kind` of file before its keys are checked, which may differ.
 ///
 /// # Errors
 /// `Misfit` where the version is missing or is not `version`.
@@ -436,7 +436,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_key_is_told_its_nearest_neighbour() {
+    fn an_unknown_key_is_reported_with_its_nearest_neighbour() {
         let message = in_plain_words("unknown field `slop`, expected one of `load`, `slip`");
         assert!(message.ends_with("did you mean `slip`?"), "{message}");
         let message = in_plain_words("unknown field `moon`, expected `slip`");

@@ -117,8 +117,8 @@ impl SlipRatio {
         Self(((rim_speed - forward_speed) / (faster * direction.signum())).clamp(-1.0, 1.0))
     }
 
-    /// Wheel speed [rad/s] that gives this slip at `forward_speed` [m/s] on a rim of `radius` [m];
-    /// `None` at s = 1, where the forward speed alone does not tell it.
+    /// Wheel speed [rad/s] that gives this slip at `forward_speed` [m/s] on a rim of `radius` [m]; `None` at
+    /// s = 1, where it is not determined by the forward speed.
     pub fn wheel_speed(self, radius: f64, forward_speed: f64) -> Option<f64> {
         match self.0 {
             s if s >= 1.0 => None,
@@ -157,7 +157,7 @@ impl SampleRate {
     /// 128 kHz, at which the paper samples its accelerometer.
     pub const REFERENCE: Self = Self(128_000);
 
-    /// 2 kHz, at which samples are kept unless a scenario says otherwise.
+    /// 2 kHz, the default rate of stored samples.
     pub const OUTPUT: Self = Self(2_000);
 
     /// # Errors
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_that_must_divide_another_says_so_without_be() {
+    fn a_rate_that_must_divide_another_has_a_message_without_be() {
         let error = RangeError {
             quantity: "output rate",
             unit: "Hz",

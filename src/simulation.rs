@@ -46,7 +46,7 @@ pub struct Loads {
     pub driving_torque: f64,
 }
 
-/// Everything a sensor could see at one instant.
+/// State of the wheel at one instant, the input of the sensors.
 ///
 /// `x` runs forward along the track, `y` away from it; the wheel angle grows when driving forward.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

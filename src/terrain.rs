@@ -1,4 +1,4 @@
-//! Ground along the track: what a scenario asks for, and its realisation for one run.
+//! Ground along the track: its specification in a scenario, and its realisation for one run.
 
 pub mod class;
 pub mod profile;
@@ -161,7 +161,7 @@ pub struct SizeRange {
     pub max: f64,
 }
 
-/// The ground a scenario asks for.
+/// Specification of the ground in a scenario.
 ///
 /// Reading one from a file settles its shape; [`TerrainSpec::check`] its values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

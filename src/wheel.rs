@@ -203,8 +203,8 @@ impl Wheel {
         self.radius + self.lug_height()
     }
 
-    /// A wheel of which no more than its outline is known, as a file of measured runs tells it:
-    /// rim radius and width [m], number of lugs and their height [m]. What else a wheel has is NaN.
+    /// A wheel known only by its outline, as in a file of measured runs: rim radius and width [m], number of
+    /// lugs and their height [m]. All other properties are NaN.
     pub fn of_outline(radius: f64, width: f64, lug_count: u32, lug_height: f64) -> Self {
         Self {
             radius,
@@ -222,7 +222,7 @@ impl Wheel {
         }
     }
 
-    /// Whether the lugs keep the rim off flat hard ground: `(r + l) cos(α/2) >= r`.
+    /// Whether the lugs prevent the rim from touching flat hard ground: `(r + l) cos(α/2) >= r`.
     ///
     /// Otherwise the wheel is olig-lugged (Section 2.2).
     pub fn is_multi_lugged(&self) -> bool {

@@ -1,8 +1,8 @@
-//! Files that are whole or not there.
+//! Files that are either complete or absent.
 //!
-//! A file grows beside its target and takes the target's name when it is complete. What bore that
-//! name before stays until then; a writer that fails or is dropped leaves nothing, one that is
-//! killed leaves a *part*, whose name says so:
+//! A file is written beside its target and renamed to it when complete. An existing target is not replaced
+//! before; a writer that fails or is dropped leaves no file, one that is killed leaves a *part*, recognisable
+//! by its name:
 //!
 //! ```text
 //! .lugwheel-8GkB2x.part    what is there of the file, locked by its writer
@@ -103,7 +103,7 @@ fn name(part: NamedTempFile, target: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Checks that `folder` takes a file of a few kilobytes, and leaves none.
+/// Checks that `folder` accepts a file of a few kilobytes, which is then removed.
 ///
 /// # Errors
 /// Where the folder does not exist or cannot be written to, or the disk is full.
@@ -147,7 +147,7 @@ pub fn remove_abandoned_parts(folder: &Path) {
             continue;
         }
         let file = File::options().write(true).open(&path);
-        // Held until both are removed, so that no other process removes them.
+        // Locked until both are removed, so that no other process removes them.
         if let Ok(file) = file
             && file.try_lock().is_ok()
         {
@@ -164,8 +164,8 @@ pub fn reason(error: &io::Error) -> String {
     number.map_or(text.as_str(), |at| &text[..at]).to_owned()
 }
 
-/// What to do about a file or folder that cannot be written for a `reason` of the system's; `elsewhere`
-/// says how to name another place.
+/// Remedy for a file or folder that cannot be written for a `reason` of the system's; `elsewhere` describes
+/// how to name another place.
 pub fn way_out(reason: &str, elsewhere: &str) -> String {
     const WAYS: [(&str, &str); 8] = [
         ("No space left", "free some space or "),
@@ -238,7 +238,7 @@ fn folder_of(target: &Path) -> io::Result<&Path> {
     })
 }
 
-/// The error without the path of a part, which says nothing to anybody.
+/// The error without the path of a part, which is of no use to the user.
 fn without_the_part(error: io::Error) -> io::Error {
     let message = error.to_string();
     match message.split_once(" at path") {
@@ -285,7 +285,7 @@ mod tests {
         let growing = written(&at("other"), b"half").unwrap();
         let before = names(folder.path());
         assert_eq!(before.len(), 3);
-        // What killed writers leave.
+        // Leftovers of killed writers.
         for name in [
             ".lugwheel-a.part",
             ".lugwheel-b.part",

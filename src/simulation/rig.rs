@@ -1,4 +1,4 @@
-//! What holds, loads and drives the wheel.
+//! Test rigs: how the wheel is guided, loaded and driven.
 
 pub mod carriage;
 pub mod flaws;
@@ -102,7 +102,7 @@ impl Leg {
     }
 }
 
-/// What holds, loads and drives the wheel.
+/// How the wheel is guided, loaded and driven.
 ///
 /// Read from a `[rig.single_wheel]` or `[rig.rover_leg]` table, in which the keys of [`Drive`]
 /// stand beside those of the rig.
@@ -122,14 +122,14 @@ pub enum RigError {
     /// A value has no meaning.
     #[error(transparent)]
     Range(#[from] RangeError),
-    /// Nothing tells the wheel speed.
+    /// The wheel speed is not determined.
     #[error(
         "missing `slip` [-]; where the wheel spins in place give `wheel_speed` [rad/s] in its stead"
     )]
     NoWheelSpeed,
-    /// Two keys tell the wheel speed.
+    /// Two keys determine the wheel speed.
     #[error(
-        "`slip` and `wheel_speed` are both given, and either tells the other; leave one of them out"
+        "`slip` and `wheel_speed` are both given, and each determines the other; omit one of them"
     )]
     TwoWheelSpeeds,
 }
@@ -139,7 +139,7 @@ pub enum RigError {
 #[error("a load of 0 N lifts the wheel, and a rover's leg always carries its rover")]
 pub struct CannotLift;
 
-/// Clearance [m] of a wheel that is lifted, where nothing tells another: no stone or lug mark reaches it.
+/// Default clearance [m] of a lifted wheel: no stone or lug mark reaches it.
 pub const CLEARANCE: f64 = 0.02;
 
 /// A `[rig]` table before its checks: flat, so that unknown keys are refused.
@@ -193,7 +193,7 @@ pub(crate) struct RoverLegTable {
 }
 
 impl RigTable {
-    /// The rig, its values unchecked; exactly one key tells the wheel speed.
+    /// The rig, its values unchecked; exactly one key determines the wheel speed.
     pub(crate) fn into_rig(self) -> Result<Rig, RigError> {
         let rig = match self {
             Self::SingleWheel(table) => Rig::SingleWheel(table.into()),
@@ -206,7 +206,7 @@ impl RigTable {
         }
     }
 
-    /// Where the rig's keys stand in a scenario.
+    /// Path of the rig's keys in a scenario.
     pub(crate) fn path(&self) -> &'static str {
         match self {
             Self::SingleWheel(_) => SINGLE_WHEEL_PATH,
@@ -340,7 +340,7 @@ impl Rig {
         drive.transpose()
     }
 
-    /// Where the rig's keys stand in a scenario, for example `rig.single_wheel`.
+    /// Path of the rig's keys in a scenario, for example `rig.single_wheel`.
     pub fn path(&self) -> &'static str {
         match self {
             Self::SingleWheel(_) => SINGLE_WHEEL_PATH,
@@ -388,15 +388,16 @@ impl Rig {
         }
     }
 
-    /// Load [N] that the wheel puts on the ground at rest: none where it is held off it.
+    /// Load [N] of the wheel on the ground at rest: 0 for a lifted wheel.
     pub fn carried(&self) -> f64 {
-        match self.clearance() > 0.0 {
-            true => 0.0,
-            false => self.load(),
+        if self.clearance() > 0.0 {
+            0.0
+        } else {
+            self.load()
         }
     }
 
-    /// Clearance [m] by which the wheel is held off the ground where it is, or would be.
+    /// Clearance [m] of the lifted wheel, or that it would have.
     pub fn lifting_clearance(&self) -> f64 {
         match self.clearance() {
             0.0 => CLEARANCE,
@@ -564,7 +565,7 @@ impl Command {
     /// What `drive` commands on a rim of `radius` [m].
     ///
     /// # Errors
-    /// `RangeError` where neither slip nor wheel speed tells how fast the wheel turns.
+    /// `RangeError` where neither slip nor wheel speed is given.
     pub fn new(drive: &Drive, radius: f64) -> Result<Self, RangeError> {
         let DriveFlaws {
             carriage_scale,
@@ -582,7 +583,7 @@ impl Command {
         })
     }
 
-    /// What is commanded at `time` [s]: both speeds rise and fall together, smoothly, so that slip holds from the
+    /// Command at `time` [s]: both speeds rise and fall together, smoothly, so that slip is constant from the
     /// first motion on.
     pub fn at(&self, time: f64) -> Commanded {
         let rise = |since: f64| {
@@ -639,7 +640,7 @@ impl Drive {
     /// Commanded wheel speed [rad/s] at full speed on a rim of `radius` [m].
     ///
     /// # Errors
-    /// `RangeError` where neither slip nor wheel speed tells it.
+    /// `RangeError` where neither slip nor wheel speed is given.
     pub fn full_wheel_speed(&self, radius: f64) -> Result<f64, RangeError> {
         let from_slip = || {
             self.slip
@@ -720,7 +721,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wheel_that_spins_in_place_is_told_by_its_wheel_speed() {
+    fn a_wheel_that_spins_in_place_is_commanded_by_its_wheel_speed() {
         assert_eq!(read("wheel_speed = 0.1").unwrap().drive().slip, None);
         let message = read("slip = 1.0").unwrap_err().to_string();
         assert!(
@@ -730,13 +731,13 @@ mod tests {
     }
 
     #[test]
-    fn one_key_and_only_one_tells_the_wheel_speed() {
+    fn exactly_one_key_determines_the_wheel_speed() {
         let message = read("").unwrap_err().to_string();
         assert!(message.contains("missing `slip`"), "{message}");
         let message = read("slip = 0.1\nwheel_speed = 0.1")
             .unwrap_err()
             .to_string();
-        assert!(message.contains("leave one of them out"), "{message}");
+        assert!(message.contains("omit one of them"), "{message}");
     }
 
     #[test]

@@ -408,16 +408,8 @@ impl SoilTrack {
                 continue;
             };
             self.columns.set_loaded(index, true);
-            let stress = match at_peak {
-                None => contact
-                    .shear
-                    .stress(bearing.pressure, self.rim_shear.at(angle, motion.angle, d)),
-                Some(shear) => {
-                    let cohesion = contact.shear.cohesion * contact.depth.triangle(angle);
-                    (cohesion + bearing.pressure * contact.shear.tan_friction_angle)
-                        * contact.shear.mobilised(shear)
-                }
-            };
+            let here = || self.rim_shear.at(angle, motion.angle, d);
+            let stress = contact.shear_stress(bearing.pressure, angle, at_peak, here);
             // The arc of the shear surface is longer than the rim's.
             let shear = stress * self.shear_radius / r;
             let area = wheel.width * COLUMN * share * clear;
@@ -454,6 +446,25 @@ struct Pressed {
 }
 
 impl Contact {
+    /// Shear stress [Pa] at an `angle` [rad] under a normal `pressure` [Pa]: mobilised by the displacement
+    /// [m] `at_peak` everywhere (triangular stress), or by the one `here` (Wong and Reece).
+    fn shear_stress(
+        &self,
+        pressure: f64,
+        angle: f64,
+        at_peak: Option<f64>,
+        here: impl FnOnce() -> f64,
+    ) -> f64 {
+        match at_peak {
+            None => self.shear.stress(pressure, here()),
+            Some(displacement) => {
+                let cohesion = self.shear.cohesion * self.depth.triangle(angle);
+                (cohesion + pressure * self.shear.tan_friction_angle)
+                    * self.shear.mobilised(displacement)
+            }
+        }
+    }
+
     /// Pressure of soil pressed to `pressed` under a wheel now at `level` [m], of whose depth
     /// `share` counts; `None` where they have parted.
     fn bearing(&self, pressed: Pressed, level: f64, angle: f64, share: f64) -> Option<Bearing> {

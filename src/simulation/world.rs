@@ -8,7 +8,7 @@ use super::motion::{WheelMotion, Wrench};
 use super::mount::Actions;
 use crate::quantity::SampleRate;
 
-/// The wheel's body as the integrators see it.
+/// The wheel's body in the integrators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct WheelBody {
     /// Mass [kg] that moves vertically with the axle.

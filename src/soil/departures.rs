@@ -1,8 +1,7 @@
-//! What the ideal soil leaves out: it lies deep, is fresh, alike at every speed and never heaped.
+//! Deviations from the ideal soil, which is deep, undisturbed, rate-independent and without heaps.
 //!
-//! Each number is a departure from that, 0 on ideal soil, where it changes no bit of a run. Some
-//! come in two forms of the same effect, one law and another, so that an effect found with one can
-//! be tried on the other.
+//! Each number is a deviation from that, 0 on ideal soil, where it changes no bit of a run. Some have two
+//! alternative laws, so that an effect found with one can be tested against the other.
 //!
 //! The laws of one place, of the soil's moduli and depths, hold in the quadrature of
 //! [`crate::soil::wheel_load`] too; rate and heap need a motion, and are the simulator's alone.
@@ -31,8 +30,8 @@ pub struct Departures {
     /// Weight `w` [-] of the sinkage that slip adds by digging, beside `n_1`; 1 is Lyasko's.
     #[serde(skip_serializing_if = "is_zero")]
     pub slip_digging: f64,
-    /// Gain `m` [-] of the soil's moduli where many wheels have passed; one has, unless
-    /// [`earlier_passes`](Self::earlier_passes) tells of more.
+    /// Gain `m` [-] of the soil's moduli where many wheels have passed; the number of passes is one, or
+    /// [`earlier_passes`](Self::earlier_passes).
     #[serde(skip_serializing_if = "is_zero")]
     pub compaction: f64,
     /// Number [-] of wheels that passed before the last one; the surface is that of their rut.
@@ -70,7 +69,7 @@ pub struct Departures {
 /// Number of passes `p_0` [-] that bring 63 % of the gain: the first does most. A guess.
 const LASTING_PASSES: f64 = 1.5;
 
-/// Diameter `D_0` [m] of a wheel from which on flat plates tell the pressure under it.
+/// Wheel diameter `D_0` [m] above which plate tests are representative.
 const LARGE_DIAMETER: f64 = 0.5;
 
 impl Departures {

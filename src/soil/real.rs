@@ -1,5 +1,4 @@
-//! Numbers that the equations of the soil are written in: plain ones, and ones that carry their
-//! derivatives.
+//! Scalar types of the soil equations: plain numbers, and dual numbers with derivatives.
 //!
 //! The simulator evaluates the law with `f64`. Whoever fits it needs its derivatives, and a second
 //! text of the law would have to be kept equal to the first by hand; so the law is written once,

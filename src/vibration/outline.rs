@@ -1,10 +1,9 @@
-//! The wheel let down on a ground of any shape: which point of its outline meets it, and how high
-//! the axle then stands.
+//! Equilibrium of the wheel on ground of any shape: the contact point of its outline, and the height of the
+//! axle.
 //!
-//! Every lug edge and every point of the rim asks for a height of the axle: the ground's height
-//! beneath it plus its own depth below the axle (Eq. 19, 27, 29). The highest wish is granted, and
-//! who made it carries the wheel (Eq. 32). Edges within a quarter turn of straight down count, as in
-//! the paper.
+//! Every lug edge and every point of the rim requires a height of the axle: the ground's height beneath it
+//! plus its own depth below the axle (Eq. 19, 27, 29). The axle takes the largest of them, and the point with
+//! it carries the wheel (Eq. 32). Edges within a quarter turn of straight down are included, as in the paper.
 
 use crate::wheel::Wheel;
 use libm::{asin, cos, floor, sin, sqrt};
@@ -19,7 +18,7 @@ pub enum Support {
     Rim,
 }
 
-/// The point of the outline that carries the wheel, and the height that it asks for.
+/// The point of the outline that carries the wheel, and the height that it requires.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footing {
     /// What it belongs to.
@@ -32,7 +31,7 @@ pub struct Footing {
     pub axle_height: f64,
 }
 
-/// Places on each half of the rim at which the ground is looked at, before the highest is refined:
+/// Number of places on each half of the rim at which the ground is evaluated, before the highest is refined:
 /// 0.35 mm apart on a rim of 140 mm, a sixth of the shortest roughness in use.
 const RIM_PLACES: i32 = 400;
 

@@ -1,4 +1,4 @@
-//! The reference vibration as an accelerometer sees it: a train of jumps of velocity.
+//! The reference vibration at an accelerometer: a train of velocity jumps.
 //!
 //! The smooth acceleration between lug changes, [`flat_ground::acceleration`], is below most
 //! sensors' noise (7e-4 m/s² at 10 mm/s). At every lug change the wheel comes down on one support
@@ -169,7 +169,7 @@ impl Supports {
         }
     }
 
-    /// Wheel angles [rad] over which a support is kept.
+    /// Range of wheel angle [rad] of a support.
     fn held(&self, support: f64) -> [f64; 2] {
         [
             self.end(support - 1.0) - self.hold(),
@@ -474,7 +474,7 @@ mod tests {
     }
 
     #[test]
-    fn an_encoder_that_starts_again_at_zero_after_a_turn_tells_the_same_changes() {
+    fn an_encoder_that_wraps_at_a_full_turn_gives_the_same_changes() {
         let wheel = Wheel::rover();
         let whole = sampled(30.0, |t| 0.5 * t);
         let wrapped: Vec<f64> = whole.iter().map(|a| a.rem_euclid(2.0 * PI)).collect();

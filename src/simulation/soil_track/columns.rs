@@ -140,7 +140,7 @@ impl Columns {
         self.column_mut(index).loaded = loaded;
     }
 
-    /// Makes sure that `[low, high]` [m] can be asked for.
+    /// Extends the columns to cover `[low, high]` [m].
     pub fn reach(&mut self, low: f64, high: f64) {
         self.extend(low, high);
     }

@@ -13,9 +13,9 @@ use std::collections::HashMap;
 
 /// Movement [-], over the skin, of one side at which lists are renewed: two sides' together stay below the skin.
 const MOVED: f64 = 0.35;
-/// Movement [-], over the skin, of the fastest stone between two looks whether something has moved so far.
+/// Movement [-], over the skin, of the fastest stone between two checks of the movement.
 const BETWEEN: f64 = 0.1;
-/// Most steps between two looks.
+/// Maximum number of steps between two checks.
 const LONGEST: u32 = 16;
 
 /// Two spheres of two stones.
@@ -76,7 +76,7 @@ pub struct Near {
     /// Where the stones were when the lists were made.
     places: Vec<Place>,
     wheel: Option<WheelMotion>,
-    /// Steps until the next look.
+    /// Steps until the next check.
     steps: u32,
 }
 
