@@ -292,7 +292,7 @@ impl Identification {
             chi_square: best.chi_square,
             degrees_of_freedom: precision.freedom,
             termination: best.termination,
-            warnings: warning::all(&self.model, &self.rows, best, (directions, *precision)),
+            warnings: warning::all(&self.model, &self.rows, local),
             minimum: *best,
         };
         self.mark_at_bounds(&mut estimate, local);
@@ -381,8 +381,7 @@ impl Identification {
         estimate.force_errors = ForceErrors::new(&self.model, &posterior.at, &self.rows);
         estimate.chi_square = posterior.chi_square;
         estimate.termination = posterior.termination;
-        let resolution = (&local.directions, local.precision);
-        estimate.warnings = warning::all(&self.model, &self.rows, &posterior, resolution);
+        estimate.warnings = warning::all(&self.model, &self.rows, &local);
         let value = estimate.terrain.sinkage_exponent;
         estimate.warnings.push(Warning::ExponentAssumed { value });
         self.add_combinations(estimate, &local);

@@ -298,29 +298,44 @@ impl Uncertainty {
 }
 
 fn finite(quantity: &'static str, unit: &'static str, value: f64) -> Result<f64, RangeError> {
-    within(quantity, unit, value, ("finite", -f64::MAX))
+    Limit {
+        text: "finite",
+        least: -f64::MAX,
+    }
+    .checked(quantity, unit, value)
 }
 
 fn not_negative(quantity: &'static str, unit: &'static str, value: f64) -> Result<f64, RangeError> {
-    within(quantity, unit, value, ("0 or above and finite", 0.0))
+    Limit {
+        text: "0 or above and finite",
+        least: 0.0,
+    }
+    .checked(quantity, unit, value)
 }
 
-/// Returns a finite `value` not below `least`; `range` describes the limits in the error.
-fn within(
-    quantity: &'static str,
-    unit: &'static str,
-    value: f64,
-    (range, least): (&str, f64),
-) -> Result<f64, RangeError> {
-    if value.is_finite() && value >= least {
-        return Ok(value);
+/// Lower limit of a finite number, with its description for errors.
+struct Limit {
+    text: &'static str,
+    least: f64,
+}
+
+impl Limit {
+    fn checked(
+        &self,
+        quantity: &'static str,
+        unit: &'static str,
+        value: f64,
+    ) -> Result<f64, RangeError> {
+        if value.is_finite() && value >= self.least {
+            return Ok(value);
+        }
+        Err(RangeError {
+            quantity,
+            unit,
+            range: self.text.to_owned(),
+            value,
+        })
     }
-    Err(RangeError {
-        quantity,
-        unit,
-        range: range.to_owned(),
-        value,
-    })
 }
 
 /// Validates rows and converts them to the cylinder, with the sinkage of the class.

@@ -1,11 +1,10 @@
 //! Warnings about the validity of an estimate.
 
-use super::directions::Directions;
-use super::least_squares::{Minimum, Termination};
+use super::LocalModel;
+use super::least_squares::Termination;
 use super::load_missed::LoadMissed;
 use super::model::{Model, peak_share};
 use super::parameter::{Coordinates, Parameter};
-use super::precision::Precision;
 use super::row::SteadyLoad;
 use std::fmt;
 
@@ -122,12 +121,10 @@ impl fmt::Display for Warning {
 }
 
 /// All warnings about a fit of `rows`.
-pub(super) fn all(
-    model: &Model,
-    rows: &[SteadyLoad],
-    best: &Minimum,
-    (directions, precision): (&Directions, Precision),
-) -> Vec<Warning> {
+pub(super) fn all(model: &Model, rows: &[SteadyLoad], local: &LocalModel) -> Vec<Warning> {
+    let LocalModel {
+        best, precision, ..
+    } = local;
     let mut warnings = at_bounds(model, &best.at);
     match model.own() {
         Some(_) => {
@@ -135,8 +132,7 @@ pub(super) fn all(
             warnings.extend(slip.map(|slip| Warning::PeakAtEnd { slip }));
         }
         None => {
-            let known = (directions, precision);
-            warnings.extend(peak_outside(model, rows, &best.at, known));
+            warnings.extend(peak_outside(model, rows, local));
         }
     }
     let misfit = precision.misfit;
@@ -167,12 +163,14 @@ fn at_bounds(model: &Model, at: &Coordinates) -> Vec<Warning> {
 }
 
 /// The row whose peak lies farthest outside the contact, by more than its standard error.
-fn peak_outside(
-    model: &Model,
-    rows: &[SteadyLoad],
-    at: &Coordinates,
-    (directions, precision): (&Directions, Precision),
-) -> Option<Warning> {
+fn peak_outside(model: &Model, rows: &[SteadyLoad], local: &LocalModel) -> Option<Warning> {
+    let LocalModel {
+        best,
+        directions,
+        precision,
+        ..
+    } = local;
+    let at = &best.at;
     let [rear, front] = [model.setting.exit_angle, 1.0];
     let beyond = |slip: f64| {
         let share = peak_share(at, slip);
