@@ -142,7 +142,9 @@ impl Times<'_> {
         let Self { file, rows, .. } = self;
         if rows.len() < 2 {
             let way_out = "give sample_rate_hz instead of time_s";
-            return Err(format!("one row of {file} does not tell a rate; {way_out}"));
+            return Err(format!(
+                "one row of {file} does not determine a rate; {way_out}"
+            ));
         }
         if let Some((_, line)) = rows.iter().find(|(time, _)| !time.is_finite()) {
             return Err(format!(
@@ -471,7 +473,7 @@ mod tests {
         let cases = [
             (vec![0.0, 1.0, 0.5], "a.csv:4: time 0.5 s follows 1 s"),
             (vec![0.0, f64::NAN, 2.0], "a.csv:3: this row has no time"),
-            (vec![0.0], "one row of a.csv does not tell a rate"),
+            (vec![0.0], "one row of a.csv does not determine a rate"),
             (vec![], "one row of a.csv"),
         ];
         for (times, message) in cases {

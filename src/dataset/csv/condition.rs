@@ -139,10 +139,12 @@ impl Condition<'_> {
             return Ok(slip);
         }
         let misfit = match (&table.slip_ratio, &table.speed_m_s) {
-            (Some(_), _) => Some("slip_ratio tells the rim's speed already; keep one of the two"),
-            (None, None) => {
-                Some("the rim's speed tells the slip only beside speed_m_s; give that too")
+            (Some(_), _) => {
+                Some("slip_ratio already determines the rim's speed; give one of the two")
             }
+            (None, None) => Some(
+                "the rim's speed determines the slip only together with speed_m_s; give that too",
+            ),
             (None, Some(_)) => None,
         };
         if let Some(misfit) = misfit {

@@ -160,11 +160,11 @@ impl Timing {
             }
             (false, Some(rate)) => positive(source, "sample_rate_hz", rate).map(Self::Rate),
             (true, Some(_)) => {
-                let message = "columns.time_s tells the rate already; keep one of the two";
+                let message = "columns.time_s already determines the rate; give one of the two";
                 Err(source.fault("sample_rate_hz", message))
             }
             (false, None) => {
-                let message = "nothing tells the time: map time_s, or give sample_rate_hz";
+                let message = "the time is unknown: map time_s, or give sample_rate_hz";
                 Err(source.fault("columns", message))
             }
         }
