@@ -128,7 +128,7 @@
 //! failed.txt     runs that failed and why; absent where none did
 //! study.toml     the study as it was read; scenarios/, reference.toml and held_against.toml (the
 //!                scenario of [diagnosis]) as they were
-//! origin.txt     program version, commit it was built from where the build was told
+//! origin.txt     program version, commit it was built from if known at build time
 //!                (`LUGWHEEL_COMMIT`), seed, fingerprint of all that decides the results
 //! shards/        blocks of consecutive runs, each with its checksum, from which an interrupted
 //!                study goes on

@@ -60,7 +60,7 @@ impl Vision {
     /// Ten frames a second, read 0.1 s late; the soil's edge found to 0.5 mm (grains, shadows) in
     /// steps of a pixel; the trace matched to half a pixel (0.1 mm), the mean of several screws
     /// to a quarter (0.05 mm); frames one second apart matched, because neighbours at 10 mm/s
-    /// differ by 1 mm and would tell slip only to 0.1.
+    /// differ by 1 mm and would resolve slip only to 0.1.
     pub fn realistic() -> Self {
         Self {
             delay: 0.1,
@@ -104,8 +104,8 @@ impl Vision {
     /// s = 1 - ΔS / (r arccos(1 - Δu²/2r₁²))
     /// ```
     ///
-    /// The same angle is `2 arcsin(Δu/2r₁)`, which keeps its digits when small. `forward` tells
-    /// which way the marks went; braking and reverse follow [`SlipRatio`]. A wheel that turns by
+    /// The same angle is `2 arcsin(Δu/2r₁)`, which keeps its digits when small. `forward` is
+    /// the direction of the marks; braking and reverse follow [`SlipRatio`]. A wheel that turns by
     /// more than half a turn between frames looks slower than it is.
     pub fn slip(&self, radius: f64, displacement: f64, mark: f64, forward: bool) -> SlipRatio {
         let half_chord = (mark / (2.0 * self.mark_radius)).clamp(-1.0, 1.0);

@@ -29,7 +29,7 @@
 //! measured sinkages of a lugged wheel (Ding et al. 2011, `tests/ding2011.rs`), which neither was
 //! chosen on, `λ l` is within 7 % at slips of 0.2 to 0.4 and 19 % short at 0.6, `l` 30 % too much at 0.2
 //! to 0.4 and 21 % at 0.6. Soil left standing between lugs that slide over it by more than their spacing must
-//! break, so the layer thickens at high slip; by how much, six points do not tell.
+//! break, so the layer thickens at high slip; six points do not determine by how much.
 //!
 //! # Reference
 //! Slip-sinkage of lugs by the soil they remove: Reece (1965), *Principles of Soil-Vehicle

@@ -28,7 +28,7 @@
 //! A line through block means was tried instead: with less than ten lug passes, which is most runs at
 //! rover speeds, its blocks hold the lugs' rhythm as scatter and it finds nothing.
 //!
-//! **Limits.** Scatter that is correlated over a third of the stretch or longer cannot be told from a drift.
+//! **Limits.** Scatter that is correlated over a third of the stretch or longer cannot be distinguished from a drift.
 //! An approach that is over within a small part of the stretch is missed; so is one much slower than the
 //! stretch, where its change is below the limits. `output/reference/steady.txt` has both errors, by ground.
 

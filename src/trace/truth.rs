@@ -85,7 +85,7 @@ impl TruthRecorder {
     /// A window is LEIS when at least 90 % of the lugs that passed the bottom in it entered, else
     /// ALCT when at least 90 % touched, else SLCT. It is UWTIC when no lug passed the bottom (a
     /// smooth wheel, a wheel at rest) or none of those that did touched (a lifted wheel, a wheel
-    /// on its rim): lugs then tell nothing about the ground. The last window counts when at least
+    /// on its rim): lugs then carry no information on the ground. The last window counts when at least
     /// half of it was recorded. Parameters and profile stay empty.
     pub fn finish(mut self) -> Truth {
         if let Some(passages) = &mut self.passages {

@@ -109,7 +109,7 @@ impl Steps {
     }
 
     /// Whether most steps are below a quarter of a turn, whole turns left out where all readings lie within
-    /// one: with larger steps a lost turn cannot be told from a fast wheel.
+    /// one: with larger steps a lost turn cannot be distinguished from a fast wheel.
     fn resolve_a_turn(&self) -> bool {
         let turns = |step: f64| {
             if self.span <= TAU {

@@ -56,7 +56,7 @@ fn is_reading(angle: f64) -> bool {
 /// Time and wheel speed `ω` come from a parabola through the readings around the change, by
 /// least squares: as many as hold 32 steps of the encoder on either side, within a quarter of
 /// the lug angle and half a second. So a 17-bit encoder, whose counts come slower than 2 kHz samples
-/// at 10 mm/s, tells the speed within 1 %, and a continuous angle needs some 30 ms. A turn of less
+/// at 10 mm/s, resolves the speed within 1 %, and a continuous angle needs some 30 ms. A turn of less
 /// than a twentieth of the lug angle beyond a change and back counts as none.
 ///
 /// # Reference
