@@ -70,7 +70,10 @@ fn parameters_of_a_lugged_wheel_or_of_one_load_are_effective_ones() {
     );
     assert_eq!(lugged["parameters"]["phi"]["effective"], true);
     let said = done(identify(&folder(&campaign()), "--law paper"));
-    assert!(said.contains("effective, of this wheel and load"), "{said}");
+    assert!(
+        said.contains("effective, for this wheel and load only"),
+        "{said}"
+    );
     let smooth = |(id, mut trace): (String, Trace)| {
         (trace.attributes.lug_count, trace.attributes.lug_height) = (Some(0), 0.0);
         (id, trace)

@@ -347,7 +347,7 @@ fn without_slurm_the_study_says_so_and_leaves_nothing() {
         .unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     let told = "cannot start scontrol: No such file or directory (os error 2); submit from a \
-                machine of the cluster, or leave out --slurm";
+                machine of the cluster, or omit --slurm";
     assert!(errors.contains(told), "{errors}");
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(fs::read_dir(folder.path().join("out")).unwrap().count(), 0);

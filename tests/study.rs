@@ -398,7 +398,10 @@ fn a_folder_that_holds_something_is_not_overwritten() {
         "{message}"
     );
     let message = execute(&study, &resumed(&out)).unwrap_err().to_string();
-    assert!(message.contains("does not hold this study"), "{message}");
+    assert!(
+        message.contains("does not belong to this study"),
+        "{message}"
+    );
     assert_eq!(contents(&out).len(), 1);
 }
 

@@ -35,7 +35,7 @@ pub struct Plot {
     /// What to write [default: as --out ends, else svg]
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Width on paper with its unit (88mm, 3.5in): letters stay 7 pt high, and a column has a compact layout
+    /// Width on paper with its unit (88mm, 3.5in): letters of 7 pt, compact in a column
     #[arg(long, value_name = "LENGTH", value_parser = format::width)]
     width: Option<f64>,
     /// Leave out title, condition and remarks, for a figure with a caption

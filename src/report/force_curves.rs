@@ -452,6 +452,6 @@ mod tests {
         );
         let sunk = [0.0, 0.1, 0.2, 0.4].map(|slip| row(slip, 100.0));
         let svg = drawn(&sunk, Wtic::Leis);
-        assert!(!svg.contains("Hollow") && svg.contains("Sinkage of the rim z_{} [mm]"));
+        assert!(!svg.contains("Hollow") && svg.contains("Sinkage of the rim "));
     }
 }
