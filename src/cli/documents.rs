@@ -109,13 +109,7 @@ pub fn read_study(source: &Source) -> anyhow::Result<Study> {
 /// # Errors
 /// `NoDocument` with the names like it, or for the name of a study.
 pub fn scenario(asked: &Path) -> Result<Source, NoDocument> {
-    SCENARIOS.source(asked).ok_or_else(|| {
-        let is_study = STUDIES.source(asked).is_some();
-        match is_study {
-            true => NoDocument::Study(asked.to_owned()),
-            false => SCENARIOS.missing(asked),
-        }
-    })
+    SCENARIOS.source_unless(STUDIES, NoDocument::Study, asked)
 }
 
 /// Where the study of this path or name comes from.
@@ -123,13 +117,7 @@ pub fn scenario(asked: &Path) -> Result<Source, NoDocument> {
 /// # Errors
 /// `NoDocument` with the names like it, or for the name of a scenario.
 pub fn study(asked: &Path) -> Result<Source, NoDocument> {
-    STUDIES.source(asked).ok_or_else(|| {
-        let is_scenario = SCENARIOS.source(asked).is_some();
-        match is_scenario {
-            true => NoDocument::Scenario(asked.to_owned()),
-            false => STUDIES.missing(asked),
-        }
-    })
+    STUDIES.source_unless(SCENARIOS, NoDocument::Scenario, asked)
 }
 
 /// The scenario of the program with this name, or the study: `studies/NAME` where a scenario has its name.
@@ -156,6 +144,19 @@ pub fn is_study(document: &ReadyDocument) -> bool {
 }
 
 impl Kind {
+    /// Where a document comes from; `is_other` is the error for the name of another kind.
+    fn source_unless(
+        self,
+        other: Self,
+        is_other: fn(PathBuf) -> NoDocument,
+        asked: &Path,
+    ) -> Result<Source, NoDocument> {
+        self.source(asked).ok_or_else(|| match other.source(asked) {
+            Some(_) => is_other(asked.to_owned()),
+            None => self.missing(asked),
+        })
+    }
+
     fn source(self, asked: &Path) -> Option<Source> {
         let named = with_ending(asked);
         let in_folder = Path::new(self.folder).join(&named);

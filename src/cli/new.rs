@@ -64,7 +64,7 @@ impl New {
     }
 }
 
-/// The text of a document with a line behind its first that says whence it comes.
+/// The text of a document, with its origin as the second line.
 fn introduced(document: &ReadyDocument) -> String {
     let (first, rest) = document
         .text

@@ -1,4 +1,4 @@
-//! Where wheel and ground are at any time of a run, as far as its channels tell.
+//! Where wheel and ground are at any time of a run, as far as its channels show.
 
 use super::channel_groups::{drawable, time_range};
 use super::wheel_picture::{Pose, WheelShape, height_at, is_soft};
