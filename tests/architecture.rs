@@ -117,6 +117,7 @@ fn every_foreign_world_has_one_door() {
     let doors = [
         ("rapier2d::", "simulation"),
         ("hdf5::", "dataset"),
+        ("hdf5_sys::", "dataset"),
         ("clap::", "cli"),
         ("indicatif::", "cli"),
         ("toml::", "document"),

@@ -1,5 +1,6 @@
 //! Data sets for learners: the small variant of the published one, its files, its splits.
 
+use crate::common::python;
 use crate::common::results::{done, into, resumed};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::learning::DataSet;
@@ -8,7 +9,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::LazyLock;
 use tempfile::TempDir;
 
@@ -240,14 +240,9 @@ fn features_alone_are_the_same_windows_in_a_hundredth_of_the_bytes() {
 #[test]
 fn python_indexes_windows_by_part_and_reads_every_table() {
     let (_, out) = &*WHOLE;
-    let has_h5py = |python: &&str| {
-        let import = Command::new(python).args(["-c", "import h5py"]).output();
-        import.is_ok_and(|output| output.status.success())
-    };
-    let python = ["python3", "/usr/bin/python3"].into_iter().find(has_h5py);
-    let python = python.expect("Python with h5py is needed: `apt-get install python3-h5py`");
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python/learn.py");
-    let output = Command::new(python).arg(script).arg(out).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "learn.py: {said}");
+    python::run(
+        python::with_h5py(),
+        "python/learn.py",
+        &[out.to_str().unwrap()],
+    );
 }

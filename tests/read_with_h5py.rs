@@ -1,37 +1,19 @@
 //! Run files and h5py: it reads what this program writes, and the other way round.
 
+use crate::common::python;
 use lugwheel::dataset::Provenance;
-use lugwheel::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
+use lugwheel::dataset::hdf5::{RunFile, RunFileError, RunFileWriter, write_table};
 use lugwheel::dataset::inspection::{Severity, inspect};
+use lugwheel::dataset::records::{Field, Records};
 use lugwheel::quantity::Seed;
 use lugwheel::terrain::class::{TerrainLabel, Wtic};
 use lugwheel::trace::{AtLimit, Channel, ClassWindow, Contact, Mean, RunAttributes, Trace, Truth};
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-
-/// The first Python that has h5py: the one in use, or the distribution's own, for which
-/// `python3-h5py` is packaged.
-fn python_with_h5py() -> &'static str {
-    let has_h5py = |python: &&str| {
-        let import = Command::new(python).args(["-c", "import h5py"]).output();
-        import.is_ok_and(|output| output.status.success())
-    };
-    ["python3", "/usr/bin/python3"].into_iter().find(has_h5py).expect(
-        "Python with h5py is needed for this test: `apt-get install python3-h5py` or `pip install h5py`",
-    )
-}
 
 /// Runs `check.py` with these arguments; fails with what it says.
 fn python(arguments: &[&str]) {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/h5py/check.py");
-    let output = Command::new(python_with_h5py())
-        .arg(script)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "check.py {arguments:?}: {said}");
+    python::run(python::with_h5py(), "h5py/check.py", arguments);
 }
 
 fn simulated() -> Trace {
@@ -116,16 +98,44 @@ fn measured() -> Trace {
     }
 }
 
-#[test]
-fn h5py_finds_names_units_values_and_attributes() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("runs.h5");
+/// A file of a simulated and a measured run.
+fn runs(folder: &Path) -> PathBuf {
+    let path = folder.join("two_runs.h5");
     let provenance = Provenance::simulated("version = 1  # 5 µm\n", Seed(u64::MAX));
     let mut writer = RunFileWriter::create(&path, &provenance).unwrap();
     writer.add("simulated", &simulated()).unwrap();
     writer.add("measured", &measured()).unwrap();
     writer.finish().unwrap();
-    python(&["read", path.to_str().unwrap()]);
+    path
+}
+
+#[test]
+fn h5py_finds_names_units_values_and_attributes() {
+    let folder = tempfile::tempdir().unwrap();
+    python(&["read", runs(folder.path()).to_str().unwrap()]);
+}
+
+#[test]
+fn xarray_finds_the_time_of_channels_and_texts_of_tables() {
+    let Some(python) = python::with_or_skip(&["xarray", "h5netcdf", "netCDF4"]) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
+    let records = Records {
+        fields: vec![
+            Field::whole("run", "number"),
+            Field::text("scenario", "name of its file"),
+            Field::number("load", "N", "load"),
+        ],
+        rows: vec![row(["0", "sand, µ", "100.5"]), row(["1", "slate", ""])],
+    };
+    let provenance = Provenance::measured();
+    write_table(folder.path().join("runs.h5"), &records, &provenance).unwrap();
+    std::fs::write(folder.path().join("runs.csv"), records.to_csv()).unwrap();
+    let file = runs(folder.path());
+    let [file, folder] = [&file, folder.path()].map(|path| path.to_str().unwrap());
+    python::run(python, "python/netcdf.py", &[file, folder]);
 }
 
 #[test]

@@ -9,8 +9,11 @@
 //!                              plate_diameter_m or plate_length_m and plate_width_m; where
 //!                              imported, import_notes (one a line) and wheel_angle_zero = "unknown"
 //!                              where the angle is the integral of the wheel's speed
-//! /runs/<id>/channels/<name>   samples; unit, sample_rate_hz, start_s; steadiness of the mean over the
+//! /runs/<id>/channels/<name>   samples; unit (and units, its name in netCDF), sample_rate_hz, start_s; steadiness of the mean over the
 //!                              middle half (steady, drifting, too_short), drift_per_s where it drifts
+//! /runs/<id>/channels/time     dimension scale of the channels of one rate, start and length: numbers of the samples,
+//!                              in netCDF's terms scale_factor, add_offset and units of the time; of
+//!                              other channels time_<name of the first>
 //! /runs/<id>/means/<name>      one number; unit, sd, n
 //! /runs/<id>/truth/            where simulated: contacts (lug, start_s, end_s, entered),
 //!                              class_windows (start_s, end_s, class, terrain),
@@ -32,6 +35,7 @@
 
 mod encoding;
 mod reading;
+mod scale;
 mod table;
 mod writing;
 

@@ -1,5 +1,6 @@
 //! What the physics tests share: grounds, rigs, runs and means.
 
+pub mod python;
 pub mod results;
 
 use lugwheel::quantity::{SampleRate, Seed, SlipRatio};

@@ -21,7 +21,8 @@ def equal(what, found, expected):
 
 
 def check_attributes(where, attributes, expected):
-    equal(f"attributes of {where}", sorted(attributes), sorted(expected))
+    """What HDF5 itself has to say of dimensions aside."""
+    equal(f"attributes of {where}", sorted(set(attributes) - {"DIMENSION_LIST"}), sorted(expected))
     for name, value in expected.items():
         equal(f"{where} {name}", attributes[name], value)
         if isinstance(value, str):
@@ -61,10 +62,12 @@ def check_simulated(run):
         "physics_rate_hz": 128000.0,
     })
     equal("groups", sorted(run), ["channels", "truth"])
-    equal("channels", sorted(run["channels"]), ["normal_force", "wheel_angle"])
+    names = ["normal_force", "time", "time_wheel_angle", "wheel_angle"]
+    equal("channels and times", sorted(run["channels"]), names)
     force = run["channels/normal_force"]
     check_attributes("normal_force", force.attrs, {
         "unit": "N",
+        "units": "N",
         "sample_rate_hz": 500.0,
         "start_s": 0.25,
         "steadiness": "steady",
@@ -72,7 +75,14 @@ def check_simulated(run):
     equal("precision of forces", force.dtype, np.float32)
     equal("normal_force", force[:], (100.0 + np.arange(40000) % 7).astype(np.float32))
     angle = run["channels/wheel_angle"]
-    check_attributes("wheel_angle", angle.attrs, {"unit": "rad", "sample_rate_hz": 10.0, "start_s": 0.0})
+    check_attributes("wheel_angle", angle.attrs, {
+        "unit": "rad",
+        "units": "rad",
+        "sample_rate_hz": 10.0,
+        "start_s": 0.0,
+    })
+    check_time(force, "time", 0.25 + np.arange(40000) / 500.0)
+    check_time(angle, "time_wheel_angle", np.arange(5) / 10.0)
     equal("precision of angles", angle.dtype, np.float64)
     equal("wheel_angle", angle[:], np.arange(5) / 3.0)
 
@@ -89,6 +99,19 @@ def check_simulated(run):
     equal("columns of the profile", truth["profile"].dtype.names, ("x", "height"))
     equal("profile", truth["profile"]["height"], [0.0, 0.002])
     check_attributes("parameters", truth["parameters"].attrs, {"cohesion": 300.0})
+
+
+def check_time(channel, name, expected):
+    """The dimension scale of a channel has the time of each sample, in a hundredth of the channel's size."""
+    (time,) = channel.dims[0].values()
+    equal(f"scale of {channel.name}", time.name, f"{channel.parent.name}/{name}")
+    equal(f"{time.name} is a scale", time.is_scale, True)
+    equal(f"units of {time.name}", time.attrs["units"], "s")
+    seconds = time[:] * time.attrs["scale_factor"] + time.attrs["add_offset"]
+    equal(f"{time.name} within 1 ns", np.abs(seconds - expected).max() < 1e-9, True)
+    if len(time) > 1000:
+        share = time.id.get_storage_size() / (channel.size * channel.dtype.itemsize)
+        equal(f"{time.name} is small", share < 0.03, True)
 
 
 def check_measured(run):
@@ -203,6 +226,8 @@ def rewrite_one(old, path, kind):
             copy = new.create_group(f"runs/{name}")
             attributes(run, copy, kind)
             for channel, samples in run["channels"].items():
+                if samples.is_scale:
+                    continue
                 change = SAMPLES.get(kind, lambda samples: samples)
                 is_long = samples.size > 32
                 storage = STORAGE.get(kind, {}) if is_long else {}
@@ -239,6 +264,8 @@ def interrupt(path):
 
 def attributes(old, new, kind):
     for name, value in old.attrs.items():
+        if name == "DIMENSION_LIST":
+            continue
         if isinstance(value, str) and kind == "matlab":
             new.attrs.create(name, np.array([value], dtype=object), dtype=h5py.string_dtype())
         elif isinstance(value, str) and kind == "matlab_columns":

@@ -1,6 +1,7 @@
 //! Runs from a file, whoever wrote it.
 
 use super::encoding::{self, missing_filter, odd_float};
+use super::scale::is_scale;
 use super::{
     ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, TalliedWindowRow,
 };
@@ -140,7 +141,7 @@ impl RunFile {
         group(&root, &self.file, &format!("runs/{id}"))
     }
 
-    /// The datasets of a group that may be missing.
+    /// The datasets of a group that may be missing; scales of their dimensions are none of them.
     fn members(&self, run: &Group, name: &str) -> Outcome<Vec<(String, Dataset)>> {
         if !run.link_exists(name) {
             return Ok(Vec::new());
@@ -149,7 +150,11 @@ impl RunFile {
         let place = self.place(&group);
         let names = sorted_names(&group).map_err(|error| place.damaged(&error))?;
         let open = |name: String| Ok((name.clone(), dataset(&place, &group, &name)?));
-        names.into_iter().map(open).collect()
+        let opened = names.into_iter().map(open);
+        let is_member = |member: &Outcome<(String, Dataset)>| {
+            !member.as_ref().is_ok_and(|(_, dataset)| is_scale(dataset))
+        };
+        opened.filter(is_member).collect()
     }
 
     fn truth(&self, truth: &Group, label: Option<TerrainLabel>) -> Outcome<Truth> {

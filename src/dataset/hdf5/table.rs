@@ -3,11 +3,12 @@
 //! ```text
 //! /                  format = "lugwheel-table", format_version = 1, created_by, seed where simulated;
 //!                    columns = their names in order
-//! /columns/<name>    whole numbers, numbers (NaN where there is none) or texts; unit, meaning
+//! /columns/<name>    the first is the dimension scale of the others; whole numbers, numbers (NaN where there is none) or texts; unit, meaning
 //! ```
 //!
-//! In Python: `pandas.DataFrame({name: file["columns"][name][:] for name in file.attrs["columns"]})`.
+//! In Python: `xarray.open_dataset("table.h5", group="columns").to_dataframe()`.
 
+use super::scale;
 use super::writing::{begin, complete, group, set_text, table};
 use super::{Outcome, RunFileError, reason};
 use crate::dataset::Provenance;
@@ -47,7 +48,11 @@ fn write_columns(file: &File, records: &Records) -> Result<()> {
         set_text(&dataset, "unit", field.unit)?;
         set_text(&dataset, "meaning", field.meaning)?;
     }
-    Ok(())
+    let mut names = records.fields.iter().map(|field| &*field.name);
+    match names.next() {
+        Some(first) => scale::attach(&columns, first, names),
+        None => Ok(()),
+    }
 }
 
 fn write_column(columns: &Group, field: &Field, cells: &[&str]) -> Result<Dataset> {

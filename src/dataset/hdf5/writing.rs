@@ -1,6 +1,7 @@
 //! Runs to a file, one after another.
 
 use super::reason;
+use super::scale;
 use super::{
     ClassWindowRow, ContactRow, FORMAT, FORMAT_VERSION, ProfileRow, RunFileError, TalliedWindowRow,
     Word,
@@ -223,6 +224,7 @@ fn write_run(file: &File, id: &str, trace: &Trace) -> Result<()> {
             }
         }
     }
+    scale::write_times(&channels, &trace.channels)?;
     if !trace.means.is_empty() {
         let means = group(&run, "means")?;
         for mean in &trace.means {
@@ -323,6 +325,7 @@ fn write_channel(channels: &Group, channel: &Channel) -> Result<Dataset> {
         table.with_data(samples).create(name.as_str())?
     };
     set_text(&dataset, "unit", unit)?;
+    set_text(&dataset, "units", unit)?;
     set(&dataset, "sample_rate_hz", *sample_rate)?;
     set(&dataset, "start_s", *start)?;
     Ok(dataset)
@@ -425,7 +428,7 @@ pub(super) fn group(parent: &Group, name: &str) -> Result<Group> {
     builder.create(name)
 }
 
-fn set<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
+pub(super) fn set<T: H5Type>(location: &Location, name: &str, value: T) -> Result<()> {
     let attribute = location.new_attr::<T>().create(name)?;
     attribute.write_scalar(&value)
 }
