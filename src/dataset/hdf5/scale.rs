@@ -18,6 +18,9 @@ const SCALE: &[u8] = b"DIMENSION_SCALE";
 /// Bytes of [`SCALE`] and the NUL behind it.
 const SCALE_SIZE: usize = SCALE.len() + 1;
 
+/// Numbers [-] that take less space than the index of chunks that compressed ones need.
+const SHORT: usize = 512;
+
 /// An entry of `REFERENCE_LIST`: a dataset, and which of its dimensions.
 #[derive(Debug, Clone, Copy, H5Type)]
 #[repr(C)]
@@ -71,16 +74,18 @@ fn by_clock(channels: &[Channel]) -> Vec<Vec<&Channel>> {
 }
 
 /// Writes the times of the samples of `channel`. Readers that take the scale for a channel find its rate and start,
-/// and numbers without unit.
+/// and numbers without unit. With a ninth attribute HDF5 would store them all in 2 kB and more.
 fn write_time(group: &Group, channel: &Channel, name: &str) -> Result<()> {
-    let numbers: Vec<i64> = (0..).take(channel.samples.len()).collect();
-    let time = table(group, numbers.len())
-        .with_data(&numbers)
-        .create(name)?;
+    let numbers: Vec<u32> = (0..).take(channel.samples.len()).collect();
+    let builder = if numbers.len() < SHORT {
+        group.new_dataset_builder().obj_track_times(false)
+    } else {
+        table(group, numbers.len())
+    };
+    let time = builder.with_data(&numbers).create(name)?;
     set_text(&time, "unit", "1")?;
     set(&time, "sample_rate_hz", channel.sample_rate)?;
     set(&time, "start_s", channel.start)?;
-    set_text(&time, "long_name", "time")?;
     set_text(&time, "units", "s")?;
     set(&time, "scale_factor", channel.sample_rate.recip())?;
     set(&time, "add_offset", channel.start)

@@ -13,6 +13,7 @@ use crate::trace::{Channel, ClassWindow, LugTally, Mean, RunAttributes, Trace, T
 use crate::whole_file::{self, WholeFile};
 use ::hdf5::file::LibraryVersion;
 use ::hdf5::filters::deflate_available;
+use ::hdf5::plist::group_create::LinkPhaseChange;
 use ::hdf5::types::VarLenUnicode;
 use ::hdf5::{Dataset, DatasetBuilder, File, Group, H5Type, Location, Result};
 use std::collections::HashSet;
@@ -214,7 +215,7 @@ fn check_text(text: &str) -> Result<(), String> {
 fn write_run(file: &File, id: &str, trace: &Trace) -> Result<()> {
     let run = group(&file.group("runs")?, id)?;
     write_attributes(&run, &trace.attributes)?;
-    let channels = group(&run, "channels")?;
+    let channels = channel_group(&run)?;
     for channel in &trace.channels {
         let dataset = write_channel(&channels, channel)?;
         if let Some(steadiness) = trace.steadiness(&channel.name) {
@@ -421,6 +422,17 @@ pub(super) fn table(parent: &Group, rows: usize) -> DatasetBuilder {
         return builder;
     }
     builder.chunk(rows.min(CHUNK)).shuffle().deflate(DEFLATE)
+}
+
+/// The group of channels and their times, of which HDF5 would index more than eight in 5 kB.
+fn channel_group(run: &Group) -> Result<Group> {
+    const UNINDEXED: LinkPhaseChange = LinkPhaseChange {
+        max_compact: 32,
+        min_dense: 24,
+    };
+    let builder = run.create_group_builder().obj_track_times(false);
+    let builder = builder.with_gcpl(|gcpl| gcpl.link_phase_change(UNINDEXED));
+    builder.create("channels")
 }
 
 pub(super) fn group(parent: &Group, name: &str) -> Result<Group> {
