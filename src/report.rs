@@ -3,6 +3,7 @@
 //! - [`trace_figure`]: what one run recorded, as one drawing.
 //! - [`run_page()`]: the same as a page, with [`RunView`]: the wheel moves over its ground, and channels can be
 //!   zoomed and read off.
+//! - [`mcap_file()`]: the same for viewers of robots.
 //! - [`side_by_side()`]: the same channels of several runs, on one scale.
 //! - [`wheel_picture()`]: the wheel on its ground, to scale.
 //! - [`feature_values()`], [`feature_planes()`]: windows by their vibration features.
@@ -44,6 +45,7 @@ mod gap_waterfall;
 pub mod image;
 mod isolability_map;
 mod matrix_figure;
+mod mcap_file;
 mod packed;
 pub mod page;
 mod parameter_figure;
@@ -75,6 +77,7 @@ pub use gap_map::gap_map;
 pub use gap_waterfall::gap_waterfall;
 pub use isolability_map::isolability_map;
 pub use matrix_figure::{Entries, matrix_figure};
+pub use mcap_file::mcap_file;
 pub use page::{Page, page};
 pub use parameter_figure::{IdentifiedGround, parameter_figure};
 pub use power_figure::power_figure;
@@ -97,4 +100,7 @@ pub enum ReportError {
         "run {0} holds nothing to draw: no channel or mean with a finite value, and no ground profile"
     )]
     Empty(String),
+    /// The MCAP format has no place for it.
+    #[error("cannot write MCAP: {0}")]
+    Mcap(String),
 }

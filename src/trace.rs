@@ -105,6 +105,26 @@ impl Channel {
     }
 }
 
+/// The channels with samples by rate, start and length, those shared by most first.
+pub fn by_clock(channels: &[Channel]) -> Vec<Vec<&Channel>> {
+    let clock = |channel: &Channel| (channel.sample_rate, channel.start, channel.samples.len());
+    let mut clocks: Vec<Vec<&Channel>> = Vec::new();
+    let recorded = channels
+        .iter()
+        .filter(|channel| !channel.samples.is_empty());
+    for channel in recorded {
+        let known = clocks
+            .iter_mut()
+            .find(|shared| clock(shared[0]) == clock(channel));
+        match known {
+            Some(shared) => shared.push(channel),
+            None => clocks.push(vec![channel]),
+        }
+    }
+    clocks.sort_by_key(|shared| std::cmp::Reverse(shared.len()));
+    clocks
+}
+
 /// A steady-state value where there is no time series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mean {

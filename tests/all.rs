@@ -34,6 +34,7 @@ mod learning;
 mod log_dialects;
 mod log_fuzz;
 mod logs;
+mod mcap;
 mod measured_soils;
 mod outputs;
 mod page_in_chromium;

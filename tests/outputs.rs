@@ -332,7 +332,7 @@ fn plot_refuses_a_suffix_that_it_does_not_write() {
     let folder = workplace();
     let refused = run(folder.path(), "plot ht.h5 --out a.jpg");
     let said = error(&refused);
-    let way_out = "plot writes svg, png, pdf and html; name a.svg";
+    let way_out = "plot writes svg, png, pdf, html and mcap; name a.svg";
     assert!(said.contains(way_out), "{said}");
 }
 

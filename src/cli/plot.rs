@@ -7,7 +7,7 @@ use super::provenance::{self, quoted};
 use crate::dataset::hdf5::RunFile;
 use crate::report::figure::Layout;
 use crate::report::page::Provenance;
-use crate::report::{image, laid_out_trace_figure, page, run_page};
+use crate::report::{image, laid_out_trace_figure, mcap_file, page, run_page};
 use crate::trace::Trace;
 use anyhow::{Context, ensure};
 use clap::Args;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// Draw a run: the wheel on its ground, every channel over time, the spectrum
 ///
 /// As a figure (SVG, PNG or PDF), or as an HTML page in which the wheel moves and the channels can be zoomed
-/// and read off.
+/// and read off, or as MCAP for viewers of robots.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Plot {
@@ -29,7 +29,7 @@ pub struct Plot {
     /// Id of the run; the first if not given
     #[arg(long, value_name = "ID")]
     run: Option<String>,
-    /// File to write, .svg, .png, .pdf or .html [default: beside the run file, with the run's id]
+    /// File to write, .svg, .png, .pdf, .html or .mcap [default: beside the run file, with the run's id]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// What to write [default: as --out ends, else svg]
@@ -61,8 +61,9 @@ impl Plot {
     /// Draws the run.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let format = Format::of(self.format, self.out.as_deref())?;
+        let is_figure = !matches!(format, Format::Html | Format::Mcap);
         ensure!(
-            format != Format::Html || (self.width.is_none() && !self.no_title),
+            is_figure || (self.width.is_none() && !self.no_title),
             "--width and --no-title are for figures; a page takes the width of its window"
         );
         let file = RunFile::open(&self.file)?;
@@ -90,6 +91,9 @@ impl Plot {
         if format == Format::Html {
             return Ok(page(&run_page(trace, run, self.provenance(run))?).into_bytes());
         }
+        if format == Format::Mcap {
+            return Ok(mcap_file(trace, run)?);
+        }
         let is_titled = !self.no_title;
         let layout = match self.width {
             Some(width) => Layout::on_paper(width, is_titled),
@@ -102,7 +106,7 @@ impl Plot {
         Ok(match format {
             Format::Png => image::png(&svg)?,
             Format::Pdf => image::pdf(&svg)?,
-            Format::Svg | Format::Html => svg.into_bytes(),
+            Format::Svg | Format::Html | Format::Mcap => svg.into_bytes(),
         })
     }
 

@@ -18,6 +18,8 @@ pub enum Format {
     Pdf,
     /// A page in which the run moves
     Html,
+    /// Channels, wheel and ground for Foxglove and other viewers of robots
+    Mcap,
 }
 
 impl Format {
@@ -28,6 +30,7 @@ impl Format {
             Self::Png => "png",
             Self::Pdf => "pdf",
             Self::Html => "html",
+            Self::Mcap => "mcap",
         }
     }
 
@@ -45,7 +48,7 @@ impl Format {
         let Some(named) = named.next() else {
             let format = asked.unwrap_or(Self::Svg);
             bail!(
-                "plot writes svg, png, pdf and html; name {} instead of {}",
+                "plot writes svg, png, pdf, html and mcap; name {} instead of {}",
                 out.with_extension(format.ending()).display(),
                 out.display()
             );

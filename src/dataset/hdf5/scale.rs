@@ -4,7 +4,7 @@
 //! each of these names its scale in `DIMENSION_LIST`.
 
 use super::writing::{set, set_text, table};
-use crate::trace::Channel;
+use crate::trace::{Channel, by_clock};
 use ::hdf5::types::{FixedAscii, VarLenArray};
 use ::hdf5::{
     Dataset, Datatype, Group, H5Type, Location, ObjectReference, ObjectReference1, Result,
@@ -51,26 +51,6 @@ pub(super) fn write_times(group: &Group, channels: &[Channel]) -> Result<()> {
         attach(group, &name, shared.iter().map(|channel| &*channel.name))?;
     }
     Ok(())
-}
-
-/// The channels with samples by rate, start and length, those shared by most first.
-fn by_clock(channels: &[Channel]) -> Vec<Vec<&Channel>> {
-    let clock = |channel: &Channel| (channel.sample_rate, channel.start, channel.samples.len());
-    let mut clocks: Vec<Vec<&Channel>> = Vec::new();
-    for channel in channels
-        .iter()
-        .filter(|channel| !channel.samples.is_empty())
-    {
-        match clocks
-            .iter_mut()
-            .find(|shared| clock(shared[0]) == clock(channel))
-        {
-            Some(shared) => shared.push(channel),
-            None => clocks.push(vec![channel]),
-        }
-    }
-    clocks.sort_by_key(|shared| std::cmp::Reverse(shared.len()));
-    clocks
 }
 
 /// Writes the times of the samples of `channel`. Readers that take the scale for a channel find its rate and start,
