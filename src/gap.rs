@@ -29,13 +29,14 @@ pub mod stages;
 pub mod statistics;
 mod tail;
 mod tree;
+mod whitening;
 
 pub use cell::{Cell, Covariate, Domain, Kappa, Measure, NoCell, Statistic};
 pub use comparison::{Caveat, Comparison, FEWEST_REPLICATES, Table};
 pub use condition::Condition;
 pub(crate) use condition::conditions;
 pub(crate) use curves::class_of;
-pub use distance::{Closed, Scores, Whitening, closed, energy_score, least_energy_score};
+pub use distance::{Closed, Scores, closed, energy_score, least_energy_score};
 pub use global::{Global, PERMUTATIONS, Test};
 pub use map::{Colour, Entry, GapMap, LEVEL, Margins, ParameterSpread};
 pub use readings::{Reading, Readings, Run};
@@ -59,9 +60,6 @@ pub enum GapError {
         /// Conditions and channels simulated.
         simulated: String,
     },
-    /// Too few replicates to estimate their spread.
-    #[error("{0} replicates, fewer than {FEWEST_REPLICATES}: too few for their spread")]
-    TooFewReplicates(usize),
     /// A setting is out of its range.
     #[error(transparent)]
     Range(RangeError),

@@ -6,7 +6,7 @@ use lugwheel::features::Settings;
 use lugwheel::features::reference::Reference;
 use lugwheel::gap::{
     Caveat, Cell, Colour, Comparison, Domain, GapError, Margins, ParameterSpread, Reading,
-    Readings, Run, Scores, Statistic, Statistician, Whitening, closed, stages,
+    Readings, Run, Scores, Statistic, Statistician, closed, stages,
 };
 use lugwheel::identification::{Setting, SteadyLoad};
 use lugwheel::quantity::Seed;
@@ -465,47 +465,6 @@ fn one_condition_without_repeats_is_compared_with_both_caveats() {
 }
 
 // One number.
-
-fn readings(seed: u64, numbers: std::ops::Range<u64>, shift: f64) -> Vec<Readings> {
-    let off = Cell::new("normal_force", Statistic::Band(10));
-    numbers
-        .map(|i| made_up(0.1, i, seed, Some((&off, shift))).readings)
-        .collect()
-}
-
-#[test]
-fn whitened_replicates_lie_one_spread_apart_and_correlated_cells_count_once() {
-    let replicates = readings(2, 0..60, 0.0);
-    let whitening = Whitening::of(&replicates.iter().collect::<Vec<_>>()).unwrap();
-    let fresh: Vec<Vec<f64>> = readings(2, 100..160, 0.0)
-        .iter()
-        .map(|run| whitening.whitened(run).unwrap())
-        .collect();
-    let square = fresh
-        .iter()
-        .map(|run| run.iter().map(|x| x * x).sum::<f64>())
-        .sum::<f64>()
-        / 60.0;
-    // Per cell and squared, 1; the cells' means are those of 60 others.
-    assert!((square - 1.0).abs() < 0.15, "{square}");
-    assert!(
-        whitening.shrinkage > 0.5,
-        "independent cells have no covariance to keep"
-    );
-}
-
-#[test]
-fn the_energy_score_is_least_where_nothing_is_off() {
-    let replicates = readings(4, 0..20, 0.0);
-    let replicates: Vec<&Readings> = replicates.iter().collect();
-    let whitening = Whitening::of(&replicates).unwrap();
-    let score = |shift: f64| {
-        let scores = readings(4, 100..110, shift);
-        let of = |run| whitening.energy_score(run, &replicates).unwrap();
-        scores.iter().map(of).sum::<f64>() / 10.0
-    };
-    assert!(score(0.0) < score(3.0) && score(3.0) < score(8.0));
-}
 
 fn scores(slip: f64, [recalibrated, with_effect, floor]: [f64; 3]) -> Scores {
     let at = made_up(slip, 0, 0, None);

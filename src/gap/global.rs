@@ -3,7 +3,7 @@
 //! Under the null hypothesis the measured run of a condition is exchangeable with its replicates. Labels are
 //! therefore permuted within conditions; all other steps, whitening included, do not use the labels.
 //!
-//! - *Energy distance* of the [whitened](super::distance::Whitening) runs, summed over conditions:
+//! - *Energy distance* of the [whitened](super::whitening::Whitening) runs, summed over conditions:
 //!   `2 E|X − Y| − E|X − X'| − E|Y − Y'|` is 0 where both sides have one distribution (Székely and
 //!   Rizzo 2013, J. Stat. Plan. Inference 143:1249-1272). It is sensitive to many small differences.
 //! - *Strongest cell*: the largest over cells of `Σ (t² − 1) / √(2 C)`, the sum over the `C`
@@ -12,8 +12,9 @@
 
 use super::cell::Cell;
 use super::comparison::Table;
-use super::distance::{Whitening, apart};
+use super::distance::apart;
 use super::evidence::{LEAST_SPREAD, moments};
+use super::whitening::Whitening;
 use crate::quantity::Seed;
 use rand::seq::SliceRandom;
 use serde::Serialize;
