@@ -20,7 +20,7 @@ pub mod splits;
 pub mod windows;
 
 use crate::dataset::records::{Field, Records};
-use crate::quantity::Seed;
+use crate::quantity::{Seed, hexadecimal};
 use crate::trace::Trace;
 use sha2::{Digest, Sha256};
 use splits::{GROUPINGS, Member, Part};
@@ -90,13 +90,9 @@ impl FileFact {
         Ok(Self {
             name: name.into_owned(),
             bytes,
-            sha256: in_hexadecimal(&hash.finalize()),
+            sha256: hexadecimal(&hash.finalize()),
         })
     }
-}
-
-fn in_hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Metadata of a data set besides its windows.

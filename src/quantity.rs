@@ -18,6 +18,11 @@ pub(crate) fn nearest_whole(x: f64) -> f64 {
     (x + NO_FRACTION) - NO_FRACTION
 }
 
+/// Bytes in hexadecimal digits, two each.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// A number outside the range in which its quantity has a meaning.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{quantity} [{unit}] must {}, got {value}", self.rule())]

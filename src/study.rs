@@ -162,7 +162,7 @@ pub use execution::{Diagnosing, Failure, Options, Outcome, Progress};
 use crate::dataset::hdf5::RunFileError;
 use crate::diagnosis::InvestigationError;
 use crate::document::{Document, Fault, Misfit, check_version};
-use crate::quantity::{RangeError, Seed};
+use crate::quantity::{RangeError, Seed, hexadecimal};
 use crate::recognition::baseline::BaselineError;
 use crate::scenario::experiment::ExperimentError;
 use crate::scenario::ready::{self, ReadyDocument};
@@ -471,7 +471,7 @@ impl Study {
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         }
-        hex(&hash.finalize())
+        hexadecimal(&hash.finalize())
     }
 
     /// Name and text of the scenarios that no run is of: that of the reference runs, and that of the
@@ -528,11 +528,6 @@ impl Study {
 
 /// The program whose results these are.
 const VERSION_OF_PROGRAM: &str = concat!("lugwheel ", env!("CARGO_PKG_VERSION"));
-
-/// Bytes in hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
 
 /// A scenario's fault without the excerpt of its text, which an edit may have made.
 fn in_one_line(error: &ScenarioError) -> String {

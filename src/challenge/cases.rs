@@ -10,7 +10,7 @@ use super::order::{Family, Order, Selection, Set};
 use super::truth::{Hidden, Level, Rig, Truth};
 use super::{ChallengeError, GROUNDS};
 use crate::effects::{Application, Form};
-use crate::study::hex;
+use crate::quantity::hexadecimal;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -341,7 +341,7 @@ impl Hand<'_> {
             edits: design.edits(sketch.rig, &mut self.rng("rig", number)),
             effects: sketch.effects,
             seed: selection.family.seed(*seed, number),
-            salt: hex(&salt),
+            salt: hexadecimal(&salt),
         }
     }
 }

@@ -5,8 +5,7 @@
 
 use super::order::{Family, Set};
 use crate::effects::{Application, EffectError, Form};
-use crate::quantity::Seed;
-use crate::study::hex;
+use crate::quantity::{Seed, hexadecimal};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -137,7 +136,7 @@ impl Truth {
 
 /// SHA-256 in hexadecimal digits.
 pub(super) fn sha256(bytes: &[u8]) -> String {
-    hex(&Sha256::digest(bytes))
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //!
 //! A file that is torn, altered or of another title does not open.
 
+use crate::quantity::hexadecimal;
 use sha2::{Digest, Sha256};
 
 /// The bytes of a file.
@@ -31,8 +32,7 @@ pub fn line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 
 /// SHA-256 in hexadecimal digits.
 pub fn hash(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 fn first_line(title: &str, content: &[u8]) -> String {

@@ -5,8 +5,9 @@
 //! to whoever publishes.
 
 use super::splits::PARTS;
-use super::{DataSet, FileFact, Kept, in_hexadecimal};
+use super::{DataSet, FileFact, Kept};
 use crate::dataset::records::{Field, Kind, Records};
+use crate::quantity::hexadecimal;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -76,7 +77,7 @@ fn text_file(stem: &str, ending: &str, text: &str) -> Value {
         "contentUrl": name,
         "contentSize": format!("{} B", text.len()),
         "encodingFormat": format,
-        "sha256": in_hexadecimal(&Sha256::digest(text)),
+        "sha256": hexadecimal(&Sha256::digest(text)),
     })
 }
 

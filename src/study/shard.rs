@@ -7,7 +7,8 @@
 //! # sha256 <of all the lines above>
 //! ```
 
-use super::{Study, hex};
+use super::Study;
+use crate::quantity::hexadecimal;
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
@@ -74,7 +75,7 @@ pub(super) fn opened<'t>(heading: &str, sealed: &'t str) -> Option<&'t str> {
 }
 
 fn checksum(body: &str) -> String {
-    hex(&Sha256::digest(body))
+    hexadecimal(&Sha256::digest(body))
 }
 
 #[cfg(test)]

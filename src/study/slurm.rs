@@ -23,7 +23,8 @@ pub use programs::Programs;
 
 use super::folder::{Before, Folder};
 use super::shard::{self, Shard};
-use super::{Study, StudyError, hex};
+use super::{Study, StudyError};
+use crate::quantity::hexadecimal;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroU32;
@@ -247,7 +248,7 @@ fn job_name(folder: &Folder, out: &Path) -> String {
     let mut hash = Sha256::new();
     hash.update(folder.fingerprint());
     hash.update(place.as_os_str().as_encoded_bytes());
-    format!("lugwheel-{}", &hex(&hash.finalize())[..12])
+    format!("lugwheel-{}", &hexadecimal(&hash.finalize())[..12])
 }
 
 /// One who follows the jobs of a study.

@@ -3,6 +3,7 @@
 use crate::diagnosis::{Answer, Diagnosis, Mechanism, Step, Suspect};
 use crate::gap::Colour;
 use crate::gap::stages::VibrationStages;
+use crate::quantity::hexadecimal;
 use crate::trace::behind_number;
 use anyhow::Context;
 use serde::Serialize;
@@ -74,10 +75,9 @@ impl Input {
     }
 
     fn new(path: &Path, bytes: &[u8]) -> Self {
-        let hash = Sha256::digest(bytes);
         Self {
             file: path.display().to_string(),
-            sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: hexadecimal(&Sha256::digest(bytes)),
         }
     }
 }

@@ -15,6 +15,7 @@
 use super::{BankError, Failure, Outcome};
 use crate::gap::{Cell, Reading, Readings, Run};
 use crate::identification::{SteadyLoad, Uncertainty};
+use crate::quantity::hexadecimal;
 use crate::trace::RunAttributes;
 use crate::whole_file;
 use sha2::{Digest, Sha256};
@@ -57,7 +58,7 @@ impl Key {
 /// In hexadecimal digits.
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(&hexadecimal(&self.0))
     }
 }
 
