@@ -191,6 +191,8 @@ pub mod features;
 
 pub mod recognition;
 
+pub mod table;
+
 pub mod identification;
 
 pub mod gap;

@@ -6,7 +6,7 @@ use super::scenario_args::ScenarioArgs;
 use super::series::{Jobs, Series};
 use super::steady::{QUANTITIES, Reading};
 use crate::learning::run_id;
-use crate::report::page::four_digits;
+use crate::table::four_digits;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use crate::trace::AtLimit;
 use clap::Args;

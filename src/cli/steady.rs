@@ -1,6 +1,6 @@
 //! What a run comes to: its steady loads, sinkage, slip and vibration.
 
-use crate::report::page::four_digits;
+use crate::table::four_digits;
 use crate::trace::Trace;
 use crate::trace::steadiness::Steadiness;
 use serde::{Deserialize, Serialize};

@@ -2,9 +2,9 @@
 
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, PALETTE, Panel, Stroke};
-use super::page::four_digits;
 use crate::diagnosis::Gaps;
 use crate::gap::Closed;
+use crate::table::four_digits;
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1100.0;

@@ -32,9 +32,7 @@
 //! A section shows its parts in the order in which they were added. All texts are plain, with blank
 //! lines between paragraphs, and are escaped; drawings go into the page as they are.
 
-mod table;
-
-pub use table::{Cell, Column, Table, four_digits};
+pub use crate::table::{Cell, Column, Table};
 
 use super::figure::escape;
 use super::run_view::RunView;
@@ -271,7 +269,7 @@ fn block_values(block: &Block) -> Value {
 
 fn table_values(table: &Table) -> Value {
     let is_number: Vec<bool> = (0..table.columns.len())
-        .map(|column| holds_numbers(table, column))
+        .map(|column| table.holds_numbers(column))
         .collect();
     let columns = table.columns.iter().zip(&is_number);
     let columns = columns.map(|(column, is_number)| {
@@ -291,13 +289,6 @@ fn table_values(table: &Table) -> Value {
         columns => columns.collect::<Vec<_>>(),
         rows => rows.collect::<Vec<_>>(),
     }
-}
-
-/// Whether a column holds numbers, and no text among them.
-fn holds_numbers(table: &Table, column: usize) -> bool {
-    let cells = || table.rows.iter().filter_map(|row| row.get(column));
-    let is_text = |cell: &Cell| matches!(cell, Cell::Text(_) | Cell::Code(_));
-    cells().any(|cell| cell.key().is_some()) && !cells().any(is_text)
 }
 
 /// A name that may be broken within, as long keys have to be.

@@ -1,6 +1,6 @@
 //! What a run is, in words: ground, wheel, condition, where it comes from.
 
-use super::page::four_digits;
+use crate::table::four_digits;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::RunAttributes;
 

@@ -6,11 +6,11 @@ use super::channel_groups::{GROUPS, Group, drawable, remarks_on_channels, time_r
 use super::class_strip::{self, ClassSpan, merged};
 use super::envelope::{bounds, envelope};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Layout, MUTED, PALETTE, Panel, Stroke};
-use super::page::four_digits;
 use super::run_words::{origin, terrain_name, wheel_and_condition};
 use super::scene::Scene;
 use super::spectrum::{OrderSpectrum, order_spectrum};
 use super::wheel_picture::{Ground, draw_wheel_on_ground};
+use crate::table::four_digits;
 use crate::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace};
 
 /// Room at the right edge [px].

@@ -5,9 +5,9 @@ use super::channel_groups::drawable;
 use super::class_strip::{ClassSpan, keys};
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, MUTED, PALETTE, Panel, Stroke};
-use super::page::four_digits;
 use super::trace_figure::draw_channel;
 use crate::recognition::Recognized;
+use crate::table::four_digits;
 use crate::trace::{Channel, Trace};
 
 /// Width of the drawing [px].

@@ -5,9 +5,10 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::series::Jobs;
 use crate::identification::Parameter;
-use crate::report::page::{Figure, Section, four_digits};
+use crate::report::page::{Figure, Section};
 use crate::report::{force_curves, study_page};
 use crate::study::identification::score::{GroupScore, IdentificationScore, Source};
+use crate::table::four_digits;
 use std::path::Path;
 
 const STUDY: &str = include_str!("identification.toml");

@@ -5,7 +5,7 @@ use super::text::{counted, write_item};
 use crate::identification::{
     Interval, Moduli, Parameter, PlateSize, Pressing, PressureSinkage, Resampled,
 };
-use crate::report::page::four_digits;
+use crate::table::four_digits;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::Trace;
 use crate::trace::wheel::Plate;

@@ -7,8 +7,8 @@ use super::summary::{
     Origin, ParameterReport, Report, RunReport, SettingReport, Summary, by_origin,
 };
 use crate::recognition::known::Source;
-use crate::report::page::four_digits;
 use crate::soil::StressConvention;
+use crate::table::four_digits;
 use crate::terrain::class::Wtic;
 use crate::trace::behind_number;
 use std::fmt;

@@ -3,7 +3,8 @@
 use super::ToldDiagnosis;
 use super::words::{self, listed, p_value, percent};
 use crate::diagnosis::{Answer, Diagnosis, Suspect, Verdict};
-use crate::report::page::{Section, four_digits};
+use crate::report::page::Section;
+use crate::table::four_digits;
 
 /// The answer with its probability.
 pub fn sentence(told: &ToldDiagnosis) -> String {

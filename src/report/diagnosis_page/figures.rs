@@ -6,7 +6,8 @@ use super::{end_results, shrinkage};
 use crate::diagnosis::inference::SelfTest;
 use crate::diagnosis::{Diagnosis, EndResults, InUnits, Step, Verdict};
 use crate::gap::Statistic;
-use crate::report::page::{Section, four_digits};
+use crate::report::page::Section;
+use crate::table::four_digits;
 
 /// Causes of a set that are listed.
 const LISTED: usize = 6;

@@ -4,8 +4,9 @@ use super::ToldDiagnosis;
 use super::words;
 use crate::diagnosis::parameter::{Coordinate, Parameter};
 use crate::diagnosis::{Recalibrated, Verdict};
-use crate::report::page::{Cell, Column, Section, Table, four_digits};
+use crate::report::page::{Cell, Column, Section, Table};
 use crate::scenario::Scenario;
+use crate::table::four_digits;
 
 /// Deviations of the normal distribution that hold 95 %.
 const NORMAL_95: f64 = 1.959964;

@@ -1,9 +1,10 @@
 //! What every condition gave.
 
 use super::value_cell;
-use crate::report::page::{Cell, Column, Section, Table, four_digits};
+use crate::report::page::{Cell, Column, Section, Table};
 use crate::study::Study;
 use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady};
+use crate::table::four_digits;
 
 /// Conditions shown; a page is no place for more.
 const SHOWN: usize = 400;

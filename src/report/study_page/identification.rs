@@ -4,13 +4,14 @@ use super::value_cell;
 use crate::identification::{Force, Standing};
 use crate::identification::{Parameter, TerrainParameters};
 use crate::recognition::confusion::Share;
-use crate::report::page::{Cell, Column, Figure, Section, Table, four_digits};
+use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{IdentifiedGround, force_curves, parameter_figure};
 use crate::soil::{Soil, table_6};
 use crate::study::identification::score::{
     Accuracy, CarriedScore, Choice, DriftScore, GroundScore, GroupScore, IdentificationScore,
     ModelScore, ParameterScore, PredictionScore, Source,
 };
+use crate::table::four_digits;
 use crate::terrain::class::{TerrainLabel, Wtic};
 
 /// The force errors by the model of the class recognised, beside those published.

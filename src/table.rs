@@ -1,8 +1,8 @@
-//! Tables of a page.
+//! Tables of results: one value, written as text, and by [`report::page`](crate::report::page) as HTML.
 
 use crate::recognition::confusion::Share;
 
-/// A table; a click on a header sorts it.
+/// A table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
     /// What the numbers are.
@@ -36,9 +36,57 @@ impl Column {
         let columns = names.into_iter().map(|name| Self::new(name, ""));
         columns.collect()
     }
+
+    /// Name, and unit in brackets.
+    fn header(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.name.clone(),
+            unit => format!("{} [{unit}]", self.name),
+        }
+    }
 }
 
-/// What stands in a table. Measured and computed numbers are written with four digits.
+impl Table {
+    /// The columns and rows as lines of text behind `indent` blanks: columns of numbers to the right, others to the
+    /// left, two blanks between them, in ASCII but for the texts.
+    pub fn to_text(&self, indent: usize) -> String {
+        let header = self.columns.iter().map(Column::header).collect();
+        let rows = self.rows.iter().map(|row| {
+            let cells = row.iter().map(Cell::in_ascii);
+            cells.collect()
+        });
+        let lines: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
+        let widths: Vec<usize> = (0..self.columns.len())
+            .map(|column| {
+                let cells = lines.iter().filter_map(|line| line.get(column));
+                cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+            })
+            .collect();
+        let is_number: Vec<bool> = (0..self.columns.len())
+            .map(|column| self.holds_numbers(column))
+            .collect();
+        let mut text = String::new();
+        for line in &lines {
+            let cells = line.iter().zip(&widths).zip(&is_number);
+            let cells = cells.map(|((cell, &width), is_number)| match is_number {
+                true => format!("{cell:>width$}"),
+                false => format!("{cell:<width$}"),
+            });
+            let cells = cells.collect::<Vec<_>>().join("  ");
+            text.push_str(&format!("{:indent$}{}\n", "", cells.trim_end()));
+        }
+        text
+    }
+
+    /// Whether a column holds numbers, and no text among them.
+    pub(crate) fn holds_numbers(&self, column: usize) -> bool {
+        let cells = || self.rows.iter().filter_map(|row| row.get(column));
+        let is_text = |cell: &Cell| matches!(cell, Cell::Text(_) | Cell::Code(_));
+        cells().any(|cell| cell.key().is_some()) && !cells().any(is_text)
+    }
+}
+
+/// Content of a table's cell. Measured and computed numbers are written with four digits.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
     /// Text.
@@ -70,7 +118,7 @@ impl Cell {
     }
 
     /// As it stands in the table.
-    pub(in crate::report) fn written(&self) -> String {
+    pub(crate) fn written(&self) -> String {
         match self {
             Self::Text(text) | Self::Code(text) | Self::Written(text, _) => text.clone(),
             Self::Count(count) => count.to_string(),
@@ -85,8 +133,16 @@ impl Cell {
         }
     }
 
+    /// The same with hyphens for minus signs and dashes in numbers.
+    fn in_ascii(&self) -> String {
+        match self {
+            Self::Text(text) | Self::Code(text) => text.clone(),
+            number => number.written().replace(['−', '–'], "-"),
+        }
+    }
+
     /// By what it is sorted among numbers.
-    pub(super) fn key(&self) -> Option<f64> {
+    pub(crate) fn key(&self) -> Option<f64> {
         let key = match self {
             Self::Text(_) | Self::Code(_) | Self::Missing => return None,
             Self::Count(count) => *count as f64,
@@ -159,6 +215,36 @@ mod tests {
         assert_eq!(cell.written(), "96.0 % [93.1, 97.7]");
         assert_eq!(cell.key(), Some(0.96));
         assert_eq!(Cell::from(None::<&Share>).written(), "–");
+    }
+
+    #[test]
+    fn a_text_has_numbers_to_the_right_texts_to_the_left_and_no_blanks_at_the_end() {
+        let table = Table {
+            caption: "not in the text".to_owned(),
+            columns: vec![
+                Column::new("ground", ""),
+                Column::new("sinkage", "mm"),
+                Column::new("note", ""),
+            ],
+            rows: vec![
+                vec![
+                    Cell::text("loose sand"),
+                    Cell::Number(-12.3),
+                    Cell::text(""),
+                ],
+                vec![
+                    Cell::text("slate"),
+                    Cell::Missing,
+                    Cell::text("dry – so far"),
+                ],
+            ],
+        };
+        let expected = [
+            "  ground      sinkage [mm]  note",
+            "  loose sand        -12.30",
+            "  slate                  -  dry – so far",
+        ];
+        assert_eq!(table.to_text(2).lines().collect::<Vec<_>>(), expected);
     }
 
     #[test]
