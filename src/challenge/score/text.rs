@@ -2,6 +2,7 @@
 
 use super::{OfEffect, Score, Scores, Single};
 use crate::challenge::order::{Family, Set};
+use crate::table::{Cell, Column, Table};
 use std::fmt;
 
 /// How a score is written.
@@ -33,15 +34,18 @@ impl fmt::Display for Scores {
                 "cases for calibration: their scores do not measure quality"
             )?;
         }
-        writeln!(f, "{:<46}{:>9}{:>20}{:>6}  should be", "", "", "95 %", "n")?;
-        for (name, score, shown, goal) in self.lines() {
-            let (value, interval) = (value(score, shown), interval(score, shown));
-            writeln!(
-                f,
-                "{name:<46}{value:>9}{interval:>20}{:>6}  {goal}",
-                score.n
-            )?;
-        }
+        let rows = self.lines().into_iter().map(|(name, score, shown, goal)| {
+            let n = Cell::Count(score.n as u64);
+            let numbers = [value(score, shown), interval(score, shown), n];
+            let name = std::iter::once(Cell::Text(name));
+            name.chain(numbers).chain([Cell::text(goal)]).collect()
+        });
+        let table = Table {
+            columns: Column::named(["", "", "95 %", "n", "should be"]),
+            rows: rows.collect(),
+            ..Table::default()
+        };
+        f.write_str(&table.to_text(0))?;
         self.write_weak(f)
     }
 }
@@ -117,7 +121,7 @@ impl Scores {
         for effect in weak {
             let [partner, run] =
                 [&effect.partner, &effect.next_run].map(|word| word.as_deref().unwrap_or("-"));
-            let share = value(&effect.top1_equivalent, Shown::Percent);
+            let share = value(&effect.top1_equivalent, Shown::Percent).written();
             writeln!(
                 f,
                 "  {:<22}{share:>8}  taken for {partner}; the run to make: {run}",
@@ -187,17 +191,17 @@ fn of_single(set: Set, single: &Single) -> Vec<Line<'_>> {
     lines
 }
 
-fn value(score: &Score, shown: Shown) -> String {
-    score
-        .value
-        .map_or("-".to_owned(), |value| written(value, shown))
+fn value(score: &Score, shown: Shown) -> Cell {
+    let cell = |value| Cell::Written(written(value, shown), value);
+    score.value.map(cell).into()
 }
 
-fn interval(score: &Score, shown: Shown) -> String {
-    let Some([low, high]) = score.ci95 else {
-        return "-".to_owned();
+fn interval(score: &Score, shown: Shown) -> Cell {
+    let cell = |[low, high]: [f64; 2]| {
+        let text = format!("{} to {}", written(low, shown), written(high, shown));
+        Cell::Written(text, low)
     };
-    format!("{} to {}", written(low, shown), written(high, shown))
+    score.ci95.map(cell).into()
 }
 
 fn written(value: f64, shown: Shown) -> String {

@@ -2,6 +2,7 @@
 
 use super::score::{CampaignScore, DiagnosisScore, Finding};
 use crate::study::table::bare;
+use crate::table::{Cell, Column, Table};
 use crate::trace::behind_number;
 use std::fmt;
 
@@ -31,21 +32,12 @@ impl fmt::Display for DiagnosisScore {
             right.count(),
             self.without_answer().count()
         )?;
-        let rows = self.campaigns.iter().map(cells);
-        let rows: Vec<[String; 7]> = std::iter::once(COLUMNS.map(str::to_owned))
-            .chain(rows)
-            .collect();
-        let width = |column: usize| {
-            let widths = rows.iter().map(|row| row[column].chars().count());
-            widths.max().unwrap_or_default()
+        let table = Table {
+            columns: Column::named(COLUMNS),
+            rows: self.campaigns.iter().map(cells).collect(),
+            ..Table::default()
         };
-        let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
-        for row in &rows {
-            let cells = row.iter().zip(&widths);
-            let cells = cells.map(|(cell, &width)| format!("  {cell:<width$}"));
-            let line: String = cells.collect();
-            writeln!(f, "{}", line.trim_end())?;
-        }
+        f.write_str(&table.to_text(2))?;
         let mut without = self.without_answer().peekable();
         if without.peek().is_some() {
             writeln!(f, "\nNo answer:")?;
@@ -79,7 +71,7 @@ impl CampaignScore {
     }
 }
 
-fn cells(campaign: &CampaignScore) -> [String; 7] {
+fn cells(campaign: &CampaignScore) -> Vec<Cell> {
     let percent = |share: f64| format!("{:.0}", 100.0 * share);
     let p = campaign.probability_of_truth();
     let finding = campaign.finding();
@@ -96,6 +88,8 @@ fn cells(campaign: &CampaignScore) -> [String; 7] {
         finding.and_then(effect).unwrap_or_default(),
         closed.unwrap_or_default(),
     ]
+    .map(Cell::Text)
+    .to_vec()
 }
 
 /// The likeliest effect with its magnitude.

@@ -7,19 +7,9 @@ use super::score::{
 };
 use crate::identification::{Force, Parameter, Standing};
 use crate::recognition::confusion::{CLASSES, Share};
+use crate::table::{Cell, Column, Table};
 use crate::terrain::class::Wtic;
 use std::fmt;
-
-/// Width of a parameter with its interval.
-const PARAMETER: usize = 36;
-/// Width of a way to choose a model.
-const MODEL: usize = 28;
-/// Width of the errors of three forces.
-const ERRORS: usize = 23;
-/// Width of a parameter alone.
-const COLUMN: usize = 13;
-/// Width of the shares of three forces.
-const COVERED: usize = 18;
 
 impl fmt::Display for IdentificationScore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -41,9 +31,15 @@ impl fmt::Display for IdentificationScore {
     }
 }
 
-/// A line without trailing blanks.
-fn put(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
-    writeln!(f, "{}", text.trim_end())
+/// A table of texts.
+fn table<'n>(names: impl IntoIterator<Item = &'n str>, rows: Vec<Vec<String>>) -> Table {
+    let rows = rows.into_iter();
+    let cells = rows.map(|row| row.into_iter().map(Cell::Text).collect());
+    Table {
+        columns: Column::named(names),
+        rows: cells.collect(),
+        ..Table::default()
+    }
 }
 
 fn write_ground(
@@ -57,42 +53,36 @@ fn write_ground(
         "\n{}: ground {}, which stands for {class}; recognized as that in {} of {} fits",
         ground.scenario, ground.label, ground.recognized, ground.groups
     )?;
-    let columns = [
-        "fitted",
-        "means",
-        "left out",
-        "scatter of rows",
-        "scatter of means",
-    ];
-    let columns = columns.map(|column| format!("{column:<ERRORS$}"));
-    let columns = format!("{}{:<COVERED$}and left out", columns.concat(), "covered");
-    put(f, &format!("  {:MODEL$}{columns}", "model"))?;
-    for model in &ground.models {
-        let name = match model.choice {
-            Choice::Recognized => "by class recognized".to_owned(),
-            Choice::Always(of) => always(of, class),
-        };
-        let text = if model.groups == 0 {
-            "could not be fitted".to_owned()
-        } else {
-            let ModelScore {
-                fitted,
-                means,
-                left_out,
-                ..
-            } = model;
-            let errors = [fitted, means, left_out].map(errors);
-            let scatter = [fitted, means].map(scatter);
-            let covered = [fitted, left_out].map(covered);
-            [errors.concat(), scatter.concat(), covered.concat()].concat()
-        };
-        put(f, &format!("  {name:MODEL$}{text}"))?;
-    }
+    let mut rows: Vec<Vec<String>> = ground.models.iter().map(|it| model(it, class)).collect();
     if let Some(published) = published {
         let shown = Force::ALL.map(|force| published.error(class, force));
-        put(f, &format!("  {:MODEL$}{}", "published", three(shown)))?;
+        rows.push(vec!["published".to_owned(), three(shown)]);
     }
-    Ok(())
+    let errors = ["model", "fitted", "means", "left out", "scatter of rows"];
+    let names = ["scatter of means", "covered", "and left out"];
+    f.write_str(&table(errors.into_iter().chain(names), rows).to_text(2))
+}
+
+/// Name and errors of a way to choose a model.
+fn model(model: &ModelScore, ground: Wtic) -> Vec<String> {
+    let ModelScore {
+        fitted,
+        means,
+        left_out,
+        ..
+    } = model;
+    let mut cells = vec![match model.choice {
+        Choice::Recognized => "by class recognized".to_owned(),
+        Choice::Always(of) => always(of, ground),
+    }];
+    if model.groups == 0 {
+        cells.push("could not be fitted".to_owned());
+        return cells;
+    }
+    cells.extend([fitted, means, left_out].map(errors));
+    cells.extend([fitted, means].map(scatter));
+    cells.extend([fitted, left_out].map(covered));
+    cells
 }
 
 /// What it means to take the model of a class on ground of another.
@@ -113,12 +103,11 @@ fn scatter(accuracy: &Accuracy) -> String {
     three(Force::ALL.map(|force| accuracy.scatter_percent.get(force)))
 }
 
-/// Pull, load and torque [%], as wide as [`ERRORS`].
+/// Pull, load and torque [%].
 fn three(values: [Option<f64>; 3]) -> String {
     let shown = values.map(|value| value.map_or_else(|| "-".to_owned(), percent));
     let [pull, load, torque] = shown;
-    let shown = format!("{pull:>6} {load:>6} {torque:>6}");
-    format!("{shown:<ERRORS$}")
+    format!("{pull:>6} {load:>6} {torque:>6}")
 }
 
 /// A percentage with one decimal; without any above a thousand.
@@ -132,7 +121,7 @@ fn percent(value: f64) -> String {
     }
 }
 
-/// Shares [%] of pull, load and torque within their intervals, as wide as [`COVERED`].
+/// Shares [%] of pull, load and torque within their intervals.
 fn covered(accuracy: &Accuracy) -> String {
     let [pull, load, torque] = Force::ALL.map(|force| {
         let share = accuracy.covered.get(&force);
@@ -141,8 +130,7 @@ fn covered(accuracy: &Accuracy) -> String {
             |share| format!("{:.0}", 100.0 * share.value),
         )
     });
-    let shown = format!("{pull:>3} {load:>3} {torque:>3}");
-    format!("{shown:<COVERED$}")
+    format!("{pull:>3} {load:>3} {torque:>3}")
 }
 
 fn write_carried(
@@ -155,19 +143,18 @@ fn write_carried(
     }
     f.write_str("\nparameters of one ground kept on another: errors of pull, load, torque\n")?;
     let names = || score.grounds.iter().map(|ground| ground.scenario.as_str());
-    let width = names().map(str::len).max().unwrap_or_default() + 2;
-    let head: String = names().map(|name| format!("on {name:<ERRORS$}")).collect();
-    put(f, &format!("  {:width$}{head}", "of"))?;
-    for from in names() {
+    let row = |from: &str| {
         let on = |to: &str| {
             let found = carried.iter().find(|c| c.from == from && c.to == to);
-            let shown = found.map(|found| errors(&found.accuracy));
-            format!("{:<w$}", shown.unwrap_or_default(), w = ERRORS + 3)
+            found.map_or_else(String::new, |found| errors(&found.accuracy))
         };
-        let row: String = names().map(on).collect();
-        put(f, &format!("  {from:width$}{row}"))?;
-    }
-    Ok(())
+        std::iter::once(from.to_owned())
+            .chain(names().map(on))
+            .collect()
+    };
+    let head: Vec<String> = names().map(|name| format!("on {name}")).collect();
+    let head = std::iter::once("of").chain(head.iter().map(String::as_str));
+    f.write_str(&table(head, names().map(row).collect()).to_text(2))
 }
 
 fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fmt::Result {
@@ -178,39 +165,18 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) ->
         "\npredicted by the parameters from the reference condition; `stops` where an error is above twice \
          the published one;\nby ALCT and SLCT pull and torque are predicted at the load measured, the load as it was fitted\n",
     )?;
-    let places = score
-        .predictions
-        .iter()
-        .map(|p| place(&p.scenario, &p.shared));
-    let width = places.map(|place| place.len()).max().unwrap_or_default() + 2;
-    put(
-        f,
-        &format!(
-            "  {:width$}model {:<ERRORS$}{:<ERRORS$}stops",
-            "", "error", "covered"
-        ),
-    )?;
-    for prediction in &score.predictions {
-        let PredictionScore {
-            scenario,
-            shared,
-            class,
-            accuracy,
-            beyond,
-        } = prediction;
-        let beyond: Vec<&str> = beyond.iter().map(|force| force.name()).collect();
-        put(
-            f,
-            &format!(
-                "  {:width$}{class:6}{}{}  {}",
-                place(scenario, shared),
-                errors(accuracy),
-                covered(accuracy),
-                beyond.join(", ")
-            ),
-        )?;
-    }
-    Ok(())
+    let row = |prediction: &PredictionScore| {
+        let beyond: Vec<&str> = prediction.beyond.iter().map(|force| force.name()).collect();
+        vec![
+            place(&prediction.scenario, &prediction.shared),
+            prediction.class.to_string(),
+            errors(&prediction.accuracy),
+            covered(&prediction.accuracy),
+            beyond.join(", "),
+        ]
+    };
+    let rows = score.predictions.iter().map(row).collect();
+    f.write_str(&table(["", "model", "error", "covered", "stops"], rows).to_text(2))
 }
 
 /// The parameters of all groups side by side.
@@ -221,29 +187,29 @@ fn write_overview(f: &mut fmt::Formatter<'_>, score: &IdentificationScore) -> fm
     if score.groups.iter().any(|group| group.not_steady > 0) {
         f.write_str("~ where some rows of a group are not steady\n")?;
     }
-    let places = score.groups.iter().map(|g| place(&g.scenario, &g.shared));
-    let width = places.map(|place| place.len()).max().unwrap_or_default() + 2;
-    let names = Parameter::ALL.map(|parameter| format!("{:>COLUMN$}", parameter.name()));
-    put(f, &format!("  {:width$}model {}", "", names.concat()))?;
-    for group in &score.groups {
-        let text = |parameter: &ParameterScore| {
-            let value = number(parameter.value);
-            let value = match (parameter.identifiable, parameter.identified.standing) {
-                (false, Standing::NotIdentifiable) => format!("({value})"),
-                (false, _) => "set".to_owned(),
-                (true, _) => value,
-            };
-            format!("{value:>COLUMN$}")
-        };
-        let (class, values) = group.parameters().map_or_else(
-            || ("-".to_owned(), String::new()),
-            |(class, found)| (class.to_string(), found.iter().map(text).collect()),
-        );
-        let mark = if group.not_steady > 0 { "~" } else { "" };
-        let place = format!("{}{mark}", place(&group.scenario, &group.shared));
-        put(f, &format!("  {place:width$}{class:6}{values}"))?;
-    }
-    Ok(())
+    let names = Parameter::ALL.map(Parameter::name);
+    let names = ["", "model"].into_iter().chain(names);
+    let rows = score.groups.iter().map(overview).collect();
+    f.write_str(&table(names, rows).to_text(2))
+}
+
+/// Name, model and parameters of a group.
+fn overview(group: &GroupScore) -> Vec<String> {
+    let text = |parameter: &ParameterScore| {
+        let value = number(parameter.value);
+        match (parameter.identifiable, parameter.identified.standing) {
+            (false, Standing::NotIdentifiable) => format!("({value})"),
+            (false, _) => "set".to_owned(),
+            (true, _) => value,
+        }
+    };
+    let (class, values) = group.parameters().map_or_else(
+        || ("-".to_owned(), Vec::new()),
+        |(class, found)| (class.to_string(), found.iter().map(text).collect()),
+    );
+    let mark = if group.not_steady > 0 { "~" } else { "" };
+    let place = format!("{}{mark}", place(&group.scenario, &group.shared));
+    [place, class].into_iter().chain(values).collect()
 }
 
 fn place(scenario: &str, shared: &[(String, String)]) -> String {
@@ -283,7 +249,7 @@ fn write_group(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Result {
     for (run, reason) in &group.without {
         writeln!(f, "  run {run} has no row: {reason}")?;
     }
-    write_parameters(f, group)?;
+    f.write_str(&parameters(group).to_text(2))?;
     for fit in &group.fits {
         write_remarks(f, fit)?;
     }
@@ -318,31 +284,25 @@ impl fmt::Display for DriftScore {
     }
 }
 
-fn write_parameters(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Result {
-    let found: Vec<&FitScore> = group
-        .fits
-        .iter()
-        .filter(|fit| fit.found().is_some())
-        .collect();
-    let named = |fit: &&FitScore| {
-        let name = always(fit.class, group.label.class());
-        format!("{name:<PARAMETER$}")
-    };
-    let names: String = found.iter().map(named).collect();
-    put(f, &format!("  {:18}{:12}{names}", "parameter", "own value"))?;
-    for (place, parameter) in Parameter::ALL.into_iter().enumerate() {
-        let of = |fit: &&FitScore| fit.found().map(|found| found.parameters[place]);
-        let parameters: Vec<ParameterScore> = found.iter().filter_map(of).collect();
-        let own = parameters.iter().find_map(|parameter| parameter.own);
-        let own = own.map_or_else(|| "-".to_owned(), number);
-        let values: String = parameters
-            .iter()
-            .map(|parameter| format!("{:<PARAMETER$}", value(parameter)))
-            .collect();
+/// Own and fitted value of every parameter, a column a fit.
+fn parameters(group: &GroupScore) -> Table {
+    let fits = group.fits.iter();
+    let fits: Vec<(&FitScore, &FoundScore)> =
+        fits.filter_map(|fit| Some((fit, fit.found()?))).collect();
+    let row = |(place, parameter): (usize, Parameter)| {
+        let found = fits.iter().map(|(_, found)| &found.parameters[place]);
+        let own = found.clone().find_map(|parameter| parameter.own);
         let name = format!("{} [{}]", parameter.name(), parameter.unit());
-        put(f, &format!("  {name:18}{own:12}{values}"))?;
-    }
-    Ok(())
+        let own = own.map_or_else(|| "-".to_owned(), number);
+        [name, own].into_iter().chain(found.map(value)).collect()
+    };
+    let classes = fits
+        .iter()
+        .map(|(fit, _)| always(fit.class, group.label.class()));
+    let classes: Vec<String> = classes.collect();
+    let names = ["parameter", "own value"].into_iter();
+    let rows = Parameter::ALL.into_iter().enumerate().map(row).collect();
+    table(names.chain(classes.iter().map(String::as_str)), rows)
 }
 
 /// A value with its interval; `*` where the interval covers the scenario's true value.
@@ -377,14 +337,12 @@ fn write_remarks(f: &mut fmt::Formatter<'_>, fit: &FitScore) -> fmt::Result {
                 left_out,
                 ..
             } = &**found;
-            put(
+            writeln!(
                 f,
-                &format!(
-                    "  {class}: reduced chi square {}; errors fitted{}; left out{}",
-                    number(*reduced_chi_square),
-                    errors(fitted).trim_end(),
-                    errors(left_out).trim_end()
-                ),
+                "  {class}: reduced chi square {}; errors fitted{}; left out{}",
+                number(*reduced_chi_square),
+                errors(fitted),
+                errors(left_out)
             )?;
             let mut remarks = combinations.iter().chain(warnings);
             remarks.try_for_each(|remark| writeln!(f, "    {remark}"))
@@ -396,40 +354,32 @@ fn write_repeats(f: &mut fmt::Formatter<'_>, repeats: &[RepeatScore]) -> fmt::Re
     let Some(first) = repeats.first() else {
         return Ok(());
     };
-    put(
+    writeln!(
         f,
-        &format!(
-            "  {} repeats fitted alone, in ln k_s, ln c, ln K and phi [rad]",
-            first.fits
-        ),
+        "  {} repeats fitted alone, in ln k_s, ln c, ln K and phi [rad]",
+        first.fits
     )?;
-    put(
-        f,
-        "    parameter  identified  deviation  half-width  holds mean  holds own value",
-    )?;
-    for repeat in repeats {
-        let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
-        let share = |share: Option<Share>| {
-            let of = |share: Share| {
-                let held = (share.value * share.n as f64).round();
-                format!("{held} of {}", share.n)
-            };
-            share.map_or_else(|| "-".to_owned(), of)
+    let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+    let share = |share: Option<Share>| {
+        let of = |share: Share| {
+            let held = (share.value * share.n as f64).round();
+            format!("{held} of {}", share.n)
         };
-        put(
-            f,
-            &format!(
-                "    {:11}{:>10}  {:>9}  {:>10}  {:>10}  {:>15}",
-                repeat.parameter.name(),
-                repeat.identified,
-                shown(repeat.deviation),
-                shown(repeat.half_width),
-                share(repeat.holds_mean),
-                share(repeat.holds_own)
-            ),
-        )?;
-    }
-    Ok(())
+        share.map_or_else(|| "-".to_owned(), of)
+    };
+    let row = |repeat: &RepeatScore| {
+        vec![
+            repeat.parameter.name().to_owned(),
+            repeat.identified.to_string(),
+            shown(repeat.deviation),
+            shown(repeat.half_width),
+            share(repeat.holds_mean),
+            share(repeat.holds_own),
+        ]
+    };
+    let names = ["parameter", "identified", "deviation", "half-width"];
+    let names = names.into_iter().chain(["holds mean", "holds own value"]);
+    f.write_str(&table(names, repeats.iter().map(row).collect()).to_text(4))
 }
 
 /// Four digits, with an exponent where the number is far from 1.

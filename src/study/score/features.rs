@@ -4,9 +4,9 @@
 use super::reading::Row;
 use crate::recognition::paper::regions;
 use crate::study::Study;
+use crate::table::{Cell, Column, Table};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use std::fmt;
 
 /// Names of the features, in their order.
 const NAMES: [&str; 4] = ["p1", "p2", "p3", "p4"];
@@ -155,84 +155,58 @@ pub(crate) fn hundredths(value: f64) -> String {
     }
 }
 
-/// Writes the tables of features: their percentiles, and their dependence on speed where there is one.
-pub(super) fn write(f: &mut fmt::Formatter<'_>, scenarios: &[FeaturesOfScenario]) -> fmt::Result {
-    let names = scenarios.iter().map(|s| s.scenario.len());
-    let width = names.max().unwrap_or(0) + 2;
-    write_percentiles(f, scenarios, width)?;
-    if scenarios.iter().all(|s| s.features[0].slope.is_none()) {
-        return Ok(());
+/// The tables of features: their percentiles, and their dependence on speed where there is one.
+pub(super) fn text(scenarios: &[FeaturesOfScenario]) -> String {
+    let mut text = format!(
+        "\nfeatures: 10 %, 50 %, 90 % of the windows, and windows within the paper's limits for the class of the label\n{}",
+        percentiles(scenarios).to_text(2)
+    );
+    if scenarios.iter().any(|it| it.features[0].slope.is_some()) {
+        text.push_str(&format!(
+            "\nspeed: decades of a feature per decade of speed, with Student's 95 % interval\n{}",
+            slopes(scenarios).to_text(2)
+        ));
     }
-    write_slopes(f, scenarios, width)
+    text
 }
 
-fn write_percentiles(
-    f: &mut fmt::Formatter<'_>,
-    scenarios: &[FeaturesOfScenario],
-    width: usize,
-) -> fmt::Result {
-    writeln!(
-        f,
-        "\nfeatures: 10 %, 50 %, 90 % of the windows, and windows within the paper's limits for the class of the label"
-    )?;
-    write!(f, "  {:width$}{:>7}", "scenario", "windows")?;
-    for name in NAMES {
-        write!(f, "   {name:<28}")?;
+fn percentiles(scenarios: &[FeaturesOfScenario]) -> Table {
+    let row = |of: &FeaturesOfScenario| {
+        let spreads = of.features.iter().flat_map(|spread| {
+            let percentiles = spread.percentiles.map(hundredths).join(" ");
+            [Cell::Text(percentiles), Cell::Count(spread.within as u64)]
+        });
+        let first = [Cell::text(&of.scenario), Cell::Count(of.n as u64)];
+        first.into_iter().chain(spreads).collect()
+    };
+    let names = NAMES.iter().flat_map(|name| [*name, ""]);
+    Table {
+        columns: Column::named(["scenario", "windows"].into_iter().chain(names)),
+        rows: scenarios.iter().map(row).collect(),
+        ..Table::default()
     }
-    writeln!(f)?;
-    for FeaturesOfScenario {
-        scenario,
-        n,
-        features,
-    } in scenarios
-    {
-        write!(f, "  {scenario:width$}{n:>7}")?;
-        for FeatureSpread {
-            percentiles,
-            within,
-            ..
-        } in features
-        {
-            let spread = percentiles.map(hundredths).join(" ");
-            write!(f, "   {spread:<19}{within:>5}    ")?;
-        }
-        writeln!(f)?;
-    }
-    Ok(())
 }
 
-fn write_slopes(
-    f: &mut fmt::Formatter<'_>,
-    scenarios: &[FeaturesOfScenario],
-    width: usize,
-) -> fmt::Result {
-    writeln!(
-        f,
-        "\nspeed: decades of a feature per decade of speed, with Student's 95 % interval"
-    )?;
-    write!(f, "  {:width$}", "scenario")?;
-    for name in NAMES {
-        write!(f, "{name:<24}")?;
+fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
+    let slope = |spread: &FeatureSpread| {
+        let Slope {
+            value,
+            ci95: [low, high],
+        } = spread.slope?;
+        Some(Cell::Text(format!("{value:+.2} [{low:+.2}, {high:+.2}]")))
+    };
+    let row = |of: &FeaturesOfScenario| {
+        let slopes = of.features.iter().map(|spread| Cell::from(slope(spread)));
+        [Cell::text(&of.scenario)]
+            .into_iter()
+            .chain(slopes)
+            .collect()
+    };
+    Table {
+        columns: Column::named(["scenario"].into_iter().chain(NAMES)),
+        rows: scenarios.iter().map(row).collect(),
+        ..Table::default()
     }
-    writeln!(f)?;
-    for FeaturesOfScenario {
-        scenario, features, ..
-    } in scenarios
-    {
-        write!(f, "  {scenario:width$}")?;
-        for FeatureSpread { slope, .. } in features {
-            let text = slope.map_or(
-                "-".to_owned(),
-                |Slope {
-                     value,
-                     ci95: [low, high],
-                 }| { format!("{value:+.2} [{low:+.2}, {high:+.2}]") },
-            );
-            write!(f, "{text:<24}")?;
-        }
-        writeln!(f)?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

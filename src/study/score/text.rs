@@ -1,8 +1,10 @@
 //! Scores as text for reading, and as CSV.
 
+use super::features;
 use super::{Against, Counted, MethodScore, Part, RecognitionScore};
 use crate::recognition::confusion::{CLASSES, Share};
 use crate::study::table::{cell, line};
+use crate::table::{Cell, Column, Table};
 use std::fmt;
 
 impl RecognitionScore {
@@ -92,9 +94,9 @@ impl fmt::Display for RecognitionScore {
                 "\n{}: right answers by part, and their number of windows; true is the class of the label\n",
                 score.method
             )?;
-            parts(f, &score.map)?;
+            f.write_str(&parts(&score.map))?;
         }
-        super::features::write(f, &self.features)
+        f.write_str(&features::text(&self.features))
     }
 }
 
@@ -106,37 +108,34 @@ fn what_is_true(against: Against) -> &'static str {
     }
 }
 
-/// Width of a count, and of a share with its interval.
-const COUNT: usize = 7;
-const SHARE: usize = 24;
-/// Width of a confusion matrix with its recalls.
-const MATRIX: usize = 4 * COUNT + 3 + SHARE;
-
+/// Counts of answers and recall by true class, of the simulated windows and of those published.
 fn confusion(
     f: &mut fmt::Formatter<'_>,
     counted: &Counted,
     published: Option<&Counted>,
 ) -> fmt::Result {
-    let sides: Vec<(&str, &Counted)> = std::iter::once(("simulated", counted))
-        .chain(published.map(|published| ("published", published)))
-        .collect();
-    let titles = sides.iter().map(|(whose, _)| format!("{whose:<MATRIX$}"));
-    line_of(f, "", titles)?;
-    let columns = CLASSES.map(|class| format!("{:>COUNT$}", class.as_str()));
-    let columns = format!("{}   {:<SHARE$}", columns.concat(), "recall");
-    line_of(f, "true class", sides.iter().map(|_| columns.clone()))?;
-    for (row, class) in CLASSES.iter().enumerate() {
-        if sides
+    let published = published.map(|published| ("published", published));
+    let sides = [("simulated", counted)].into_iter().chain(published);
+    let rows = sides.clone().flat_map(|(whose, side)| {
+        let occurs = CLASSES
             .iter()
-            .any(|(_, side)| side.recalls.contains_key(class))
-        {
-            line_of(
-                f,
-                class.as_str(),
-                sides.iter().map(|(_, side)| matrix_row(side, row)),
-            )?;
-        }
-    }
+            .filter(|class| side.recalls.contains_key(class));
+        occurs.map(move |class| {
+            let counts = side.confusion.counts[*class as usize].map(Cell::Count);
+            let mut cells = vec![Cell::text(whose), Cell::text(class.as_str())];
+            cells.extend(counts);
+            cells.push(Cell::Text(share(side.recalls.get(class))));
+            cells
+        })
+    });
+    let classes = CLASSES.map(|class| class.as_str());
+    let columns = ["", "true class"].into_iter().chain(classes);
+    let table = Table {
+        columns: Column::named(columns.chain(["recall"])),
+        rows: rows.collect(),
+        ..Table::default()
+    };
+    f.write_str(&table.to_text(2))?;
     for (whose, side) in sides {
         writeln!(
             f,
@@ -149,47 +148,22 @@ fn confusion(
     Ok(())
 }
 
-/// Counts and recall of a true class.
-fn matrix_row(counted: &Counted, row: usize) -> String {
-    let counts = counted.confusion.counts[row].map(|count| format!("{count:>COUNT$}"));
-    let recall = share(counted.recalls.get(&CLASSES[row]));
-    format!("{}   {recall:<SHARE$}", counts.concat())
-}
-
-fn line_of(
-    f: &mut fmt::Formatter<'_>,
-    name: &str,
-    cells: impl Iterator<Item = String>,
-) -> fmt::Result {
-    let cells: String = cells.collect();
-    writeln!(f, "{}", format!("  {name:10}{cells}").trim_end())
-}
-
-fn parts(f: &mut fmt::Formatter<'_>, map: &[Part]) -> fmt::Result {
-    let named = map
-        .iter()
-        .flat_map(|part| [part.by.len(), part.value.len()]);
-    let width = named.max().unwrap_or_default() + 2;
-    let cell_width = SHARE + COUNT;
-    for group in map.chunk_by(|a, b| a.by == b.by) {
-        write!(f, "  {:width$}", group[0].by)?;
-        for class in &CLASSES[..3] {
-            write!(f, "{:<cell_width$}", class.as_str())?;
-        }
-        writeln!(f, "all")?;
-        for Part { value, counted, .. } in group {
-            write!(f, "  {value:width$}")?;
-            for class in &CLASSES[..3] {
-                write!(
-                    f,
-                    "{:<cell_width$}",
-                    share_and_n(counted.recalls.get(class))
-                )?;
-            }
-            writeln!(f, "{}", share_and_n(counted.accuracy.as_ref()))?;
-        }
-    }
-    Ok(())
+/// Share of right answers by part and true class.
+fn parts(map: &[Part]) -> String {
+    let row = |Part { by, value, counted }: &Part| {
+        let recalls = CLASSES[..3].iter().map(|class| counted.recalls.get(class));
+        let shares = recalls.chain([counted.accuracy.as_ref()]).map(share_and_n);
+        let first = [by, value].map(Cell::text).into_iter();
+        first.chain(shares.map(Cell::Text)).collect()
+    };
+    let classes = CLASSES[..3].iter().map(|class| class.as_str());
+    let columns = ["by", ""].into_iter().chain(classes);
+    let table = Table {
+        columns: Column::named(columns.chain(["all"])),
+        rows: map.iter().map(row).collect(),
+        ..Table::default()
+    };
+    table.to_text(2)
 }
 
 fn share(share: Option<&Share>) -> String {

@@ -3,6 +3,7 @@
 use super::statement::{Part, Statement, ThresholdScore};
 use super::tally::{Empirical, Tally};
 use crate::recognition::confusion::Share;
+use crate::table::{Cell, Column, Table};
 use std::fmt;
 
 impl fmt::Display for ThresholdScore {
@@ -27,16 +28,13 @@ impl fmt::Display for ThresholdScore {
     }
 }
 
-/// One line a statement.
+/// A table for each kind of wheels, one row a statement.
 fn summary(f: &mut fmt::Formatter<'_>, statements: &[Statement]) -> fmt::Result {
-    let named = statements.iter().map(|statement| statement.name.len());
-    let width = named.max().unwrap_or_default() + 2;
     for group in statements.chunk_by(|a, b| a.multi_lugged == b.multi_lugged) {
-        writeln!(f, "{}", kind(&group[0]))?;
-        header(f, width)?;
-        for Statement { name, parts, .. } in group {
-            row(f, name, &parts[0].tally, width)?;
-        }
+        let rows = group
+            .iter()
+            .map(|Statement { name, parts, .. }| row([name], &parts[0].tally));
+        write!(f, "{}\n{}", kind(&group[0]), text([""], rows.collect()))?;
     }
     Ok(())
 }
@@ -63,58 +61,54 @@ impl fmt::Display for Statement {
             "{name} {equation}, {}: {quantity}\n  limit: {limit}",
             kind(self)
         )?;
-        let named = self.parts.iter().map(|part| part.value.len());
-        let width = named.max().unwrap_or_default().max("all".len()) + 2;
-        header(f, width)?;
-        for group in self.parts.chunk_by(|a, b| a.by == b.by) {
-            if group[0].by != "all" {
-                writeln!(f, "  by {}", group[0].by)?;
-            }
-            for part in group {
-                row(f, name_of(part), &part.tally, width)?;
-            }
-        }
+        let rows = self
+            .parts
+            .iter()
+            .map(|Part { by, value, tally }| row([by, value], tally));
+        f.write_str(&text(["by", ""], rows.collect()))?;
         self.empirical
             .iter()
             .try_for_each(|limit| empirical(f, limit))
     }
 }
 
-fn name_of(part: &Part) -> &str {
-    if part.by == "all" { "all" } else { &part.value }
+/// A table whose `first` columns say of which windows a tally is.
+fn text<const N: usize>(first: [&str; N], rows: Vec<Vec<Cell>>) -> String {
+    let numbers = [
+        "n",
+        "median",
+        "95 %",
+        "99 %",
+        "largest",
+        "limit",
+        "99 %/limit",
+    ];
+    let columns = first.into_iter().chain(numbers).chain(["above the limit"]);
+    let columns = Column::named(columns);
+    Table {
+        columns,
+        rows,
+        ..Table::default()
+    }
+    .to_text(2)
 }
 
-fn header(f: &mut fmt::Formatter<'_>, width: usize) -> fmt::Result {
-    writeln!(
-        f,
-        "  {:width$}{:>5}{:>9}{:>9}{:>9}{:>9}{:>15}{:>12}  above the limit",
-        "", "n", "median", "95 %", "99 %", "largest", "limit", "99 %/limit"
-    )
-}
-
-fn row(f: &mut fmt::Formatter<'_>, name: &str, tally: &Tally, width: usize) -> fmt::Result {
-    let Tally {
-        n,
-        median,
-        q95,
-        q99,
-        largest,
-        bound: [low, high],
-        tightness,
-        violations,
-    } = *tally;
-    let numbers = [median, q95, q99, largest].map(|value| format!("{value:>9.2}"));
+fn row<const N: usize>(first: [&str; N], tally: &Tally) -> Vec<Cell> {
+    let [low, high] = tally.bound;
     let bound = if high - low < 0.005 {
         format!("{low:.2}")
     } else {
         format!("{low:.2}-{high:.2}")
     };
-    writeln!(
-        f,
-        "  {name:width$}{n:>5}{}{bound:>15}{tightness:>12.2}  {}",
-        numbers.concat(),
-        share(&violations)
-    )
+    let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
+    let quantiles = [tally.median, tally.q95, tally.q99, tally.largest];
+    let mut cells: Vec<Cell> = first.map(Cell::text).to_vec();
+    cells.push(Cell::Count(tally.n as u64));
+    cells.extend(quantiles.map(number));
+    cells.push(Cell::Written(bound, high));
+    cells.push(number(tally.tightness));
+    cells.push(Cell::Text(share(&tally.violations)));
+    cells
 }
 
 fn empirical(f: &mut fmt::Formatter<'_>, limit: &Empirical) -> fmt::Result {
