@@ -171,9 +171,9 @@ mod tests {
         let correlated = Whitening::of_rows(&rows(60, 10, 0.9, 0));
         let independent = Whitening::of_rows(&rows(60, 10, 0.0, 0));
         assert!(correlated.shrinkage < 0.5 && independent.shrinkage > 0.5);
-        // Their common direction is as long as one statistic, not ten.
+        // The variance along their common direction is 0.9 * 10 + 0.1; shrunk by half at most, it is above 5.
         let common = [vec![1.0; 10]];
         let ratio = mean_square(&correlated, &common) / mean_square(&independent, &common);
-        assert!((ratio - 0.1).abs() < 0.05, "{ratio}");
+        assert!((1.0 / 9.1..1.0 / 4.0).contains(&ratio), "{ratio}");
     }
 }
