@@ -29,7 +29,7 @@ pub struct Plot {
     /// Id of the run; the first if not given
     #[arg(long, value_name = "ID")]
     run: Option<String>,
-    /// File to write, .svg, .png, .pdf, .html or .mcap [default: beside the run file, with the run's id]
+    /// File to write, .svg, .png, .pdf, .html or .mcap [default: the run's id, beside the run file]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// What to write [default: as --out ends, else svg]
