@@ -6,21 +6,24 @@ use super::parameter::{Coordinates, Parameter};
 use super::row::SteadyLoad;
 use crate::soil::closed_form::Rim;
 use crate::soil::contact::entry_angle;
+use serde::Serialize;
 use std::f64::consts::LN_2;
 
 /// A combination identified by the data.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Combination {
     /// Its formula in the project's symbols, for example `k_s z^n0`.
     pub name: &'static str,
     /// Where it is evaluated, for example `z = 1e-5 m`; empty where it does not depend on that.
+    #[serde(rename = "at")]
     pub place: String,
-    /// Its unit.
-    pub unit: &'static str,
     /// Its value.
     pub value: f64,
     /// Its 95 % interval.
+    #[serde(rename = "ci95")]
     pub interval: [f64; 2],
+    /// Its unit.
+    pub unit: &'static str,
 }
 
 /// A function of the coordinates and its derivatives, to be tested for identifiability.

@@ -7,10 +7,12 @@ use super::parameter::{Parameter, TerrainParameters};
 use super::stages::Staged;
 use super::warning::Warning;
 use crate::terrain::class::Wtic;
+use serde::Serialize;
 use std::fmt;
 
 /// How a parameter got its value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// Identified by the data.
     Identified,
@@ -20,6 +22,17 @@ pub enum Standing {
     SetByClass,
     /// It was [known](super::Known) before.
     Given,
+}
+
+impl fmt::Display for Standing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Identified => "identified",
+            Self::NotIdentifiable => "not identifiable",
+            Self::SetByClass => "set by class",
+            Self::Given => "given",
+        })
+    }
 }
 
 /// Why a parameter is not identifiable.

@@ -4,10 +4,12 @@ use super::parameter::{Coordinates, Parameter};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra_lm::storage::Owned;
 use nalgebra_lm::{DMatrix, DVector, Dyn};
+use serde::Serialize;
 use std::fmt;
 
 /// Why a fit stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Termination {
     /// The sum of squares or the parameters no longer change, or the gradient is 0.
     Converged,

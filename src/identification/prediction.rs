@@ -10,6 +10,8 @@ use super::row::{RIGID_SINKAGE, Setting, SteadyLoad};
 use super::{Identification, LocalModel};
 use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::Wtic;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 /// A predicted quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +35,19 @@ impl Predicted {
     }
 }
 
+/// The value and its interval, which is `null` where unbounded.
+impl Serialize for Predicted {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let interval = self.half_width.is_finite().then(|| self.interval());
+        let mut fields = serializer.serialize_struct("Predicted", 2)?;
+        fields.serialize_field("value", &self.value)?;
+        fields.serialize_field("interval95", &interval)?;
+        fields.end()
+    }
+}
+
 /// Sinkage, pull and torque at a load and slip.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
     /// Sinkage `z` [m] of the rim; [`RIGID_SINKAGE`] where the class sets it.
     pub sinkage: Predicted,

@@ -8,7 +8,7 @@ use crate::soil::closed_form::Rim;
 use crate::soil::wheel_load::{Rolling, WheelLoad};
 use crate::terrain::class::Wtic;
 use crate::trace::RunAttributes;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Sinkage [m] assumed on ground that lugs do not enter (Section 5.3).
 pub const RIGID_SINKAGE: f64 = 1.0e-5;
@@ -97,7 +97,7 @@ impl SteadyLoad {
 }
 
 /// The cylinder equivalent to the lugged wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cylinder {
     /// The rim, radius `r`, as in the paper.

@@ -5,7 +5,7 @@ use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
 use super::law::{LawReport, OtherStress};
 use super::plates::PlateReport;
 use crate::identification::{
-    Combination, Cylinder, Drift, Estimate, Identified, Parameter, Predicted, Prediction,
+    Combination, Cylinder, Drift, Estimate, ForceErrors, Identified, Parameter, Prediction,
     PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Unidentifiable,
     Warning,
 };
@@ -110,17 +110,17 @@ pub struct Report {
     /// The parameters for the alternative stress distribution; none by the paper's equations.
     pub other_stress: Option<OtherStress>,
     /// Identifiable combinations of parameters that are not identifiable alone.
-    pub combinations: Vec<CombinationReport>,
+    pub combinations: Vec<Combination>,
     /// Correlation of the estimates.
     pub correlation: Correlation,
     /// Relative errors of the forces at the measured slip and sinkage (Table 7).
-    pub force_error_percent: Forces<Option<f64>>,
+    pub force_error_percent: ForceErrors,
     /// Relative errors of predictions from slip and load.
     pub prediction_error_percent: PredictionErrors,
     /// Result of the paper's three stages; none without torques.
     pub staged: Option<StagedReport>,
     /// Why the fit stopped.
-    pub termination: &'static str,
+    pub termination: Termination,
     /// Sum of squared weighted residuals [-].
     pub chi_square: f64,
     /// Number of measured forces minus number of identified directions.
@@ -136,8 +136,8 @@ pub struct Report {
 /// Conventions of the equations.
 #[derive(Debug, Serialize)]
 pub struct SettingReport {
-    /// `rim` or `lug_tips`.
-    pub cylinder: &'static str,
+    /// The cylinder of the paper's equations.
+    pub cylinder: Cylinder,
     /// `c_3` [-].
     pub exit_angle: f64,
     /// The equations.
@@ -159,13 +159,13 @@ pub struct RunReport {
 
 /// One value for each force.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Forces<T> {
+pub struct Forces {
     /// Drawbar pull [N].
-    pub drawbar_pull: T,
+    pub drawbar_pull: f64,
     /// Vertical load [N].
-    pub load: T,
+    pub load: f64,
     /// Driving torque [N·m].
-    pub driving_torque: T,
+    pub driving_torque: f64,
 }
 
 /// A row as measured, as fitted and as predicted.
@@ -181,9 +181,9 @@ pub struct RowReport {
     pub sinkage: f64,
     /// The forces measured.
     #[serde(flatten)]
-    pub measured: Forces<f64>,
+    pub measured: Forces,
     /// Their standard uncertainties, where known.
-    pub uncertainty: Option<Forces<f64>>,
+    pub uncertainty: Option<Forces>,
     /// Drifts in the interval, included in the uncertainty.
     pub drifts: Vec<Drift>,
     /// Standard uncertainty of the slip ratio [-]; 0 where treated as exact.
@@ -191,53 +191,10 @@ pub struct RowReport {
     /// Standard uncertainty of the sinkage [m]; 0 where treated as exact.
     pub sinkage_uncertainty: f64,
     /// The fitted forces at this slip and sinkage.
-    pub fitted: Forces<f64>,
+    pub fitted: Forces,
     /// Sinkage, pull and torque predicted at this slip and load; none where the soil does not carry the load
     /// or static friction holds the wheel.
-    pub predicted: Option<PredictionReport>,
-}
-
-/// Predictions from slip and load.
-#[derive(Debug, Serialize)]
-pub struct PredictionReport {
-    /// Sinkage [m] of the rim.
-    pub sinkage: QuantityReport,
-    /// Drawbar pull [N].
-    pub drawbar_pull: QuantityReport,
-    /// Driving torque [N·m].
-    pub driving_torque: QuantityReport,
-}
-
-impl PredictionReport {
-    fn of(prediction: &Prediction) -> Self {
-        Self {
-            sinkage: QuantityReport::of(&prediction.sinkage),
-            drawbar_pull: QuantityReport::of(&prediction.drawbar_pull),
-            driving_torque: QuantityReport::of(&prediction.driving_torque),
-        }
-    }
-}
-
-/// A predicted quantity.
-#[derive(Debug, Serialize)]
-pub struct QuantityReport {
-    /// Its value.
-    pub value: f64,
-    /// 95 % prediction interval; none where unbounded.
-    pub interval95: Option<[f64; 2]>,
-}
-
-impl QuantityReport {
-    fn of(predicted: &Predicted) -> Self {
-        let interval = predicted.interval();
-        Self {
-            value: predicted.value,
-            interval95: interval
-                .iter()
-                .all(|end| end.is_finite())
-                .then_some(interval),
-        }
-    }
+    pub predicted: Option<Prediction>,
 }
 
 /// A warning.
@@ -263,26 +220,11 @@ pub struct ParameterReport {
     /// Whether the data identify it.
     pub identifiable: bool,
     /// How it got its value.
-    pub standing: &'static str,
+    pub standing: Standing,
     /// Why it is not identifiable; none where it is, or was not fitted.
     pub reason: Option<String>,
     /// Whether it applies to this wheel and load only.
     pub effective: bool,
-}
-
-/// A combination of parameters.
-#[derive(Debug, Serialize)]
-pub struct CombinationReport {
-    /// What it is.
-    pub name: &'static str,
-    /// Where it is evaluated.
-    pub at: String,
-    /// Its value.
-    pub value: f64,
-    /// 95 % interval.
-    pub ci95: [f64; 2],
-    /// Its unit.
-    pub unit: &'static str,
 }
 
 /// Correlation of the estimates.
@@ -316,7 +258,7 @@ pub struct StagedReport {
     #[serde(serialize_with = "values_by_name")]
     pub parameters: TerrainParameters,
     /// Why each stage stopped.
-    pub terminations: [&'static str; 3],
+    pub terminations: [Termination; 3],
 }
 
 impl Report {
@@ -343,10 +285,7 @@ impl Report {
             class: estimate.class,
             wheel: fit.wheel,
             setting: SettingReport {
-                cylinder: match fit.setting.cylinder {
-                    Cylinder::Rim => "rim",
-                    Cylinder::LugTips => "lug_tips",
-                },
+                cylinder: fit.setting.cylinder,
                 exit_angle: fit.setting.exit_angle,
                 law: fit.law.clone(),
             },
@@ -360,22 +299,18 @@ impl Report {
                 })
                 .into(),
             other_stress: fit.other_stress.clone(),
-            combinations: estimate.combinations.iter().map(combination).collect(),
+            combinations: estimate.combinations.clone(),
             correlation: Correlation {
                 parameters: free(estimate),
                 matrix: estimate.correlation.clone(),
             },
-            force_error_percent: Forces {
-                drawbar_pull: estimate.force_errors.drawbar_pull,
-                load: estimate.force_errors.load,
-                driving_torque: estimate.force_errors.driving_torque,
-            },
+            force_error_percent: estimate.force_errors,
             prediction_error_percent: fit.predictor.errors(&fit.rows()),
             staged: estimate.staged.map(|staged| StagedReport {
                 parameters: staged.parameters,
-                terminations: staged.terminations.map(termination),
+                terminations: staged.terminations,
             }),
-            termination: termination(estimate.termination),
+            termination: estimate.termination,
             chi_square: estimate.chi_square,
             degrees_of_freedom: estimate.degrees_of_freedom,
             left_out: Vec::new(),
@@ -413,11 +348,11 @@ fn row_report(run: &str, row: &SteadyRow, fit: &Fit) -> RowReport {
             .uncertainty
             .map_or(0.0, |uncertainty| uncertainty.sinkage),
         fitted: forces(fit.estimate.loads_at(&fit.setting, row.slip, row.sinkage)),
-        predicted: fit.predictor.of_row(row).as_ref().map(PredictionReport::of),
+        predicted: fit.predictor.of_row(row),
     }
 }
 
-fn forces(load: WheelLoad) -> Forces<f64> {
+fn forces(load: WheelLoad) -> Forces {
     Forces {
         drawbar_pull: load.drawbar_pull,
         load: load.normal_force,
@@ -431,27 +366,12 @@ fn parameter_report(identified: &Identified, effective: bool) -> ParameterReport
         ci95: identified.ci95(),
         unit: identified.parameter.unit(),
         identifiable: identified.is_identifiable(),
-        standing: match identified.standing {
-            Standing::Identified => "identified",
-            Standing::NotIdentifiable => "not_identifiable",
-            Standing::SetByClass => "set_by_class",
-            Standing::Given => "given",
-        },
+        standing: identified.standing,
         reason: identified
             .unidentifiable
             .as_ref()
             .map(Unidentifiable::to_string),
         effective: effective && identified.is_identifiable(),
-    }
-}
-
-fn combination(combination: &Combination) -> CombinationReport {
-    CombinationReport {
-        name: combination.name,
-        at: combination.place.clone(),
-        value: combination.value,
-        ci95: combination.interval,
-        unit: combination.unit,
     }
 }
 
@@ -464,15 +384,6 @@ fn free(estimate: &Estimate) -> Vec<&'static str> {
         )
     });
     free.map(|identified| identified.parameter.name()).collect()
-}
-
-fn termination(termination: Termination) -> &'static str {
-    match termination {
-        Termination::Converged => "converged",
-        Termination::PrecisionReached => "precision_reached",
-        Termination::OutOfPatience => "out_of_patience",
-        Termination::NotFinite => "not_finite",
-    }
 }
 
 fn warning(warning: &Warning) -> WarningReport {

@@ -6,6 +6,7 @@ use super::law::OtherStress;
 use super::summary::{
     Origin, ParameterReport, Report, RunReport, SettingReport, Summary, by_origin,
 };
+use crate::identification::{Cylinder, Standing};
 use crate::recognition::known::Source;
 use crate::soil::StressConvention;
 use crate::table::four_digits;
@@ -123,8 +124,8 @@ impl Report {
         let c_3 = format!("c3 = {}", four_digits(*exit_angle));
         if law.law == "paper" {
             let cylinder = match *cylinder {
-                "rim" => "the rim's radius",
-                _ => "the radius of the lugs' tips",
+                Cylinder::Rim => "the rim's radius",
+                Cylinder::LugTips => "the radius of the lugs' tips",
             };
             return format!("law: paper, (62)-(66) on a cylinder of {cylinder}, {c_3}");
         }
@@ -167,7 +168,7 @@ impl Report {
             let standing = match &report.reason {
                 _ if report.effective => "effective".to_owned(),
                 Some(reason) => format!("not identifiable: {reason}"),
-                None => report.standing.replace('_', " "),
+                None => report.standing.to_string(),
             };
             writeln!(
                 f,
@@ -182,9 +183,9 @@ impl Report {
         }
         for combination in &self.combinations {
             let value = four_digits(combination.value);
-            let [low, high] = combination.ci95.map(four_digits);
+            let [low, high] = combination.interval.map(four_digits);
             let unit = behind_number(shown_unit(combination.unit));
-            let place = match combination.at.as_str() {
+            let place = match combination.place.as_str() {
                 "" => String::new(),
                 place => format!(" at {place}"),
             };
@@ -356,7 +357,7 @@ pub fn counted(count: usize, what: &str) -> String {
 
 fn interval(report: &ParameterReport) -> String {
     match report.standing {
-        "set_by_class" | "given" => "-".to_owned(),
+        Standing::SetByClass | Standing::Given => "-".to_owned(),
         _ => match report.ci95 {
             [None, None] => "unbounded".to_owned(),
             ends => {
