@@ -1,10 +1,10 @@
 //! Measured runs -> the scenario of each condition, and how to read both sides alike.
 //!
-//! Load, speed and slip of a [`Case`] are those told of the measured runs, its duration the measured one;
+//! Load, speed and slip of a [`Case`] are those stated of the measured runs, its duration the measured one;
 //! wheel, ground, rig and sensors are the scenario's. Under a load of 0 N the wheel was held off the ground: what
-//! shows there is the drive's or a sensor's. What was not told is taken from the channels. So is the slip
+//! shows there is the drive's or a sensor's. What was not stated is taken from the channels. So is the slip
 //! of a run whose channel contradicts it: a label is easily wrong. But where most of the runs contradict theirs,
-//! the rig drives otherwise than it was told (a wrong encoder, a wrong radius): then the slips told
+//! the rig drives otherwise than it was stated (a wrong encoder, a wrong radius): then the slips stated
 //! are kept, and the contradiction is a gap to be explained. Rates and channels are those that were
 //! measured: what a run has as a mean only, the simulated one has as a mean only.
 
@@ -24,7 +24,7 @@ use crate::trace::{RunAttributes, Trace};
 use caveat::{differences, not_simulated, not_steady, unlike_a_rig};
 use group::{Group, grouped, without_broken};
 use rand::Rng;
-use record::{Record, Slips};
+use record::{Record, Repetition, Slips};
 
 /// Longest part [s] of a measured run that is compared, unless the caller says otherwise.
 pub const LONGEST: f64 = 20.0;
@@ -101,10 +101,15 @@ impl Cases {
         let slips = Slips::of(measured);
         let mut caveats = Vec::new();
         caveats.extend(slips.caveat());
+        let repetition = Repetition {
+            scenario,
+            longest,
+            slips,
+        };
         let mut records = Vec::new();
         let mut other_wheel = None;
         for (run, trace) in measured.iter().enumerate() {
-            match Record::of((run, trace), slips, (scenario, longest)) {
+            match Record::of(run, trace, &repetition) {
                 Ok((record, taken)) => {
                     caveats.extend(taken);
                     records.push(record);

@@ -6,7 +6,9 @@ use super::candidate::{Candidate, candidates};
 use super::condition::{Case, CaseError, Cases, statistician};
 use super::discrepancy;
 use super::end_results::{EndResults, Step};
-use super::inference::{BaseRates, FEWEST_RIGS, Fit, Judgement, Model, SelfTest, TrainingError};
+use super::inference::{
+    BaseRates, FEWEST_RIGS, Fit, Judgement, Model, SelfTest, Signatures, TrainingError,
+};
 use super::model_file;
 use super::next_run::{Rival, Search};
 use super::parameter::{Offsets, Parameter, parameters};
@@ -17,7 +19,8 @@ use super::validation::{Gaps, InUnits, Validation, Variants, Yardstick, in_units
 use super::verdict::{Answer, Chosen, Grounds, Located, Recalibrated, Verdict};
 use crate::effects::{EffectError, seat_of};
 use crate::gap::{
-    self, Closed, Colour, Comparison, Entry, GapError, Global, Margins, ParameterSpread, Run,
+    self, Closed, Colour, Comparison, Entry, GapError, GapMap, Global, Margins, ParameterSpread,
+    Run,
 };
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
@@ -259,6 +262,21 @@ pub struct Investigation<'a> {
     origin: Origin<'a>,
 }
 
+/// The measured campaign in the model of the rigs.
+struct Fitted<'m> {
+    yardstick: Yardstick<'m>,
+    /// Measured statistics, in the order of the columns.
+    values: &'m [f32],
+    judgement: Judgement,
+    /// Fit of the parameters without effects.
+    healthy: Fit,
+    /// Fit of the parameters with the chosen effects.
+    answered: Fit,
+    signatures: Signatures,
+    screen: Vec<Screened>,
+    variants: Variants,
+}
+
 impl<'a> Investigation<'a> {
     /// Of measured runs against a scenario. What is simulated is kept at its origin.
     ///
@@ -349,52 +367,88 @@ impl<'a> Investigation<'a> {
         let judgement = model.judge(&values, &self.settings.rates);
         let chosen = Chosen::of(&judgement);
         let healthy = model.fit(&values, &[]);
-        let fit = |chosen: &Chosen| model.fit(&values, &chosen.effects);
-        let answered = fit(&chosen);
+        let answered = model.fit(&values, &chosen.effects);
         let signatures = model.signatures(&answered.parameters);
-        let screen = screen(&self.candidates, &judgement.opinion.evidence, &signatures);
-        let grounds = Grounds {
-            candidates: &self.candidates,
-            screen: &screen,
-            judgement: &judgement,
-            self_test: &model.self_test,
+        let fitted = Fitted {
+            screen: screen(&self.candidates, &judgement.opinion.evidence, &signatures),
+            yardstick: Yardstick {
+                model: &model,
+                columns: &set.population.columns,
+            },
+            variants: Variants {
+                recalibrated: Arm::of_offsets(self.offsets(&healthy)),
+                with_effect: self.with_effects(&chosen, &answered),
+            },
+            values: &values,
+            judgement,
+            healthy,
+            answered,
+            signatures,
         };
-        let variants = Variants {
-            recalibrated: Arm::of_offsets(self.offsets(&healthy)),
-            with_effect: self.with_effects(&chosen, &answered),
-        };
-        let yardstick = Yardstick {
-            model: &model,
-            columns: &set.population.columns,
-        };
-        let simulated = self.simulate(&variants, hear)?;
+        let simulated = self.simulate(&fitted.variants, hear)?;
         let comparison = self.comparison(&simulated)?;
-        let spread = self.spread(&model, &set.population.columns, &healthy);
-        let map = comparison.map(&Margins::default(), &spread, self.settings.seed);
         let validation = validate(
-            yardstick,
+            fitted.yardstick,
             &self.measured,
             &simulated,
-            &variants,
+            &fitted.variants,
             &self.cases,
             self.settings.seed,
         );
+        let verdict = self.verdict(&fitted, validation.as_ref(), hear)?;
+        let map = comparison.map(
+            &Margins::default(),
+            &self.spread(&fitted),
+            self.settings.seed,
+        );
+        let diagnosis = self.diagnosis(&fitted, &simulated, map, validation, verdict);
+        Ok((diagnosis, fitted.variants))
+    }
+
+    /// The verdict, confirmed by the simulated variants, with the next run where it is open.
+    fn verdict(
+        &self,
+        fitted: &Fitted,
+        validation: Option<&Validation>,
+        hear: Hear,
+    ) -> Result<Verdict, InvestigationError> {
+        let Yardstick { model, columns } = fitted.yardstick;
+        let grounds = Grounds {
+            candidates: &self.candidates,
+            screen: &fitted.screen,
+            judgement: &fitted.judgement,
+            self_test: &model.self_test,
+        };
+        let residuals = model.residuals(fitted.values, &fitted.healthy.parameters);
         let verdict = Verdict {
-            parameters: self.recalibrated(&answered),
-            recalibration: self.recalibrated(&healthy),
-            located: self.located(&set, model.residuals(&values, &healthy.parameters)),
+            parameters: self.recalibrated(&fitted.answered),
+            recalibration: self.recalibrated(&fitted.healthy),
+            located: self.located(columns, residuals),
             ..grounds.verdict()
         };
-        let verdict = confirmed(verdict, validation.as_ref());
         let search = Search {
-            yardstick,
+            yardstick: fitted.yardstick,
             bank: &|cases| self.bank(cases),
             progress: &|now| hear(validating(now)),
         };
-        let verdict = self.with_next_run(verdict, &judgement, &fit, &search)?;
-        let limits = screen.iter().map(|it| (it.name.clone(), it.detectable));
-        let cosines = signatures.cosines.row_iter();
-        let diagnosis = Diagnosis {
+        let verdict = confirmed(verdict, validation);
+        Ok(self.with_next_run(verdict, fitted, &search)?)
+    }
+
+    /// The verdict with all that supports it.
+    fn diagnosis(
+        &self,
+        fitted: &Fitted,
+        simulated: &SimulatedRuns,
+        map: GapMap,
+        validation: Option<Validation>,
+        verdict: Verdict,
+    ) -> Diagnosis {
+        let Yardstick { model, columns } = fitted.yardstick;
+        let limits = fitted.screen.iter();
+        let limits = limits.map(|it| (it.name.clone(), it.detectable));
+        let cosines = fitted.signatures.cosines.row_iter();
+        Diagnosis {
             gap: validation.as_ref().map(|it| it.gaps),
             closed: validation.as_ref().and_then(|it| it.closed),
             closed_with: validation.map_or_else(Vec::new, |it| it.effects),
@@ -404,19 +458,18 @@ impl<'a> Investigation<'a> {
             isolability: cosines.map(|row| row.iter().copied().collect()).collect(),
             self_test: model.self_test.clone(),
             in_units: in_units(
-                &set.population.columns,
+                columns,
                 &self.measured,
-                &simulated,
-                &variants,
+                simulated,
+                &fitted.variants,
                 &self.cases,
             ),
-            end_results: self.end_results(&variants, &simulated),
-            compared: self.compared(&set),
-            caveats: self.all_caveats(&simulated, &map.caveats),
-            screen,
+            end_results: self.end_results(&fitted.variants, simulated),
+            compared: self.compared(columns),
+            caveats: self.all_caveats(simulated, &map.caveats),
+            screen: fitted.screen.clone(),
             verdict,
-        };
-        Ok((diagnosis, variants))
+        }
     }
 
     fn rig_set(&self, hear: Hear) -> Result<RigSet, InvestigationError> {
@@ -518,9 +571,10 @@ impl<'a> Investigation<'a> {
     }
 
     /// Standard deviations of cells, in their units, by what recalibration leaves open of the parameters.
-    fn spread(&self, model: &Model, columns: &[Column], fit: &Fit) -> ParameterSpread {
+    fn spread(&self, fitted: &Fitted) -> ParameterSpread {
+        let Yardstick { model, columns } = fitted.yardstick;
         let mut spread = ParameterSpread::new();
-        for (column, deviation) in model.parameter_spread(fit) {
+        for (column, deviation) in model.parameter_spread(&fitted.healthy) {
             let Column {
                 condition, cell, ..
             } = &columns[column];
@@ -541,12 +595,12 @@ impl<'a> Investigation<'a> {
     }
 
     /// The strongest of what parameters leave.
-    fn located(&self, set: &RigSet, residuals: Vec<(usize, f64)>) -> Vec<Located> {
+    fn located(&self, columns: &[Column], residuals: Vec<(usize, f64)>) -> Vec<Located> {
         let strong = residuals.into_iter().filter(|(_, z)| z.abs() > STRONG);
         let located = strong.map(|(column, deviations)| {
             let Column {
                 condition, cell, ..
-            } = &set.population.columns[column];
+            } = &columns[column];
             Located {
                 condition: self.cases[*condition].condition.clone(),
                 cell: cell.clone(),
@@ -562,8 +616,7 @@ impl<'a> Investigation<'a> {
     fn with_next_run(
         &self,
         verdict: Verdict,
-        judgement: &Judgement,
-        fit: &dyn Fn(&Chosen) -> Fit,
+        fitted: &Fitted,
         search: &Search,
     ) -> Result<Verdict, BankError> {
         let Some(pair) = verdict.open_between() else {
@@ -571,10 +624,13 @@ impl<'a> Investigation<'a> {
         };
         let rival = |name: &str| {
             let effect = self.candidates.iter().position(|it| it.name() == name)?;
+            let sizes = &fitted.judgement.opinion.evidence.sizes;
             let chosen = Chosen {
-                effects: vec![(effect, judgement.opinion.evidence.sizes[effect].middle)],
+                effects: vec![(effect, sizes[effect].middle)],
             };
-            let arm = self.with_effects(&chosen, &fit(&chosen))?;
+            let model = fitted.yardstick.model;
+            let fit = model.fit(fitted.values, &chosen.effects);
+            let arm = self.with_effects(&chosen, &fit)?;
             let name = name.to_owned();
             Some(Rival { name, arm })
         };
@@ -603,13 +659,9 @@ impl<'a> Investigation<'a> {
         steps.collect()
     }
 
-    fn compared(&self, set: &RigSet) -> Compared {
+    fn compared(&self, columns: &[Column]) -> Compared {
         let cells = |condition: usize| {
-            let own = set
-                .population
-                .columns
-                .iter()
-                .filter(|it| it.condition == condition);
+            let own = columns.iter().filter(|it| it.condition == condition);
             let mut runs = self.measured[condition].iter();
             let first = runs.next();
             let both = own

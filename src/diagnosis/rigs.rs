@@ -163,18 +163,11 @@ impl RigSet {
         count: usize,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Table, RigError> {
-        let total = count as u64;
-        let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-        let report = || {
-            let now = Progress {
-                done: done.load(Ordering::Relaxed),
-                total,
-            };
-            if stopped.load(Ordering::Relaxed) || progress(now).is_break() {
-                stopped.store(true, Ordering::Relaxed);
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
+        let counter = Counter {
+            total: count as u64,
+            done: AtomicU64::new(0),
+            stopped: AtomicBool::new(false),
+            progress,
         };
         let rigs = design::rigs(
             &self.population.candidates,
@@ -182,37 +175,32 @@ impl RigSet {
             count,
             self.seed,
         );
-        let drawn = rigs.par_iter().with_max_len(1).map(|rig| {
+        let each = rigs.par_iter().with_max_len(1);
+        let drawn = each.map(|rig| {
             let drawn = match self.store.read(rig.number) {
                 Some(drawn) => drawn,
-                None => self.simulate(rig, &report).ok_or(RigError::Stopped {
-                    done: done.load(Ordering::Relaxed),
-                    total,
-                })??,
-            };
-            done.fetch_add(1, Ordering::Relaxed);
-            match report() {
-                // The last ones are there: nothing is left to stop.
-                ControlFlow::Break(()) if done.load(Ordering::Relaxed) < total => {
-                    Err(RigError::Stopped {
-                        done: done.load(Ordering::Relaxed),
-                        total,
-                    })
+                None => {
+                    let simulated = self.simulate(rig, &|| counter.report());
+                    simulated.ok_or_else(|| counter.error())??
                 }
-                _ => Ok(drawn),
-            }
+            };
+            counter.add()?;
+            Ok(drawn)
         });
-        let drawn: Result<Vec<Drawn>, RigError> = drawn.collect();
-        let (rows, failures): (Vec<Drawn>, Vec<Drawn>) =
-            drawn?.into_iter().partition(Result::is_ok);
-        if failures.len() as f64 > MAY_FAIL * count as f64 {
+        let drawn: Vec<Drawn> = drawn.collect::<Result<_, RigError>>()?;
+        self.table(drawn)
+    }
+
+    /// The rows of the rigs that could be simulated.
+    fn table(&self, drawn: Vec<Drawn>) -> Result<Table, RigError> {
+        let total = drawn.len();
+        let (rows, failures): (Vec<Drawn>, Vec<Drawn>) = drawn.into_iter().partition(Result::is_ok);
+        if failures.len() as f64 > MAY_FAIL * total as f64 {
+            let mut reasons = failures.iter().filter_map(|failed| failed.as_ref().err());
             return Err(RigError::Failed {
                 failed: failures.len(),
-                total: count,
-                reason: failures
-                    .into_iter()
-                    .find_map(Result::err)
-                    .unwrap_or_default(),
+                total,
+                reason: reasons.next().cloned().unwrap_or_default(),
             });
         }
         Ok(Table {
@@ -257,6 +245,46 @@ impl RigSet {
             (values.iter().sum::<f64>() / values.len() as f64) as f32
         };
         self.population.columns.iter().map(mean).collect()
+    }
+}
+
+/// Progress of threads that draw rigs.
+struct Counter<'p> {
+    total: u64,
+    done: AtomicU64,
+    stopped: AtomicBool,
+    progress: &'p (dyn Fn(Progress) -> ControlFlow<()> + Sync),
+}
+
+impl Counter<'_> {
+    /// Reports the progress; `Break` to stop.
+    fn report(&self) -> ControlFlow<()> {
+        let now = Progress {
+            done: self.done.load(Ordering::Relaxed),
+            total: self.total,
+        };
+        if self.stopped.load(Ordering::Relaxed) || (self.progress)(now).is_break() {
+            self.stopped.store(true, Ordering::Relaxed);
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Counts one more rig; `Stopped` where a stop is requested and rigs remain.
+    fn add(&self) -> Result<(), RigError> {
+        self.done.fetch_add(1, Ordering::Relaxed);
+        let is_complete = || self.done.load(Ordering::Relaxed) >= self.total;
+        match self.report() {
+            ControlFlow::Break(()) if !is_complete() => Err(self.error()),
+            _ => Ok(()),
+        }
+    }
+
+    fn error(&self) -> RigError {
+        RigError::Stopped {
+            done: self.done.load(Ordering::Relaxed),
+            total: self.total,
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a diagnosis came to, as text and for machines.
+//! Result of a diagnosis, as text and as JSON.
 
 use crate::diagnosis::{Answer, Diagnosis, Mechanism, Step, Suspect};
 use crate::gap::Colour;
@@ -102,15 +102,18 @@ pub struct Summary {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Diagnosis {
-            verdict,
-            compared,
-            caveats,
-            map,
-            global,
-            gap,
-            ..
-        } = &self.diagnosis;
+        self.write_verdict(f)?;
+        self.write_probabilities(f)?;
+        self.write_gap(f)?;
+        self.write_map(f)?;
+        self.write_basis(f)?;
+        write!(f, "\n{}", self.page)
+    }
+}
+
+impl Summary {
+    fn write_verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verdict = &self.diagnosis.verdict;
         writeln!(f, "{}", self.verdict())?;
         for reason in &verdict.reasons {
             writeln!(f, "  {reason}")?;
@@ -126,26 +129,35 @@ impl fmt::Display for Summary {
             )?;
         }
         if verdict.set.len() > 1 {
-            writeln!(
-                f,
-                "  one of these nine times of ten: {}",
-                verdict.set.join(", ")
-            )?;
+            writeln!(f, "  90 % prediction set: {}", verdict.set.join(", "))?;
         }
+        Ok(())
+    }
+
+    fn write_probabilities(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nprobabilities:")?;
         for (name, probability) in self.likeliest() {
             writeln!(f, "  {:>5.1} %  {name}", 100.0 * probability)?;
         }
-        let listed = verdict
-            .effects
-            .iter()
-            .filter(|it| it.probability > UNLIKELY);
+        let effects = self.diagnosis.verdict.effects.iter();
+        let listed = effects.filter(|it| it.probability > UNLIKELY);
         for suspect in listed.take(LISTED) {
-            writeln!(f, "  {}", told(suspect))?;
+            writeln!(f, "  {}", described(suspect))?;
         }
-        let added = match self.diagnosis.closed_with.is_empty() {
+        Ok(())
+    }
+
+    fn write_gap(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Diagnosis {
+            verdict,
+            gap,
+            closed,
+            closed_with,
+            ..
+        } = &self.diagnosis;
+        let added = match closed_with.is_empty() {
             true => "no effect".to_owned(),
-            false => self.diagnosis.closed_with.join(" and "),
+            false => closed_with.join(" and "),
         };
         if let Some(gap) = gap {
             writeln!(
@@ -154,7 +166,7 @@ impl fmt::Display for Summary {
                 gap.as_shipped, gap.recalibrated, gap.with_effect, gap.floor
             )?;
         }
-        if let Some(closed) = &self.diagnosis.closed {
+        if let Some(closed) = closed {
             let [low, high] = closed.ci95.map(|share| 100.0 * share);
             let interval = match closed.clusters {
                 1 => ", of one condition and so without an interval".to_owned(),
@@ -169,20 +181,28 @@ impl fmt::Display for Summary {
                 next.run, next.between[0], next.between[1], next.separation[1], next.separation[0]
             )?;
         }
+        Ok(())
+    }
+
+    fn write_map(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Diagnosis {
+            verdict,
+            map,
+            global,
+            ..
+        } = &self.diagnosis;
+        let differ = map.iter().filter(|entry| entry.colour == Colour::Gap);
+        let located = match verdict.located.is_empty() {
+            true => "none stands out",
+            false => "the strongest are",
+        };
         writeln!(
             f,
-            "\nmap: {} of {} cells differ (energy p = {:.3}, strongest p = {:.3}); after recalibration {}",
-            map.iter()
-                .filter(|entry| entry.colour == Colour::Gap)
-                .count(),
+            "\nmap: {} of {} cells differ (energy p = {:.3}, strongest p = {:.3}); after recalibration {located}",
+            differ.count(),
             map.len(),
             global.energy.p,
-            global.strongest.p,
-            if verdict.located.is_empty() {
-                "none stands out"
-            } else {
-                "the strongest are"
-            }
+            global.strongest.p
         )?;
         for located in verdict.located.iter().take(LISTED) {
             writeln!(
@@ -191,16 +211,25 @@ impl fmt::Display for Summary {
                 located.deviations, located.cell, located.condition
             )?;
         }
+        Ok(())
+    }
+
+    fn write_basis(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Diagnosis {
+            compared,
+            self_test: test,
+            caveats,
+            ..
+        } = &self.diagnosis;
         writeln!(
             f,
-            "\ncompared: {} conditions, {} effects, {} parameters; learned from {} random rigs, {:.0} s of driving",
+            "\ncompared: {} conditions, {} effects, {} parameters; trained on {} random rigs, {:.0} s of driving",
             compared.conditions.len(),
             compared.candidates.len(),
             compared.parameters.len(),
             compared.rigs,
             compared.driven
         )?;
-        let test = &self.diagnosis.self_test;
         writeln!(
             f,
             "self-test on {} campaigns of them: {:.0} % right, probability of the true cause {:.2}, an effect falsely \
@@ -211,14 +240,11 @@ impl fmt::Display for Summary {
             100.0 * test.falsely_named,
             test.calibration_error
         )?;
-        for caveat in caveats {
-            writeln!(f, "  {caveat}")?;
-        }
-        write!(f, "\n{}", self.page)
+        caveats
+            .iter()
+            .try_for_each(|caveat| writeln!(f, "  {caveat}"))
     }
-}
 
-impl Summary {
     fn verdict(&self) -> String {
         let verdict = &self.diagnosis.verdict;
         let sets = verdict.named.iter().map(|set| set.join(" or "));
@@ -229,7 +255,9 @@ impl Summary {
             Answer::Effect => format!("effect: {named}"),
             Answer::Effects => format!("effects: {named}"),
             Answer::Unknown => "unknown: no effect of the library explains what differs".to_owned(),
-            Answer::Undecided => "undecided: these runs do not tell".to_owned(),
+            Answer::Undecided => {
+                "undecided: these runs do not discriminate between the causes".to_owned()
+            }
         }
     }
 
@@ -244,7 +272,7 @@ impl Summary {
     }
 }
 
-fn told(suspect: &Suspect) -> String {
+fn described(suspect: &Suspect) -> String {
     let Suspect {
         name,
         magnitude,
@@ -256,7 +284,10 @@ fn told(suspect: &Suspect) -> String {
     } = suspect;
     let alike = match equivalent_to.is_empty() {
         true => String::new(),
-        false => format!("; cannot be told from {}", equivalent_to.join(", ")),
+        false => format!(
+            "; cannot be distinguished from {}",
+            equivalent_to.join(", ")
+        ),
     };
     let unit = behind_number(unit);
     format!(

@@ -36,7 +36,7 @@ pub enum Caveat {
         /// Whence it was taken.
         from: &'static str,
     },
-    /// A run whose measured slip contradicts the slip told.
+    /// A run whose measured slip contradicts the slip stated.
     WrongSlip {
         /// Its place in the campaign.
         run: usize,
@@ -50,7 +50,7 @@ pub enum Caveat {
         /// Of how many that have it.
         runs: usize,
     },
-    /// Most runs have another slip than told.
+    /// Most runs have another slip than stated.
     OtherSlips,
     /// Channels that no simulation makes.
     NotSimulated(Vec<String>),
@@ -85,10 +85,10 @@ impl fmt::Display for Caveat {
                 f,
                 "the ground was called {measured}, the scenario's is {scenario}"
             ),
-            Self::Taken { what, from } => write!(f, "{what} is not told: taken from {from}"),
+            Self::Taken { what, from } => write!(f, "{what} is not stated: taken from {from}"),
             Self::WrongSlip { run } => write!(
                 f,
-                "run {} of those given ran at another slip than told: the measured one is taken",
+                "run {} of those given ran at another slip than stated: the measured one is taken",
                 run + 1
             ),
             Self::NotSteady {
@@ -101,7 +101,7 @@ impl fmt::Display for Caveat {
                  from what start the wheel had been rolling"
             ),
             Self::OtherSlips => f.write_str(
-                "most runs ran at another slip than told, as by a fault of the rig: the slips told are kept",
+                "most runs ran at another slip than stated, as by a fault of the rig: the slips stated are kept",
             ),
             Self::NotSimulated(channels) => {
                 write!(f, "no simulation makes {}", channels.join(", "))
@@ -130,15 +130,15 @@ pub(super) fn differences(scenario: &Scenario, records: &[Record]) -> Vec<Caveat
         count: Some(scenario.wheel.lug_count()),
         height: scenario.wheel.lug_height(),
     };
-    let told = of_scenario.to_string();
+    let stated = of_scenario.to_string();
     let ground = scenario.terrain.label();
     let mut caveats = Vec::new();
     for Record { attributes, .. } in records {
         // What is not stated of the measured lugs is taken from the scenario's.
         let completed = attributes.lugs().completed(of_scenario).to_string();
-        caveats.extend((completed != told).then(|| Caveat::Lugs {
+        caveats.extend((completed != stated).then(|| Caveat::Lugs {
             measured: attributes.lugs().to_string(),
-            scenario: told.clone(),
+            scenario: stated.clone(),
         }));
         let other = attributes.terrain.filter(|label| *label != ground);
         caveats.extend(other.map(|measured| Caveat::Ground {
@@ -157,8 +157,8 @@ pub(super) fn unlike_a_rig(scenario: &Scenario, cases: &[Case]) -> Vec<Caveat> {
     let known = [(set_down, Caveat::SetDown), (noiseless, Caveat::Noiseless)];
     let mut cases = cases.iter();
     let has_series = cases.any(|case| !case.layout.series.is_empty());
-    let told = known.into_iter().filter(|(is, _)| has_series && *is);
-    told.map(|(_, caveat)| caveat).collect()
+    let stated = known.into_iter().filter(|(is, _)| has_series && *is);
+    stated.map(|(_, caveat)| caveat).collect()
 }
 
 pub(super) fn not_simulated(measured: &[Trace]) -> Option<Caveat> {

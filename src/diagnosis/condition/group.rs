@@ -17,7 +17,7 @@ use std::fmt;
 const BROKE_OFF: f64 = 0.5;
 
 /// Part of a load [-], part of a speed [-] and slip [-] by which repeats may differ where these were
-/// not told but measured: a rig holds its load to a tenth, its speeds better.
+/// not stated but measured: a rig holds its load to a tenth, its speeds better.
 const SAME_LOAD: f64 = 0.15;
 const SAME_SPEED: f64 = 0.05;
 const SAME_SLIP: f64 = 0.02;
@@ -30,25 +30,25 @@ const LONGEST_OF_MEANS: f64 = 120.0;
 
 /// Repeats of one condition with one kind of record; there is at least one.
 pub(super) struct Group {
-    told: Condition,
+    stated: Condition,
     kind: String,
     records: Vec<Record>,
 }
 
 pub(super) fn grouped(records: Vec<Record>) -> Vec<Group> {
-    let attributes: Vec<&RunAttributes> = records.iter().map(|it| &it.told).collect();
+    let attributes: Vec<&RunAttributes> = records.iter().map(|it| &it.stated).collect();
     let conditions = gap::conditions(&attributes);
     let mut groups: Vec<Group> = Vec::new();
-    for (told, record) in conditions.into_iter().zip(records) {
+    for (stated, record) in conditions.into_iter().zip(records) {
         let kind = record.layout.kind();
         let mut known = groups.iter_mut();
         let is_its = |group: &&mut Group| {
-            group.told == told && group.kind == kind && group.records[0].is_near(&record)
+            group.stated == stated && group.kind == kind && group.records[0].is_near(&record)
         };
         match known.find(is_its) {
             Some(group) => group.records.push(record),
             None => groups.push(Group {
-                told,
+                stated,
                 kind,
                 records: vec![record],
             }),
@@ -58,7 +58,7 @@ pub(super) fn grouped(records: Vec<Record>) -> Vec<Group> {
 }
 
 impl Record {
-    /// Whether what was measured of a condition, where it was not told, may be that of a repeat.
+    /// Whether what was measured of a condition, where it was not stated, may be that of a repeat.
     fn is_near(&self, other: &Self) -> bool {
         let [here, there] = [self, other].map(|record| &record.attributes);
         let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
@@ -69,14 +69,14 @@ impl Record {
 }
 
 impl Group {
-    /// Wheel and condition: what was told, and the mean over the repeats of what was not.
+    /// Wheel and condition: what was stated, and the mean over the repeats of what was not.
     pub fn attributes(&self) -> RunAttributes {
         let Record {
-            attributes, told, ..
+            attributes, stated, ..
         } = &self.records[0];
         let number = |of: fn(&RunAttributes) -> f64| {
-            if of(told) == of(attributes) {
-                return of(told);
+            if of(stated) == of(attributes) {
+                return of(stated);
             }
             let all = self.records.iter().map(|record| of(&record.attributes));
             all.sum::<f64>() / self.records.len() as f64

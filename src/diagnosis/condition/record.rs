@@ -16,42 +16,42 @@ const OTHER_WHEEL: f64 = 0.02;
 /// alike at both. A campaign with them has the layout, and the random rigs, of one without.
 const SAME_CLEARANCE: f64 = 0.005;
 
-/// Which slips hold where channels contradict those told.
+/// Which slips hold where channels contradict those stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slips {
-    Told,
+    Stated,
     Measured,
 }
 
 impl Slips {
     pub fn of(measured: &[Trace]) -> Self {
         let both = measured.iter().filter(|trace| {
-            let told = trace.attributes.slip_ratio;
-            told.is_finite() && trace.steady_mean("slip_ratio").is_some()
+            let stated = trace.attributes.slip_ratio;
+            stated.is_finite() && trace.steady_mean("slip_ratio").is_some()
         });
         let wrong = both.clone().filter(|trace| has_wrong_slip(trace));
         match 2 * wrong.count() > both.count() {
-            true => Self::Told,
+            true => Self::Stated,
             false => Self::Measured,
         }
     }
 
     pub fn caveat(self) -> Option<Caveat> {
-        (self == Self::Told).then_some(Caveat::OtherSlips)
+        (self == Self::Stated).then_some(Caveat::OtherSlips)
     }
 }
 
-/// Whether a run's channel contradicts the slip told.
+/// Whether a run's channel contradicts the slip stated.
 fn has_wrong_slip(trace: &Trace) -> bool {
     (trace.slip() - trace.attributes.slip_ratio).abs() > SLIP_TOLERANCE
 }
 
-/// A measured run, its condition told or taken from its channels.
+/// A measured run, its condition stated or taken from its channels.
 pub(super) struct Record {
     pub run: usize,
     pub attributes: RunAttributes,
-    /// The same with 0 for what was not told.
-    pub told: RunAttributes,
+    /// The same with 0 for what was not stated.
+    pub stated: RunAttributes,
     /// Mean turning speed [rad/s], where the wheel's angle was measured.
     pub turning: Option<f64>,
     /// Clearance [m] of a lifted wheel, where it is measured and another than a simulated one has.
@@ -79,24 +79,36 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Wheel(error) => error.fmt(f),
-            Self::Missing(what) => write!(f, "nothing tells its {what}"),
-            Self::NoOverlap(has) if has.is_empty() => {
-                f.write_str("it holds no channel and no mean")
-            }
+            Self::Missing(what) => write!(f, "its {what} is not stated and no channel gives it"),
+            Self::NoOverlap(has) if has.is_empty() => f.write_str("it has no channel and no mean"),
             Self::NoOverlap(has) => {
-                write!(f, "no simulation makes what it holds: {}", has.join(", "))
+                write!(f, "none of its channels is simulated: {}", has.join(", "))
             }
         }
     }
 }
 
+/// How the runs of a campaign are repeated.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Repetition<'s> {
+    pub scenario: &'s Scenario,
+    /// Longest part [s] of a run that is compared.
+    pub longest: f64,
+    pub slips: Slips,
+}
+
 impl Record {
+    /// The record of run number `run`, with what had to be taken from elsewhere.
     pub fn of(
-        (run, trace): (usize, &Trace),
-        slips: Slips,
-        (scenario, longest): (&Scenario, f64),
+        run: usize,
+        trace: &Trace,
+        repetition: &Repetition,
     ) -> Result<(Self, Vec<Caveat>), Refusal> {
-        let wheel = &scenario.wheel;
+        let Repetition {
+            scenario,
+            longest,
+            slips,
+        } = *repetition;
         let layout = Layout::of(trace, longest);
         if layout.is_empty() {
             return Err(Refusal::NoOverlap(names(trace)));
@@ -109,61 +121,91 @@ impl Record {
             physics_rate: None,
             ..trace.attributes.clone()
         };
-        check_wheel(&attributes, wheel).map_err(Refusal::Wheel)?;
+        check_wheel(&attributes, &scenario.wheel).map_err(Refusal::Wheel)?;
         let mut caveats = Vec::new();
-        let mut told = told(&attributes);
+        let mut stated = stated(&attributes);
         if slips == Slips::Measured && has_wrong_slip(trace) {
             attributes.slip_ratio = trace.slip();
-            told.slip_ratio = 0.0;
+            stated.slip_ratio = 0.0;
             caveats.push(Caveat::WrongSlip { run });
         }
-        let turning = turning_speed(trace);
-        let mean = |name: &str| trace.steady_mean(name);
-        let mut complete = |number: &mut f64, what, sources: [(Option<f64>, &'static str); 2]| {
-            if number.is_finite() {
-                return Ok(());
-            }
-            let mut known = sources.into_iter();
-            let (value, from) = known
-                .find_map(|(value, from)| Some((value.filter(|x| x.is_finite())?, from)))
-                .ok_or(Refusal::Missing(what))?;
-            *number = value;
-            caveats.push(Caveat::Taken { what, from });
+        let mut record = Self {
+            run,
+            attributes,
+            stated,
+            turning: turning_speed(trace),
+            clearance: clearance(trace, scenario),
+            layout,
+        };
+        caveats.extend(record.complete(trace, scenario)?);
+        Ok((record, caveats))
+    }
+
+    /// Takes attributes that are not stated from channels or scenario.
+    fn complete(&mut self, trace: &Trace, scenario: &Scenario) -> Result<Vec<Caveat>, Refusal> {
+        let attributes = &mut self.attributes;
+        let mean = |name: &str, from| Source {
+            value: trace.steady_mean(name),
+            from,
+        };
+        let of_scenario = |value| Source {
+            value: Some(value),
+            from: "the scenario",
+        };
+        let mut caveats = Vec::new();
+        let mut complete = |number: &mut f64, what, sources: &[Source]| {
+            let taken = taken(number, what, sources)?;
+            caveats.extend(taken);
             Ok(())
         };
-        let nothing = (None, "");
-        let of_scenario = |value| [(Some(value), "the scenario"), nothing];
+        let (radius, width) = (scenario.wheel.radius, scenario.wheel.width);
         complete(
             &mut attributes.wheel_radius,
             "wheel radius",
-            of_scenario(wheel.radius),
+            &[of_scenario(radius)],
         )?;
         complete(
             &mut attributes.wheel_width,
             "wheel width",
-            of_scenario(wheel.width),
+            &[of_scenario(width)],
         )?;
-        let force = (mean("normal_force"), "the measured normal force");
-        complete(&mut attributes.load, "load", [force, nothing])?;
-        let speed = (mean("forward_speed"), "the measured speed");
-        let [own, _] = of_scenario(scenario.rig.drive().forward_speed);
-        complete(&mut attributes.speed, "forward speed", [speed, own])?;
-        let slip = (mean("slip_ratio"), "the measured slip");
-        let of_angle = turning.map(|turning| {
-            SlipRatio::from_motion(attributes.wheel_radius, turning, attributes.speed).get()
-        });
-        let of_angle = (of_angle, "the wheel's measured angle");
-        complete(&mut attributes.slip_ratio, "slip", [slip, of_angle])?;
-        let record = Self {
-            run,
-            attributes,
-            told,
-            turning,
-            clearance: clearance(trace, scenario),
-            layout,
+        let force = mean("normal_force", "the measured normal force");
+        complete(&mut attributes.load, "load", &[force])?;
+        let speed = mean("forward_speed", "the measured speed");
+        let own = of_scenario(scenario.rig.drive().forward_speed);
+        complete(&mut attributes.speed, "forward speed", &[speed, own])?;
+        let slip = mean("slip_ratio", "the measured slip");
+        let of_angle = Source {
+            value: self.turning.map(|turning| {
+                SlipRatio::from_motion(attributes.wheel_radius, turning, attributes.speed).get()
+            }),
+            from: "the wheel's measured angle",
         };
-        Ok((record, caveats))
+        complete(&mut attributes.slip_ratio, "slip", &[slip, of_angle])?;
+        Ok(caveats)
     }
+}
+
+/// A value for an attribute that is not stated.
+struct Source {
+    value: Option<f64>,
+    from: &'static str,
+}
+
+/// Sets a `number` that is not finite to the first finite value of the `sources`.
+fn taken(
+    number: &mut f64,
+    what: &'static str,
+    sources: &[Source],
+) -> Result<Option<Caveat>, Refusal> {
+    if number.is_finite() {
+        return Ok(None);
+    }
+    let is_known = |source: &&Source| source.value.is_some_and(f64::is_finite);
+    let source = sources.iter().find(is_known);
+    let Source { value, from } = source.ok_or(Refusal::Missing(what))?;
+    *number = value.unwrap_or(f64::NAN);
+    Ok(Some(Caveat::Taken { what, from }))
 }
 
 pub(super) fn names(trace: &Trace) -> Vec<String> {
@@ -177,7 +219,7 @@ fn check_wheel(attributes: &RunAttributes, wheel: &Wheel) -> Result<(), CaseErro
         ("radius", attributes.wheel_radius, wheel.radius),
         ("width", attributes.wheel_width, wheel.width),
     ] {
-        // Nobody knows a number that is none.
+        // A NaN is not stated.
         if (measured - scenario).abs() > OTHER_WHEEL * scenario {
             return Err(CaseError::OtherWheel {
                 quantity,
@@ -200,8 +242,8 @@ fn turning_speed(trace: &Trace) -> Option<f64> {
     Some((to - from) / seconds).filter(|speed| speed.is_finite())
 }
 
-/// Clearance [m] between ground and lugs of a lifted wheel, to a millimetre; none where it is about that which the
-/// scenario gives a wheel to be lifted, or nobody measured it.
+/// Clearance [m] between ground and lugs of a lifted wheel, to a millimetre; none where it is about the scenario's for
+/// lifted wheels, or is not measured.
 fn clearance(trace: &Trace, scenario: &Scenario) -> Option<f64> {
     if !trace.attributes.is_lifted() {
         return None;
@@ -212,8 +254,8 @@ fn clearance(trace: &Trace, scenario: &Scenario) -> Option<f64> {
     is_another.then(|| 1.0e-3 * libm::round(1.0e3 * measured))
 }
 
-/// A condition with 0 for what nobody told.
-fn told(attributes: &RunAttributes) -> RunAttributes {
+/// Attributes with 0 for numbers that are not stated.
+fn stated(attributes: &RunAttributes) -> RunAttributes {
     let known = |number: f64| if number.is_finite() { number } else { 0.0 };
     RunAttributes {
         wheel_radius: known(attributes.wheel_radius),
