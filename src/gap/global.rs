@@ -153,27 +153,34 @@ impl Pool {
     }
 
     /// Adds `t²` of every cell in this order to what other conditions have.
-    fn add_squares(&self, order: &[usize], sums: &mut [(f64, f64)]) {
+    fn add_squares(&self, order: &[usize], sums: &mut [Squares]) {
         let (real, made) = order.split_at(self.measured);
         let [k, n] = [real.len() as f64, made.len() as f64];
         // The mean of all is 0: that of the others follows from the measured ones'.
         let scale = 1.0 / k + 1.0 / n;
         for (cell, place) in self.places.iter().enumerate() {
             let sum: f64 = real.iter().map(|run| self.rows[*run][cell]).sum();
-            let (squares, count) = sums[*place];
-            sums[*place] = (squares + sum * sum * scale, count + 1.0);
+            sums[*place].sum += sum * sum * scale;
+            sums[*place].count += 1.0;
         }
     }
+}
+
+/// Sum of `t²` of a cell over conditions.
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    sum: f64,
+    count: f64,
 }
 
 /// The strongest cell in this order, and how strong it is.
 fn strongest(pools: &[Pool], order: &[Vec<usize>]) -> (f64, Option<usize>) {
     let cells = pools.iter().flat_map(|pool| &pool.places).max();
-    let mut sums = vec![(0.0, 0.0); cells.map_or(0, |last| last + 1)];
+    let mut sums = vec![Squares::default(); cells.map_or(0, |last| last + 1)];
     for (pool, order) in pools.iter().zip(order) {
         pool.add_squares(order, &mut sums);
     }
-    let strength = |(squares, count): &(f64, f64)| (squares - count) / libm::sqrt(2.0 * count);
+    let strength = |of: &Squares| (of.sum - of.count) / libm::sqrt(2.0 * of.count);
     let strengths = sums.iter().map(strength).enumerate();
     let best = strengths.max_by(|a, b| a.1.total_cmp(&b.1));
     best.map_or((0.0, None), |(cell, strength)| (strength, Some(cell)))

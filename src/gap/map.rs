@@ -147,7 +147,15 @@ impl Comparison {
             let added = spread.get(&table.condition);
             for (place, cell) in table.cells.iter().enumerate() {
                 let added = added.and_then(|of| of.get(cell)).copied().unwrap_or(0.0);
-                entries.push(entry(&evidence, table, place, (margins, added)));
+                entries.push(entry(
+                    &evidence,
+                    margins,
+                    &Tested {
+                        table,
+                        place,
+                        added,
+                    },
+                ));
             }
         }
         colour(&mut entries);
@@ -159,12 +167,20 @@ impl Comparison {
     }
 }
 
-fn entry(
-    evidence: &Evidence,
-    table: &Table,
+/// A cell of a condition.
+struct Tested<'t> {
+    table: &'t Table,
     place: usize,
-    (margins, added): (&Margins, f64),
-) -> Entry {
+    /// Standard deviation, in the cell's unit, by the uncertainty of the parameters.
+    added: f64,
+}
+
+fn entry(evidence: &Evidence, margins: &Margins, tested: &Tested) -> Entry {
+    let Tested {
+        table,
+        place,
+        added,
+    } = *tested;
     let cell = &table.cells[place];
     let difference = evidence.difference(table, place, added);
     let tail = evidence.tail(cell);

@@ -22,6 +22,13 @@ pub(super) const MANY: f64 = 1.0e6;
 /// Share of the median variance below which none is taken: it would be an infinity in `ln s²`.
 const LEAST: f64 = 1.0e-5;
 
+/// A sample variance and its degrees of freedom [-].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Variance {
+    value: f64,
+    freedom: f64,
+}
+
 /// What cells of one kind have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Prior {
@@ -33,8 +40,8 @@ struct Prior {
 
 impl Prior {
     /// From sample variances of equal or unequal degrees of freedom.
-    fn of(variances: &[(f64, f64)]) -> Self {
-        let mut sorted: Vec<f64> = variances.iter().map(|(variance, _)| *variance).collect();
+    fn of(variances: &[Variance]) -> Self {
+        let mut sorted: Vec<f64> = variances.iter().map(|of| of.value).collect();
         sorted.sort_by(f64::total_cmp);
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let varying = sorted.iter().copied().filter(|variance| *variance > 0.0);
@@ -52,8 +59,9 @@ impl Prior {
         };
         let logs: Vec<(f64, f64)> = variances
             .iter()
-            .map(|(variance, d)| {
-                let log = libm::log(variance.max(LEAST * scale));
+            .map(|of| {
+                let d = of.freedom;
+                let log = libm::log(of.value.max(LEAST * scale));
                 (
                     log - digamma(0.5 * d) + libm::log(0.5 * d),
                     trigamma(0.5 * d),
@@ -73,8 +81,8 @@ impl Prior {
         let beyond = scatter.sum::<f64>() / (count - 1.0) - expected;
         if beyond <= trigamma(0.5 * MANY) {
             // All have one variance: the pooled one.
-            let freedom: f64 = variances.iter().map(|(_, d)| d).sum();
-            let pooled = variances.iter().map(|(variance, d)| variance * d / freedom);
+            let freedom: f64 = variances.iter().map(|of| of.freedom).sum();
+            let pooled = variances.iter().map(|of| of.value * of.freedom / freedom);
             return Self {
                 variance: pooled.sum(),
                 freedom: MANY,
@@ -105,12 +113,12 @@ pub(super) type Kind = (Domain, Measure);
 impl Priors {
     /// From cells with their variances, over their sizes squared, and degrees of freedom.
     pub fn of<'c>(variances: impl Iterator<Item = (&'c Cell, f64, f64)>) -> Self {
-        let mut kinds = BTreeMap::<_, Vec<(f64, f64)>>::new();
+        let mut kinds = BTreeMap::<_, Vec<Variance>>::new();
         for (cell, variance, freedom) in variances {
-            kinds
-                .entry(kind(cell))
-                .or_default()
-                .push((variance, freedom));
+            kinds.entry(kind(cell)).or_default().push(Variance {
+                value: variance,
+                freedom,
+            });
         }
         let prior = |(kind, variances): (_, Vec<_>)| (kind, Prior::of(&variances));
         Self(kinds.into_iter().map(prior).collect())
@@ -184,8 +192,11 @@ mod tests {
         let chi =
             |freedom: f64, rng: &mut _| ChiSquared::new(freedom).unwrap().sample(rng) / freedom;
         // 4 degrees of freedom each, true variances about 2 with 6 degrees.
-        let variances: Vec<(f64, f64)> = (0..4000)
-            .map(|_| (2.0 / chi(6.0, &mut rng) * chi(4.0, &mut rng), 4.0))
+        let variances: Vec<Variance> = (0..4000)
+            .map(|_| Variance {
+                value: 2.0 / chi(6.0, &mut rng) * chi(4.0, &mut rng),
+                freedom: 4.0,
+            })
             .collect();
         let prior = Prior::of(&variances);
         // The freedom's error is about 1.5 times its share of 4000 trials.
@@ -195,15 +206,17 @@ mod tests {
 
     #[test]
     fn cells_of_one_variance_share_it_and_a_single_cell_keeps_its_own() {
-        let equal: Vec<(f64, f64)> = [0.9, 1.1, 1.0, 1.05]
-            .map(|variance| (variance, 5.0))
-            .to_vec();
+        let variance = |value| Variance {
+            value,
+            freedom: 5.0,
+        };
+        let equal = [0.9, 1.1, 1.0, 1.05].map(variance);
         let (moderated, freedom) = Prior::of(&equal).moderate(3.0, 5.0);
         assert!(
             freedom >= MANY && (moderated - 1.0).abs() < 0.2,
             "{moderated}"
         );
-        let (own, freedom) = Prior::of(&[(0.4, 5.0)]).moderate(0.4, 5.0);
+        let (own, freedom) = Prior::of(&[variance(0.4)]).moderate(0.4, 5.0);
         assert!((own - 0.4).abs() < 1e-12 && freedom == 5.0);
     }
 }

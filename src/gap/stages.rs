@@ -145,18 +145,22 @@ pub fn vibration(
         let windows = recognizer
             .recognize(&hybrid)
             .map_err(GapError::Recognition)?;
-        let features: Vec<([f64; 4], Wtic)> = windows
+        let features: Vec<Answered> = windows
             .into_iter()
-            .filter_map(|window| Some((window.p.ok()?, window.answers.first()?.class)))
+            .filter_map(|window| {
+                Some(Answered {
+                    class: window.answers.first()?.class,
+                    p: window.p.ok()?,
+                })
+            })
             .collect();
         if features.is_empty() {
             return Err(GapError::NoFeatures);
         }
         answers.push(features);
     }
-    let mean = |features: &[([f64; 4], Wtic)]| -> [f64; 4] {
-        [0, 1, 2, 3]
-            .map(|i| features.iter().map(|(p, _)| p[i]).sum::<f64>() / features.len() as f64)
+    let mean = |features: &[Answered]| -> [f64; 4] {
+        [0, 1, 2, 3].map(|i| features.iter().map(|of| of.p[i]).sum::<f64>() / features.len() as f64)
     };
     let start = mean(&answers[0]);
     let features: Vec<f64> = answers
@@ -173,10 +177,16 @@ pub fn vibration(
     })
 }
 
+/// Features and class of a window.
+struct Answered {
+    p: [f64; 4],
+    class: Wtic,
+}
+
 /// Share of windows whose classes differ, of those that both have.
-fn differing(one: &[([f64; 4], Wtic)], other: &[([f64; 4], Wtic)]) -> f64 {
+fn differing(one: &[Answered], other: &[Answered]) -> f64 {
     let pairs = one.iter().zip(other);
-    let differ = pairs.clone().filter(|(a, b)| a.1 != b.1).count();
+    let differ = pairs.clone().filter(|(a, b)| a.class != b.class).count();
     differ as f64 / pairs.count().max(1) as f64
 }
 

@@ -26,12 +26,20 @@ pub(super) struct Turning {
 /// The turn under the samples of a channel, and waves of the orders over it; channels that are
 /// sampled at the same times share it.
 struct Waves {
-    of: (u64, u64, usize),
+    of: Sampling,
     /// Samples that cover whole turns, or otherwise whole lug passes.
     window: Range<usize>,
     /// Wheel angle [rad], sample by sample.
     angle: Vec<f64>,
     orders: Vec<(u32, Vec<Complex<f64>>)>,
+}
+
+/// Times of a channel's samples: bits of rate and start, and their number.
+#[derive(Clone, Copy, PartialEq)]
+struct Sampling {
+    rate: u64,
+    start: u64,
+    length: usize,
 }
 
 impl Turning {
@@ -57,7 +65,11 @@ impl Turning {
         if samples.is_empty() {
             return;
         }
-        let key = (signal.rate.to_bits(), signal.start.to_bits(), samples.len());
+        let key = Sampling {
+            rate: signal.rate.to_bits(),
+            start: signal.start.to_bits(),
+            length: samples.len(),
+        };
         if self.waves.as_ref().is_none_or(|waves| waves.of != key) {
             self.waves = self.waves(signal, key);
         }
@@ -92,7 +104,7 @@ impl Turning {
         }
     }
 
-    fn waves(&self, signal: &Signal, of: (u64, u64, usize)) -> Option<Waves> {
+    fn waves(&self, signal: &Signal, of: Sampling) -> Option<Waves> {
         if !covers(&self.angle, signal) {
             return None;
         }
