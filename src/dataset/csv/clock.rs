@@ -47,12 +47,17 @@ pub(super) struct Times<'a> {
     pub(super) origin: f64,
     /// Seconds of one count of the clock.
     pub(super) count: f64,
-    /// Times since the first row [s], and lines.
     pub(super) rows: &'a [Stamp],
 }
 
-/// A row's time [s] and line.
-pub(super) type Stamp = (f64, u64);
+/// The time of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stamp {
+    /// Since the first row [s].
+    pub(super) time: f64,
+    /// In the file.
+    pub(super) line: u64,
+}
 
 /// What may be done with the times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,9 +98,9 @@ impl Clock {
         let line = times.line();
         let median = times.median_step();
         let steps = times.steps();
-        let step = steps.map(|(step, _)| (step / median - 1.0).abs());
+        let step = steps.map(|step| (step.time / median - 1.0).abs());
         let step = step.fold(0.0, f64::max);
-        let (off, _) = times.farthest_off(line);
+        let off = times.farthest_off(line).time;
         let rate = meant(1.0 / line.period, times.rows.len());
         let is_rate = rate.is_finite() && rate > 0.0;
         if is_rate && off <= FIFTH * line.period {
@@ -146,17 +151,17 @@ impl Times<'_> {
                 "one row of {file} does not determine a rate; {way_out}"
             ));
         }
-        if let Some((_, line)) = rows.iter().find(|(time, _)| !time.is_finite()) {
+        if let Some(Stamp { line, .. }) = rows.iter().find(|row| !row.time.is_finite()) {
             return Err(format!(
                 "{file}:{line}: this row has no time; leave it out with # before it, or give \
                  sample_rate_hz instead of time_s"
             ));
         }
-        let back = rows.windows(2).find(|pair| pair[1].0 < pair[0].0);
+        let back = rows.windows(2).find(|pair| pair[1].time < pair[0].time);
         if let Some([before, after]) = back {
             return Err(self.backward(*before, *after));
         }
-        match rows.windows(2).find(|pair| pair[1].0 == pair[0].0) {
+        match rows.windows(2).find(|pair| pair[1].time == pair[0].time) {
             Some([_, second]) if self.equal_rows() as f64 > equal * rows.len() as f64 => {
                 Err(self.equal(*second))
             }
@@ -166,26 +171,28 @@ impl Times<'_> {
 
     /// Number of rows that have the time of the row before.
     pub(super) fn equal_rows(&self) -> usize {
-        self.steps().filter(|(step, _)| *step == 0.0).count()
+        self.steps().filter(|step| step.time == 0.0).count()
     }
 
-    /// Times between rows [s], and the later row's line.
+    /// Times between rows [s], with the later row's line.
     pub(super) fn steps(&self) -> impl Iterator<Item = Stamp> {
-        self.rows
-            .windows(2)
-            .map(|pair| (pair[1].0 - pair[0].0, pair[1].1))
+        let pairs = self.rows.windows(2);
+        pairs.map(|pair| Stamp {
+            time: pair[1].time - pair[0].time,
+            line: pair[1].line,
+        })
     }
 
     /// Median step [s].
     pub(super) fn median_step(&self) -> f64 {
-        let mut steps: Vec<f64> = self.steps().map(|(step, _)| step).collect();
+        let mut steps: Vec<f64> = self.steps().map(|step| step.time).collect();
         let middle = steps.len() / 2;
         *steps.select_nth_unstable_by(middle, f64::total_cmp).1
     }
 
     /// Time from the first row to the last [s].
     pub(super) fn span(&self) -> f64 {
-        let end = |row: Option<&Stamp>| row.map_or(0.0, |(time, _)| *time);
+        let end = |row: Option<&Stamp>| row.map_or(0.0, |row| row.time);
         end(self.rows.last()) - end(self.rows.first())
     }
 
@@ -193,8 +200,8 @@ impl Times<'_> {
     fn line(&self) -> Line {
         let count = self.rows.len() as f64;
         let middle = 0.5 * (count - 1.0);
-        let mean = self.rows.iter().map(|(time, _)| time).sum::<f64>() / count;
-        let about = |(i, (time, _)): (usize, &Stamp)| (i as f64 - middle, time - mean);
+        let mean = self.rows.iter().map(|row| row.time).sum::<f64>() / count;
+        let about = |(i, row): (usize, &Stamp)| (i as f64 - middle, row.time - mean);
         let rows = || self.rows.iter().enumerate().map(about);
         let spread = count * (count * count - 1.0) / 12.0;
         let period = rows().map(|(x, y)| x * y).sum::<f64>() / spread;
@@ -209,17 +216,20 @@ impl Times<'_> {
 
     /// Largest departure from `line` [s], and its line in the file.
     fn farthest_off(&self, line: Line) -> Stamp {
-        let off = |(i, (time, row)): (usize, &Stamp)| {
-            ((time - line.start - i as f64 * line.period).abs(), *row)
+        let off = |(i, row): (usize, &Stamp)| Stamp {
+            time: (row.time - line.start - i as f64 * line.period).abs(),
+            line: row.line,
         };
         let rows = self.rows.iter().enumerate().map(off);
+        let none = Stamp { time: 0.0, line: 0 };
         rows.fold(
-            (0.0, 0),
-            |most, row| if row.0 > most.0 { row } else { most },
+            none,
+            |most, row| if row.time > most.time { row } else { most },
         )
     }
 
-    fn backward(&self, (before, _): Stamp, (time, line): Stamp) -> String {
+    fn backward(&self, before: Stamp, after: Stamp) -> String {
+        let (before, Stamp { time, line }) = (before.time, after);
         let Self { file, origin, .. } = self;
         let counts = (before - time) / self.count;
         let bits = [16, 24, 31, 32, 48].into_iter().find(|bits| {
@@ -242,13 +252,15 @@ impl Times<'_> {
     }
 
     /// Rows that share a stamp, in words.
-    fn equal(&self, (time, line): Stamp) -> String {
+    fn equal(&self, row: Stamp) -> String {
+        let Stamp { time, line } = row;
         let Self {
             file, origin, rows, ..
         } = self;
         let shared = self.equal_rows();
-        let steps = self.steps().map(|(step, _)| step);
-        let finest = steps
+        let finest = self
+            .steps()
+            .map(|step| step.time)
             .filter(|step| *step > 0.0)
             .fold(f64::INFINITY, f64::min);
         let stamps = rows.len() - shared;
@@ -286,14 +298,25 @@ impl Times<'_> {
     fn uneven(&self, line: Line, median: f64) -> String {
         let file = self.file;
         let off = |step: f64| (step - median).abs();
-        let (worst, at) = self.steps().fold((median, 0), |most, step| {
-            if off(step.0) > off(most.0) {
+        let even = Stamp {
+            time: median,
+            line: 0,
+        };
+        let worst = self.steps().fold(even, |most, step| {
+            if off(step.time) > off(most.time) {
                 step
             } else {
                 most
             }
         });
-        let (most, where_most) = self.farthest_off(line);
+        let Stamp {
+            time: worst,
+            line: at,
+        } = worst;
+        let Stamp {
+            time: most,
+            line: where_most,
+        } = self.farthest_off(line);
         let rate = roundest(1.0 / median, 0.01 / median);
         let lost = (worst / median - 1.0).round();
         let lost_rows = match worst > LOST * median {
@@ -352,7 +375,8 @@ mod tests {
     use super::*;
 
     fn stamps(times: impl Iterator<Item = f64>) -> Vec<Stamp> {
-        times.zip(2..).collect()
+        let rows = times.zip(2..);
+        rows.map(|(time, line)| Stamp { time, line }).collect()
     }
 
     fn clock(rows: &[Stamp]) -> Result<Clock, String> {
@@ -439,7 +463,7 @@ mod tests {
             let Ok(Clock::Wandering { rate, step, .. }) = clock(&rows) else {
                 panic!("{:?}", clock(&rows));
             };
-            let mean = 3_999.0 / (rows[3_999].0 - rows[0].0);
+            let mean = 3_999.0 / (rows[3_999].time - rows[0].time);
             assert!((rate / mean - 1.0).abs() < 1e-6 && step <= 0.2);
         }
     }

@@ -5,10 +5,17 @@ use std::io::{BufRead, BufReader, Cursor, Read};
 /// Longest line [bytes] of a table: a file without line ends must not fill the memory.
 const LONGEST: u64 = 1 << 20;
 
+/// A comment, without `#` and blanks.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Comment {
+    pub(super) line: u64,
+    pub(super) text: String,
+}
+
 /// The lines before the first row.
 pub(super) struct Lead {
-    /// Comments with their lines, without `#` and blanks.
-    pub(super) comments: Vec<(u64, String)>,
+    /// Comments before it.
+    pub(super) comments: Vec<Comment>,
     /// Lines passed.
     pub(super) lines: u64,
     /// From the first row on.
@@ -45,7 +52,10 @@ impl Lead {
             if lines > skip && !text.is_empty() {
                 let text = String::from_utf8_lossy(text);
                 let text = text.trim_start_matches('#').trim();
-                comments.push((lines, text.to_owned()));
+                comments.push(Comment {
+                    line: lines,
+                    text: text.to_owned(),
+                });
             }
         }
     }
@@ -122,7 +132,7 @@ impl<R: Read> Read for Aligned<R> {
 mod tests {
     use super::*;
 
-    fn lead(text: &'static str, skip: u64) -> (Vec<(u64, String)>, u64, String) {
+    fn lead(text: &'static str, skip: u64) -> (Vec<Comment>, u64, String) {
         let lead = Lead::read(Box::new(text.as_bytes()), skip).unwrap();
         let mut rest = String::new();
         let mut reader = lead.rest;
@@ -132,7 +142,10 @@ mod tests {
 
     #[test]
     fn lines_before_a_table_are_skipped_and_comments_stored_with_their_lines() {
-        let comment = |line, text: &str| (line, text.to_owned());
+        let comment = |line, text: &str| Comment {
+            line,
+            text: text.to_owned(),
+        };
         let (comments, lines, rest) = lead("# a\n\n ## t,F\r\n0,1\n#b\n", 0);
         assert_eq!(comments, [comment(1, "a"), comment(3, "t,F")]);
         assert_eq!((lines, rest.as_str()), (3, "0,1\n#b\n"));

@@ -121,7 +121,8 @@ fn columns(
         if let Timing::Columns(moments) = timing {
             let at = |message| source.fault("columns.time_s", message);
             let time = moments.read(&header, row).map_err(at)?;
-            table.times.push((time, row.line()));
+            let line = row.line();
+            table.times.push(Stamp { time, line });
         }
     }
     if table.samples[0].is_empty() {

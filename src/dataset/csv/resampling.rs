@@ -87,7 +87,7 @@ impl Resampling {
             interpolated: 0,
             missing: 0,
             bridged: 0.0,
-            longest: times.steps().fold(0.0, |most, (step, _)| most.max(step)),
+            longest: times.steps().fold(0.0, |most, step| most.max(step.time)),
             equal: times.equal_rows(),
             median,
         };
@@ -155,12 +155,12 @@ impl Resampling {
 /// Where a time [s] lies among the rows from `row` on; steps above a longest one [s] are gaps.
 fn place(times: Times<'_>, row: &mut usize, time: f64, longest: f64) -> Place {
     let rows = times.rows;
-    let start = rows[0].0;
-    while *row + 2 < rows.len() && rows[*row + 1].0 - start <= time {
+    let start = rows[0].time;
+    while *row + 2 < rows.len() && rows[*row + 1].time - start <= time {
         *row += 1;
     }
-    let step = rows[*row + 1].0 - rows[*row].0;
-    let share = (time - (rows[*row].0 - start)) / step;
+    let step = rows[*row + 1].time - rows[*row].time;
+    let share = (time - (rows[*row].time - start)) / step;
     match share {
         _ if step <= 0.0 => Place::At(*row as u32 + 1),
         share if share.abs() <= AT_ROW => Place::At(*row as u32),
@@ -178,7 +178,7 @@ impl Cost {
             Place::After(row, _) => {
                 let row = row as usize;
                 self.interpolated += 1;
-                let step = times.rows[row + 1].0 - times.rows[row].0;
+                let step = times.rows[row + 1].time - times.rows[row].time;
                 self.bridged = self.bridged.max(step);
             }
         }
@@ -187,11 +187,13 @@ impl Cost {
 
 #[cfg(test)]
 mod tests {
+    use super::super::clock::Stamp;
     use super::*;
     use std::f64::consts::{PI, TAU};
 
     fn resampling(times: &[f64], rate: f64, gap: Option<f64>) -> Result<Resampling, String> {
-        let rows: Vec<(f64, u64)> = times.iter().copied().zip(2..).collect();
+        let rows = times.iter().copied().zip(2..);
+        let rows: Vec<Stamp> = rows.map(|(time, line)| Stamp { time, line }).collect();
         let times = Times {
             file: "a.csv",
             origin: 0.0,

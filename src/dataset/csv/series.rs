@@ -77,7 +77,7 @@ fn records(source: Source<'_>, folder: &Path) -> Result<Vec<Record>, Misplaced> 
 fn joined(source: Source<'_>, records: Vec<Record>) -> Result<Vec<Channel>, Misplaced> {
     let zero = zero(source, &records);
     let mut channels: Vec<Channel> = Vec::new();
-    let mut extents: Vec<(String, [f64; 2])> = Vec::new();
+    let mut extents: Vec<Extent> = Vec::new();
     for (index, record) in records.into_iter().enumerate() {
         let at = |key: &str, message: String| match source.table.source.len() {
             0 => source.fault(key, message),
@@ -89,7 +89,10 @@ fn joined(source: Source<'_>, records: Vec<Record>) -> Result<Vec<Channel>, Misp
             .iter()
             .map(Channel::duration)
             .fold(start, |a, d| a.max(start + d));
-        if let Some((other, [from, to])) = extents.first()
+        if let Some(Extent {
+            file: other,
+            time: [from, to],
+        }) = extents.first()
             && (end < *from || *to < start)
         {
             let own = record.origin.map_or(0.0, Origin::seconds);
@@ -103,7 +106,10 @@ fn joined(source: Source<'_>, records: Vec<Record>) -> Result<Vec<Channel>, Misp
                 ),
             ));
         }
-        extents.push((record.file, [start, end]));
+        extents.push(Extent {
+            file: record.file,
+            time: [start, end],
+        });
         for channel in record.channels {
             if channels.iter().any(|known| known.name == channel.name) {
                 let message = format!(
@@ -137,10 +143,19 @@ fn zero(source: Source<'_>, records: &[Record]) -> Origin {
     }
 }
 
-fn note_extents(source: Source<'_>, extents: &[(String, [f64; 2])]) {
-    let files = extents
-        .iter()
-        .map(|(file, [start, end])| format!("{} from {start:.3} s to {end:.3} s", last_part(file)));
+/// The time [s] that a file covers.
+struct Extent {
+    file: String,
+    time: [f64; 2],
+}
+
+fn note_extents(source: Source<'_>, extents: &[Extent]) {
+    let files = extents.iter().map(
+        |Extent {
+             file,
+             time: [start, end],
+         }| format!("{} from {start:.3} s to {end:.3} s", last_part(file)),
+    );
     let files: Vec<String> = files.collect();
     let offsets = source
         .table

@@ -1,5 +1,6 @@
 //! Position of a table's column names and of its first data row.
 
+use super::super::lead::Comment;
 use super::super::number::{is_missing, is_number};
 use super::{Layout, Row, listed};
 use csv::ReaderBuilder;
@@ -40,7 +41,7 @@ pub(super) fn bare(name: &str) -> &str {
 /// Where there are none, in words that follow the file's name.
 pub(super) fn naming(
     ahead: &mut VecDeque<Row>,
-    comments: &[(u64, String)],
+    comments: &[Comment],
     layout: &Layout<'_>,
 ) -> Result<Naming, String> {
     let Some(first) = ahead.front() else {
@@ -105,12 +106,12 @@ fn given(ahead: &mut VecDeque<Row>, layout: &Layout<'_>) -> Result<Naming, Strin
 /// Names in a comment above the first row, whose cells are `first`.
 fn from_comments(
     first: &[String],
-    comments: &[(u64, String)],
+    comments: &[Comment],
     layout: &Layout<'_>,
 ) -> Result<Naming, String> {
     let split = comments
         .iter()
-        .map(|(line, text)| (*line, cells_of(text, layout)));
+        .map(|comment| (comment.line, cells_of(&comment.text, layout)));
     let fits = |(_, cells): &(u64, Vec<String>)| {
         cells.len() == first.len() && !cells.iter().any(|cell| is_number(cell))
     };
