@@ -42,20 +42,15 @@ fn collect<'a>(terrain: &'a mut TerrainSpec, parts: &mut Parts<'a>) {
     }
 }
 
-/// Edits all of some parts of the ground, of which there must be one.
-fn on_all<T>(
-    parts: Vec<&mut T>,
-    (seated, ground): (Seated, &'static str),
-    edit: impl Fn(&mut T),
-) -> Result<(), EffectError> {
+/// The parts of the ground that an effect edits, of which there must be one.
+fn some<T>(parts: Vec<T>, seated: Seated, ground: &'static str) -> Result<Vec<T>, EffectError> {
     if parts.is_empty() {
         return Err(EffectError::NotOn {
             effect: seated.effect,
             ground,
         });
     }
-    parts.into_iter().for_each(edit);
-    Ok(())
+    Ok(parts)
 }
 
 fn on_contacts(
@@ -64,7 +59,9 @@ fn on_contacts(
     edit: impl Fn(&mut HardContact),
 ) -> Result<(), EffectError> {
     let ground = setup.terrain.label().as_str();
-    on_all(parts(setup.terrain).contacts, (seated, ground), edit)
+    let contacts = some(parts(setup.terrain).contacts, seated, ground)?;
+    contacts.into_iter().for_each(edit);
+    Ok(())
 }
 
 fn on_stones(
@@ -73,7 +70,9 @@ fn on_stones(
     edit: impl Fn(&mut Stones),
 ) -> Result<(), EffectError> {
     let ground = setup.terrain.label().as_str();
-    on_all(parts(setup.terrain).stones, (seated, ground), edit)
+    let stones = some(parts(setup.terrain).stones, seated, ground)?;
+    stones.into_iter().for_each(edit);
+    Ok(())
 }
 
 const DUST_COVER: Effect = Effect {

@@ -139,7 +139,10 @@ impl Profile<'_> {
             }
             libm::sqrt(rise / self.limit) - 1.0
         };
-        let mut inside = (0.0, -1.0);
+        let mut inside = End {
+            at: 0.0,
+            excess: -1.0,
+        };
         let mut distance = step.abs().min(reach);
         let outside = loop {
             let value = excess(distance);
@@ -147,12 +150,18 @@ impl Profile<'_> {
                 return Some(start + distance * step.signum());
             }
             if value > 0.0 {
-                break (distance, value);
+                break End {
+                    at: distance,
+                    excess: value,
+                };
             }
             if distance >= reach {
                 return None;
             }
-            inside = (distance, value);
+            inside = End {
+                at: distance,
+                excess: value,
+            };
             // Slightly beyond the linear crossing.
             let straight = 1.02 / (value + 1.0);
             distance = (distance * straight.min(2.0)).min(reach);
@@ -161,30 +170,37 @@ impl Profile<'_> {
     }
 }
 
+/// An end of the interval that brackets a crossing.
+struct End {
+    at: f64,
+    excess: f64,
+}
+
 /// Root of `excess` to [`NEAR`] by false position that halves the value retained twice at an end (Illinois).
-fn crossing(
-    mut excess: impl FnMut(f64) -> f64,
-    mut inside: (f64, f64),
-    mut outside: (f64, f64),
-) -> f64 {
+fn crossing(mut excess: impl FnMut(f64) -> f64, mut inside: End, mut outside: End) -> f64 {
     const STEPS: u32 = 40;
     let mut kept_inside = false;
     let mut kept_outside = false;
     for _ in 0..STEPS {
-        let middle = inside.0 - inside.1 * (outside.0 - inside.0) / (outside.1 - inside.1);
+        let middle =
+            inside.at - inside.excess * (outside.at - inside.at) / (outside.excess - inside.excess);
         let value = excess(middle);
         if value.abs() < NEAR {
             return middle;
         }
+        let end = End {
+            at: middle,
+            excess: value,
+        };
         if value < 0.0 {
-            inside = (middle, value);
-            outside.1 *= if kept_outside { 0.5 } else { 1.0 };
+            inside = end;
+            outside.excess *= if kept_outside { 0.5 } else { 1.0 };
             (kept_inside, kept_outside) = (false, true);
         } else {
-            outside = (middle, value);
-            inside.1 *= if kept_inside { 0.5 } else { 1.0 };
+            outside = end;
+            inside.excess *= if kept_inside { 0.5 } else { 1.0 };
             (kept_inside, kept_outside) = (true, false);
         }
     }
-    0.5 * (inside.0 + outside.0)
+    0.5 * (inside.at + outside.at)
 }

@@ -115,9 +115,10 @@ impl Scenario {
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Trace, ExperimentError> {
         let experiment = self.experiment()?;
-        let mut chain = SensorChain::new(&experiment.sensors, &self.observed(seed, run))?;
+        let observed = self.observed(seed, run);
+        let mut chain = SensorChain::new(&experiment.sensors, &observed)?;
         let see = &mut |state: &WheelState| chain.push(state);
-        let truth = self.drive(&experiment, (seed, run), progress, see)?;
+        let truth = self.drive(&experiment, &observed, progress, see)?;
         Ok(Trace {
             attributes: self.attributes(&truth, run),
             channels: chain.finish(),
@@ -139,9 +140,10 @@ impl Scenario {
         let experiment = self.experiment()?;
         let mut motion = Motion::default();
         let see = &mut |state: &WheelState| motion.push(state);
-        let truth = self.drive(&experiment, (seed, run), progress, see)?;
+        let observed = self.observed(seed, run);
+        let truth = self.drive(&experiment, &observed, progress, see)?;
         Ok(Recording {
-            observed: self.observed(seed, run),
+            observed,
             attributes: self.attributes(&truth, run),
             truth,
             motion,
@@ -162,13 +164,13 @@ impl Scenario {
     fn drive(
         &self,
         experiment: &Experiment,
-        (seed, run): (Seed, u64),
+        observed: &Observed,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
         see: &mut dyn FnMut(&WheelState),
     ) -> Result<Truth, ExperimentError> {
-        let rate = self.physics_rate();
+        let rate = observed.physics_rate;
         let Experiment { wheel, rig, .. } = experiment;
-        let terrain = Terrain::generate(&experiment.terrain, seed, run);
+        let terrain = Terrain::generate(&experiment.terrain, observed.seed, observed.run);
         let mut truth = TruthRecorder::new(wheel, self.window());
         let mut simulation = Simulation::new(&terrain, wheel, rig, rate)?;
         let steps_in = |time: f64| (time * rate.hertz()).round() as u64;

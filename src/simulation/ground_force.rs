@@ -8,7 +8,7 @@ use super::stone_bearing::StoneBearing;
 use super::stone_bed::{BedRecipe, Floor, Laying, OnBed, StoneBed};
 use crate::terrain::class::TerrainLabel;
 use crate::terrain::profile::Profile;
-use crate::terrain::{Stones, Stretch, Terrain, TerrainSpec};
+use crate::terrain::{Stones, Terrain, TerrainSpec};
 use crate::wheel::Wheel;
 use std::sync::{Arc, Mutex};
 
@@ -38,13 +38,11 @@ pub(super) struct GroundForce {
 impl GroundForce {
     /// The ground of `terrain` under a wheel that rolls on its stones as `on_bed` says.
     pub fn new(terrain: &Terrain, wheel: &Wheel, on_bed: OnBed) -> Self {
-        let layers = terrain
-            .stretches()
-            .iter()
-            .enumerate()
-            .map(|numbered| Layer::new(terrain, numbered, wheel, on_bed))
-            .collect();
-        Self { layers }
+        let layers =
+            (0..terrain.stretches().len()).map(|number| Layer::new(terrain, number, wheel, on_bed));
+        Self {
+            layers: layers.collect(),
+        }
     }
 
     /// Load on the wheel over one step of `dt` [s].
@@ -173,12 +171,9 @@ impl GroundForce {
 }
 
 impl Layer {
-    fn new(
-        terrain: &Terrain,
-        (number, stretch): (usize, &Stretch),
-        wheel: &Wheel,
-        on_bed: OnBed,
-    ) -> Self {
+    /// The layer on stretch number `number` of a terrain.
+    fn new(terrain: &Terrain, number: usize, wheel: &Wheel, on_bed: OnBed) -> Self {
+        let stretch = &terrain.stretches()[number];
         let (label, range) = (stretch.label, stretch.range);
         let profile = terrain.profile(stretch);
         let filling = match &stretch.ground {

@@ -94,7 +94,7 @@ impl<G: FnMut(f64) -> f64> Rolling<G> {
     fn step(&mut self, turn: f64) {
         let support = self.footing.support;
         let whole = self.turned(turn);
-        if whole.1.support == support {
+        if whole.footing.support == support {
             self.accept(turn, whole);
             return;
         }
@@ -104,7 +104,7 @@ impl<G: FnMut(f64) -> f64> Rolling<G> {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (kept + lost);
             let there = self.turned(middle);
-            if there.1.support == support {
+            if there.footing.support == support {
                 kept = middle;
             } else {
                 (lost, taken_over) = (middle, there);
@@ -115,20 +115,27 @@ impl<G: FnMut(f64) -> f64> Rolling<G> {
         self.accept(turn - lost, rest);
     }
 
-    fn accept(&mut self, turn: f64, (position, footing): (f64, Footing)) {
-        (self.position, self.footing) = (position, footing);
+    fn accept(&mut self, turn: f64, turned: Turned) {
+        (self.position, self.footing) = (turned.position, turned.footing);
         self.wheel_angle += turn;
     }
 
     /// Position [m] after a turn [rad] about the point that carries the wheel, and what carries it
     /// there (Eq. 12, 31).
-    fn turned(&mut self, turn: f64) -> (f64, Footing) {
+    fn turned(&mut self, turn: f64) -> Turned {
         let Footing { radius, angle, .. } = self.footing;
         let position = self.position + radius * (sin(angle) - sin(angle - turn));
         let wheel_angle = self.wheel_angle + turn;
         let footing = footing(&self.wheel, &mut self.ground, position, wheel_angle);
-        (position, footing)
+        Turned { position, footing }
     }
+}
+
+/// Axle position [m] after a turn, and what carries the wheel there.
+#[derive(Clone, Copy)]
+struct Turned {
+    position: f64,
+    footing: Footing,
 }
 
 /// Number of the lug that carries the wheel, or of the last one before the point of the rim that
