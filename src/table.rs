@@ -111,6 +111,15 @@ impl Cell {
         Self::Text(text.into())
     }
 
+    /// A TOML value, sorted by its size where it is a number, of which at most seven characters are shown.
+    pub fn toml(value: &str) -> Self {
+        match value.parse::<f64>() {
+            Ok(number) if value.len() > 7 => Self::Number(number),
+            Ok(number) => Self::Written(value.replace('-', "−"), number),
+            Err(_) => Self::text(value),
+        }
+    }
+
     /// A share in per cent with its interval.
     pub fn share(share: &Share) -> Self {
         let [value, low, high] = [share.value, share.ci95[0], share.ci95[1]].map(|s| 100.0 * s);

@@ -1,6 +1,7 @@
 //! Steady forces and sinkage against slip: measured, and by each arm of a diagnosis.
 
 use super::arm_column::{ArmColumn, WIDTH, columns};
+use super::channel_row::{ChannelRow, DRAWBAR_PULL, DRIVING_TORQUE, SINKAGE};
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
 use crate::diagnosis::InUnits;
@@ -13,14 +14,7 @@ const HEIGHT: f64 = 200.0;
 /// Height of a line of text [px].
 const LINE: f64 = 22.0;
 
-/// Channel, header with the unit shown, factor to that unit.
-type Row = (&'static str, &'static str, f64);
-
-const ROWS: [Row; 3] = [
-    ("drawbar_pull", "Drawbar pull [N]", 1.0),
-    ("driving_torque", "Driving torque [N·m]", 1.0),
-    ("sinkage", "Sinkage of the rim [mm]", 1.0e3),
-];
+const ROWS: [ChannelRow; 3] = [DRAWBAR_PULL, DRIVING_TORQUE, SINKAGE];
 
 /// A steady value at a condition, in the unit shown.
 struct Point {
@@ -38,7 +32,7 @@ type Curves = Vec<Vec<Point>>;
 /// wide.
 pub fn arm_curves(in_units: &[InUnits], cases: &[Case], effect: &str) -> Option<String> {
     let groups = groups(cases);
-    let rows: Vec<(&Row, Curves)> = ROWS
+    let rows: Vec<(&ChannelRow, Curves)> = ROWS
         .iter()
         .map(|row| (row, curves(in_units, cases, &groups, row)))
         .filter(|(_, curves)| curves.iter().any(|points| !points.is_empty()))
@@ -71,10 +65,10 @@ pub fn arm_curves(in_units: &[InUnits], cases: &[Case], effect: &str) -> Option<
                 height: HEIGHT,
             };
             let panel = panel(area, curves);
-            panel.draw_frame(&mut canvas, row.1);
+            panel.draw_frame(&mut canvas, row.header);
             for (group, points) in curves.iter().enumerate() {
                 let colour = PALETTE[group % PALETTE.len()];
-                draw_points(&mut canvas, &panel, (points, *arm), colour);
+                draw_points(&mut canvas, &panel, points, *arm, colour);
             }
             if number + 1 == rows.len() {
                 panel.draw_footer(&mut canvas, "slip ratio s [-]");
@@ -85,7 +79,7 @@ pub fn arm_curves(in_units: &[InUnits], cases: &[Case], effect: &str) -> Option<
     Some(canvas.finish())
 }
 
-/// Load and speed, as far as runs are told apart by them.
+/// Load and speed, by which runs are grouped.
 fn name(attributes: &RunAttributes) -> String {
     let RunAttributes { load, speed, .. } = attributes;
     format!("{load:.0} N at {:.0} mm/s", 1.0e3 * speed)
@@ -102,15 +96,10 @@ fn groups(cases: &[Case]) -> Vec<String> {
     groups
 }
 
-fn curves(
-    in_units: &[InUnits],
-    cases: &[Case],
-    groups: &[String],
-    &(channel, _, factor): &Row,
-) -> Curves {
-    let of_row = in_units
-        .iter()
-        .filter(|row| row.cell.statistic == Statistic::SteadyMean && &*row.cell.channel == channel);
+fn curves(in_units: &[InUnits], cases: &[Case], groups: &[String], shown: &ChannelRow) -> Curves {
+    let of_row = in_units.iter().filter(|row| {
+        row.cell.statistic == Statistic::SteadyMean && &*row.cell.channel == shown.channel
+    });
     let mut curves: Curves = groups.iter().map(|_| Vec::new()).collect();
     for row in of_row {
         let mut places = cases.iter();
@@ -119,7 +108,7 @@ fn curves(
         };
         let own = name(&case.attributes);
         let group = groups.iter().position(|group| *group == own);
-        let scaled = |value: Option<f64>| value.filter(|x| x.is_finite()).map(|x| x * factor);
+        let scaled = |value: Option<f64>| value.filter(|x| x.is_finite()).map(|x| x * shown.factor);
         let slip = case.attributes.slip_ratio;
         if let (Some(group), Some(measured), true) =
             (group, scaled(Some(row.measured)), slip.is_finite())
@@ -161,7 +150,8 @@ fn panel(area: Area, curves: &Curves) -> Panel {
 fn draw_points(
     canvas: &mut Canvas,
     panel: &Panel,
-    (points, arm): (&[Point], ArmColumn),
+    points: &[Point],
+    arm: ArmColumn,
     colour: &'static str,
 ) {
     let simulated = points

@@ -2,6 +2,9 @@
 
 use super::arm_column::{ArmColumn, MEASURED, WIDTH, columns};
 use super::channel_groups::drawable;
+use super::channel_row::{
+    ACCELERATION, ChannelRow, DRAWBAR_PULL, DRIVING_TORQUE, NORMAL_FORCE, SINKAGE,
+};
 use super::envelope::{bounds, envelope};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Panel, Stroke};
 use super::spectrum::density_spectrum;
@@ -19,18 +22,20 @@ const PER_OCTAVE: f64 = 12.0;
 /// Decades of the spectrum shown below its largest value.
 const DECADES: f64 = 4.0;
 
-/// Channel, header with the unit shown, factor to that unit.
-type Row = (&'static str, &'static str, f64);
+const ROWS: [ChannelRow; 4] = [NORMAL_FORCE, DRAWBAR_PULL, DRIVING_TORQUE, SINKAGE];
 
-const ROWS: [Row; 4] = [
-    ("normal_force", "Normal force [N]", 1.0),
-    ("drawbar_pull", "Drawbar pull [N]", 1.0),
-    ("driving_torque", "Driving torque [N·m]", 1.0),
-    ("sinkage", "Sinkage of the rim [mm]", 1.0e3),
-];
+/// The channel whose spectrum is drawn.
+const SPECTRUM: ChannelRow = ChannelRow {
+    header: "Acceleration [m/s² per √Hz]",
+    ..ACCELERATION
+};
 
-/// The channel whose spectrum is drawn, and its header.
-const SPECTRUM: (&str, &str) = ("acceleration_y", "Acceleration [m/s² per √Hz]");
+/// A simulated variant of the measured run.
+#[derive(Clone, Copy)]
+struct Simulated<'t> {
+    arm: ArmColumn,
+    trace: &'t Trace,
+}
 
 /// A column an arm, a row a channel, last the spectrum of the acceleration; in each panel the
 /// measured run in grey and the simulated one in colour, one scale in a row. Where a line would be
@@ -39,7 +44,7 @@ const SPECTRUM: (&str, &str) = ("acceleration_y", "Acceleration [m/s² per √Hz
 /// was measured as a series. One SVG 1200 px wide.
 pub fn arm_traces(traces: &ArmTraces, effect: &str) -> Option<String> {
     let arms = arms(traces);
-    let rows: Vec<(&Row, [f64; 2])> = ROWS
+    let rows: Vec<(&ChannelRow, [f64; 2])> = ROWS
         .iter()
         .filter_map(|row| Some((row, range(traces, row)?)))
         .collect();
@@ -55,17 +60,17 @@ pub fn arm_traces(traces: &ArmTraces, effect: &str) -> Option<String> {
     for (number, (row, range)) in rows.iter().enumerate() {
         let top = below + Panel::HEADER;
         below = top + HEIGHT;
-        for ((arm, trace), [left, width]) in arms.iter().zip(columns(arms.len())) {
+        for (simulated, [left, width]) in arms.iter().zip(columns(arms.len())) {
             let area = panel_area([left, top], width);
             let panel = Panel {
                 area,
                 x: Axis::exact(time, [area.left, area.right()]),
                 y: Axis::roomy(*range, [area.bottom(), area.top]),
             };
-            panel.draw_frame(&mut canvas, row.1);
+            panel.draw_frame(&mut canvas, row.header);
             canvas.clip(&area);
             draw_band(&mut canvas, &panel, &traces.measured, row);
-            draw_bounds(&mut canvas, &panel, (trace, row), arm.colour());
+            draw_bounds(&mut canvas, &panel, simulated, row);
             canvas.unclip();
             if number + 1 == rows.len() {
                 panel.draw_footer(&mut canvas, "time [s]");
@@ -92,7 +97,7 @@ fn panel_area([left, top]: [f64; 2], width: f64) -> Area {
     }
 }
 
-fn arms(traces: &ArmTraces) -> Vec<(ArmColumn, &Trace)> {
+fn arms(traces: &ArmTraces) -> Vec<Simulated<'_>> {
     let ArmTraces {
         as_shipped,
         recalibrated,
@@ -101,11 +106,14 @@ fn arms(traces: &ArmTraces) -> Vec<(ArmColumn, &Trace)> {
     } = traces;
     let made = [as_shipped, recalibrated, with_effect];
     let arms = ArmColumn::ALL.into_iter().zip(made);
-    arms.filter_map(|(arm, trace)| Some((arm, trace.as_ref()?)))
-        .collect()
+    arms.filter_map(|(arm, trace)| {
+        let trace = trace.as_ref()?;
+        Some(Simulated { arm, trace })
+    })
+    .collect()
 }
 
-fn draw_head(canvas: &mut Canvas, title: &str, arms: &[(ArmColumn, &Trace)], effect: &str) {
+fn draw_head(canvas: &mut Canvas, title: &str, arms: &[Simulated], effect: &str) {
     let fitted = Font::TITLE.fit(title, WIDTH - 32.0);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, &fitted);
     let font = Font {
@@ -120,7 +128,7 @@ fn draw_head(canvas: &mut Canvas, title: &str, arms: &[(ArmColumn, &Trace)], eff
     };
     canvas.shade(&swatch, MEASURED, 0.55);
     canvas.text([50.0, 55.0], Anchor::Start, font, "measured");
-    for ((arm, _), [left, width]) in arms.iter().zip(columns(arms.len())) {
+    for (Simulated { arm, .. }, [left, width]) in arms.iter().zip(columns(arms.len())) {
         let y = 82.0;
         let line = [[left, y - 5.0], [left + 26.0, y - 5.0]];
         canvas.polyline(&line, Stroke::solid(arm.colour(), 2.5));
@@ -130,16 +138,16 @@ fn draw_head(canvas: &mut Canvas, title: &str, arms: &[(ArmColumn, &Trace)], eff
 }
 
 /// Least and largest value of a row in the unit shown; none where it was not measured.
-fn range(traces: &ArmTraces, &(name, _, factor): &Row) -> Option<[f64; 2]> {
-    let measured = drawable(&traces.measured, name)?;
+fn range(traces: &ArmTraces, row: &ChannelRow) -> Option<[f64; 2]> {
+    let measured = drawable(&traces.measured, row.channel)?;
     let simulated = arms(traces);
     let simulated = simulated
         .iter()
-        .filter_map(|(_, trace)| drawable(trace, name));
+        .filter_map(|it| drawable(it.trace, row.channel));
     let ends = std::iter::once(measured)
         .chain(simulated)
         .filter_map(|channel| bounds(&channel.samples));
-    let ends: Vec<f64> = ends.flatten().map(|value| value * factor).collect();
+    let ends: Vec<f64> = ends.flatten().map(|value| value * row.factor).collect();
     bounds(&ends)
 }
 
@@ -149,19 +157,19 @@ fn stretches(panel: &Panel, channel: &Channel, factor: f64) -> Vec<Option<[f64; 
     let count = (panel.area.width / STRETCH) as usize;
     let parts = envelope(&channel.samples, count);
     let length = channel.duration() / parts.len() as f64;
-    let told = parts.into_iter().enumerate().map(|(place, bounds)| {
+    let stretches = parts.into_iter().enumerate().map(|(place, bounds)| {
         let [low, high] = bounds?.map(|value| value * factor);
         Some([(place as f64 + 0.5) * length, low, high])
     });
-    told.collect()
+    stretches.collect()
 }
 
 /// What was measured, as a grey band, a line where it is narrow.
-fn draw_band(canvas: &mut Canvas, panel: &Panel, trace: &Trace, &(name, _, factor): &Row) {
-    let Some(channel) = drawable(trace, name) else {
+fn draw_band(canvas: &mut Canvas, panel: &Panel, trace: &Trace, row: &ChannelRow) {
+    let Some(channel) = drawable(trace, row.channel) else {
         return;
     };
-    let parts = stretches(panel, channel, factor);
+    let parts = stretches(panel, channel, row.factor);
     for piece in parts.split(Option::is_none) {
         let piece: Vec<[f64; 3]> = piece.iter().copied().flatten().collect();
         let above = piece.iter().map(|[time, _, high]| panel.at([*time, *high]));
@@ -173,17 +181,12 @@ fn draw_band(canvas: &mut Canvas, panel: &Panel, trace: &Trace, &(name, _, facto
 }
 
 /// What was simulated, as its lower and upper bound.
-fn draw_bounds(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    (trace, &(name, _, factor)): (&Trace, &Row),
-    colour: &'static str,
-) {
-    let Some(channel) = drawable(trace, name) else {
+fn draw_bounds(canvas: &mut Canvas, panel: &Panel, simulated: &Simulated, row: &ChannelRow) {
+    let Some(channel) = drawable(simulated.trace, row.channel) else {
         return;
     };
-    let parts = stretches(panel, channel, factor);
-    let stroke = Stroke::solid(colour, 1.3);
+    let parts = stretches(panel, channel, row.factor);
+    let stroke = Stroke::solid(simulated.arm.colour(), 1.3);
     for piece in parts.split(Option::is_none) {
         let piece: Vec<[f64; 3]> = piece.iter().copied().flatten().collect();
         let line = |end: usize| -> Vec<[f64; 2]> {
@@ -206,18 +209,16 @@ struct Spectra {
 
 impl Spectra {
     /// None where the acceleration was not measured as a series.
-    fn of(measured: &Trace, arms: &[(ArmColumn, &Trace)]) -> Option<Self> {
+    fn of(measured: &Trace, arms: &[Simulated]) -> Option<Self> {
         let measured = bands(measured)?;
         let arms = arms.iter();
         Some(Self {
             measured,
-            arms: arms
-                .map(|(_, trace)| bands(trace).unwrap_or_default())
-                .collect(),
+            arms: arms.map(|it| bands(it.trace).unwrap_or_default()).collect(),
         })
     }
 
-    fn draw(&self, canvas: &mut Canvas, arms: &[(ArmColumn, &Trace)], top: f64) {
+    fn draw(&self, canvas: &mut Canvas, arms: &[Simulated], top: f64) {
         let all = || self.arms.iter().chain([&self.measured]).flatten();
         let ends = |place: usize| {
             let values: Vec<f64> = all().map(|point| point[place]).collect();
@@ -228,14 +229,15 @@ impl Spectra {
         };
         let low = low.max(high * libm::pow(10.0, -DECADES));
         let columns = columns(arms.len());
-        for (place, ((arm, _), [left, width])) in arms.iter().zip(columns).enumerate() {
+        for (place, (Simulated { arm, .. }, [left, width])) in arms.iter().zip(columns).enumerate()
+        {
             let area = panel_area([left, top], width);
             let panel = Panel {
                 area,
                 x: Axis::decades(hertz, [area.left, area.right()]),
                 y: Axis::decades([low, high], [area.bottom(), area.top]),
             };
-            panel.draw_frame(canvas, SPECTRUM.1);
+            panel.draw_frame(canvas, SPECTRUM.header);
             canvas.clip(&area);
             let path = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
                 points.iter().map(|point| panel.at(*point)).collect()
@@ -251,7 +253,7 @@ impl Spectra {
 
 /// Frequency [Hz] and density of the acceleration in bands; none without a spectrum above 0.
 fn bands(trace: &Trace) -> Option<Vec<[f64; 2]>> {
-    let spectrum = density_spectrum(trace.channel(SPECTRUM.0)?).ok()?;
+    let spectrum = density_spectrum(trace.channel(SPECTRUM.channel)?).ok()?;
     let mut bands: Vec<(i32, [f64; 3])> = Vec::new();
     for (line, density) in spectrum.density.iter().enumerate().skip(1) {
         let hertz = line as f64 * spectrum.spacing;

@@ -54,7 +54,7 @@ pub fn feature_planes(points: &[FeaturePoint], lugs: u32) -> String {
             x: Axis::roomy(ranges[across], [area.left, area.right()]),
             y: Axis::roomy(ranges[up], [area.bottom(), area.top]),
         };
-        draw_plane(&mut canvas, &panel, *plane, (&shown, &regions));
+        draw_plane(&mut canvas, &panel, *plane, &shown, &regions);
     }
     let below = TITLE + 2.0 * pitch[1];
     if let Some(remark) = remark {
@@ -102,7 +102,8 @@ fn draw_plane(
     canvas: &mut Canvas,
     panel: &Panel,
     [across, up]: [usize; 2],
-    (points, regions): (&[FeaturePoint], &[Region]),
+    points: &[FeaturePoint],
+    regions: &[Region],
 ) {
     panel.draw_frame(canvas, NAMES[up]);
     panel.draw_footer(canvas, NAMES[across]);

@@ -45,7 +45,7 @@ pub fn feature_values(points: &[FeaturePoint]) -> String {
             width: pitch[0] - TICKS - RIGHT,
             height: HEIGHT,
         };
-        draw_feature(&mut canvas, area, feature, (&shown, &groups));
+        draw_feature(&mut canvas, area, feature, &shown, &groups);
     }
     canvas.set_height(TITLE + 2.0 * (Panel::HEADER + HEIGHT + NAMES));
     canvas.finish()
@@ -55,7 +55,8 @@ fn draw_feature(
     canvas: &mut Canvas,
     area: Area,
     feature: usize,
-    (points, groups): (&[FeaturePoint], &[Group]),
+    points: &[FeaturePoint],
+    groups: &[Group],
 ) {
     let values: Vec<f64> = points.iter().map(|point| point.p[feature]).collect();
     let [low, high] = bounds(&values).unwrap_or([-1.0, 1.0]);

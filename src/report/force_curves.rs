@@ -215,7 +215,11 @@ impl Curves<'_> {
             }
             for row in rows {
                 let hollow = quantity.slips && self.is_held(row.slip);
-                draw_row(canvas, &panel, (row, quantity), (colour(number), hollow));
+                let mark = Mark {
+                    colour: colour(number),
+                    hollow,
+                };
+                draw_row(canvas, &panel, row, quantity, mark);
                 if quantity.predicted.is_none() {
                     let carried = [row.slip, self.carried(row)];
                     draw_cross(canvas, panel.at(carried), colour(number));
@@ -314,13 +318,16 @@ fn draw_cross(canvas: &mut Canvas, [x, y]: [f64; 2], colour: &'static str) {
     }
 }
 
+/// The mark of a row.
+#[derive(Clone, Copy)]
+struct Mark {
+    colour: &'static str,
+    hollow: bool,
+}
+
 /// A row's mark and bar; nothing where it was not measured.
-fn draw_row(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    (row, quantity): (&SteadyLoad, &Quantity),
-    (colour, hollow): (&'static str, bool),
-) {
+fn draw_row(canvas: &mut Canvas, panel: &Panel, row: &SteadyLoad, quantity: &Quantity, mark: Mark) {
+    let Mark { colour, hollow } = mark;
     let (value, deviation) = ((quantity.measured)(row), (quantity.deviation)(row));
     if !value.is_finite() {
         return;

@@ -26,7 +26,7 @@ pub fn isolability_map(names: &[&str], cosines: &[Vec<f64>], alike: f64) -> Stri
     draw_legend(&mut canvas, alike);
     for (row, &effect) in order.iter().enumerate() {
         let y = TOP + (row as f64 + 0.5) * field + 4.0;
-        draw_name(&mut canvas, (names[effect], row + 1), y);
+        draw_name(&mut canvas, names[effect], row + 1, y);
         let x = LEFT + (row as f64 + 0.5) * field;
         let font = Font {
             size: 0.55 * field,
@@ -111,7 +111,7 @@ fn draw_legend(canvas: &mut Canvas, alike: f64) {
     canvas.text([16.0, 84.0], Anchor::Start, Font::SMALL, &text);
 }
 
-fn draw_name(canvas: &mut Canvas, (name, number): (&str, usize), y: f64) {
+fn draw_name(canvas: &mut Canvas, name: &str, number: usize, y: f64) {
     let font = Font {
         size: 13.0,
         colour: INK,

@@ -92,6 +92,7 @@ struct Bar {
     ends: [Option<f64>; 2],
     own: Option<f64>,
     standing: Standing,
+    label: TerrainLabel,
 }
 
 impl Bar {
@@ -104,6 +105,7 @@ impl Bar {
             ends: identified.ci95().map(|end| end.map(scaled)),
             own: ground.own.get(place).copied().flatten().map(scaled),
             standing: identified.standing,
+            label: ground.label,
         })
     }
 
@@ -139,14 +141,10 @@ fn draw_parameter(canvas: &mut Canvas, area: Area, shown: &Shown, grounds: &[Ide
         &[[area.left, base], [area.right(), base]],
         Stroke::solid(MUTED, 1.2),
     );
-    for (column, (bar, ground)) in bars.iter().zip(grounds).enumerate() {
+    for (column, bar) in bars.iter().enumerate() {
         if let Some(bar) = bar {
-            draw_bar(
-                canvas,
-                &panel,
-                (column as f64 + 0.5, base),
-                (bar, ground.label),
-            );
+            let middle = column as f64 + 0.5;
+            draw_bar(canvas, &panel, middle, base, bar);
         }
     }
     canvas.unclip();
@@ -184,15 +182,10 @@ fn upright(parameter: Parameter, bars: &[Option<Bar>], area: &Area) -> Axis {
     }
 }
 
-fn draw_bar(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    (middle, base): (f64, f64),
-    (bar, label): (&Bar, TerrainLabel),
-) {
+fn draw_bar(canvas: &mut Canvas, panel: &Panel, middle: f64, base: f64, bar: &Bar) {
     let [left, right] = [-HALF_BAR, HALF_BAR].map(|half| panel.x.pixel(middle + half));
     let top = panel.y.pixel(bar.value);
-    let colour = Group::Terrain(label).colour();
+    let colour = Group::Terrain(bar.label).colour();
     let corners = [[left, base], [right, base], [right, top], [left, top]];
     match bar.standing {
         Standing::Identified => canvas.polygon(&corners, colour, Stroke::solid(INK, 1.0)),

@@ -8,8 +8,15 @@ const SIZE: [f64; 2] = [820.0, 420.0];
 /// Magnitudes over the detection limit [-] at the ends of the axis.
 const ENDS: [f64; 2] = [0.25, 32.0];
 
-/// Name of a curve, and its score in a class.
-type Series = (&'static str, fn(&Power) -> Score);
+/// A curve of the figure.
+struct Series {
+    name: &'static str,
+    /// Its score in a class.
+    of: fn(&Power) -> Score,
+    stroke: Stroke,
+    /// Distance [px] from the middle of a class, so that intervals do not hide one another.
+    beside: f64,
+}
 
 /// Share of cases whose effect is named, up to equivalence, against its magnitude over the least
 /// that could be detected, in the catalogue's form and in another, with 95 % intervals and numbers of
@@ -38,17 +45,24 @@ pub fn power_figure(classes: &[Power], title: &str) -> String {
     let header = "share named [-]";
     panel.draw_category_frame(&mut canvas, header);
     draw_ticks(&mut canvas, &panel);
-    let series: [Series; 2] = [
-        ("catalogue's form", |it| it.own),
-        ("another form", |it| it.other),
+    let series = [
+        Series {
+            name: "catalogue's form",
+            of: |it| it.own,
+            stroke: Stroke::solid(PALETTE[0], 2.0),
+            beside: -3.0,
+        },
+        Series {
+            name: "another form",
+            of: |it| it.other,
+            stroke: Stroke::solid(PALETTE[1], 2.0),
+            beside: 3.0,
+        },
     ];
     let mut legend = Vec::new();
-    for (place, (name, of)) in series.into_iter().enumerate() {
-        let stroke = Stroke::solid(PALETTE[place], 2.0);
-        legend.push((name.to_owned(), stroke));
-        // Beside each other, so that intervals do not hide one another.
-        let beside = 6.0 * (place as f64 - 0.5);
-        draw_series(&mut canvas, &panel, classes, of, (stroke, beside));
+    for series in series {
+        legend.push((series.name.to_owned(), series.stroke));
+        draw_series(&mut canvas, &panel, classes, &series);
     }
     panel.draw_legend(&mut canvas, header, &legend);
     canvas.finish()
@@ -65,13 +79,10 @@ fn draw_ticks(canvas: &mut Canvas, panel: &Panel) {
     canvas.text(middle, Anchor::Middle, Font::SMALL, name);
 }
 
-fn draw_series(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    classes: &[Power],
-    of: fn(&Power) -> Score,
-    (stroke, beside): (Stroke, f64),
-) {
+fn draw_series(canvas: &mut Canvas, panel: &Panel, classes: &[Power], series: &Series) {
+    let Series {
+        of, stroke, beside, ..
+    } = *series;
     let mut points = Vec::new();
     for class in classes {
         let score = of(class);

@@ -40,8 +40,8 @@ pub fn probability_bars(probabilities: &BTreeMap<String, f64>) -> String {
         y: Axis::exact([bars.len().max(1) as f64, 0.0], [area.bottom(), area.top]),
     };
     panel.draw_tenths(&mut canvas);
-    for (place, bar) in bars.iter().enumerate() {
-        draw_bar(&mut canvas, &panel, place as f64, bar);
+    for (place, (name, probability)) in bars.iter().enumerate() {
+        draw_bar(&mut canvas, &panel, place as f64, name, *probability);
     }
     panel.draw_footer(&mut canvas, "probability [-]");
     canvas.finish()
@@ -96,7 +96,7 @@ fn told(name: &str) -> String {
     plain.unwrap_or_else(|| name.replace('+', " + "))
 }
 
-fn draw_bar(canvas: &mut Canvas, panel: &Panel, place: f64, (name, probability): &(String, f64)) {
+fn draw_bar(canvas: &mut Canvas, panel: &Panel, place: f64, name: &str, probability: f64) {
     let y = panel.area.top + (place + 0.5) * PITCH;
     let end = panel.x.pixel(probability.clamp(0.0, 1.0));
     let bar = Area {

@@ -1,6 +1,7 @@
 //! Runs beside each other, to compare them by eye.
 
 use super::channel_groups::drawable;
+use super::channel_row::{ACCELERATION, ChannelRow, DRAWBAR_PULL, DRIVING_TORQUE, SINKAGE};
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, PALETTE, Panel};
 use super::trace_figure::draw_channel;
@@ -17,19 +18,12 @@ const NAMES: f64 = 34.0;
 /// Height of a panel [px].
 const HEIGHT: f64 = 130.0;
 
-/// Channel, header with the unit shown, factor to that unit, colour.
-type Row = (&'static str, &'static str, f64, &'static str);
-
-const ROWS: [Row; 4] = [
-    (
-        "acceleration_y",
-        "Vertical acceleration of the axle [m/s²]",
-        1.0,
-        PALETTE[0],
-    ),
-    ("drawbar_pull", "Drawbar pull [N]", 1.0, PALETTE[1]),
-    ("driving_torque", "Driving torque [N·m]", 1.0, PALETTE[2]),
-    ("sinkage", "Sinkage of the rim [mm]", 1.0e3, PALETTE[3]),
+/// Rows and their colours.
+const ROWS: [(ChannelRow, &str); 4] = [
+    (ACCELERATION, PALETTE[0]),
+    (DRAWBAR_PULL, PALETTE[1]),
+    (DRIVING_TORQUE, PALETTE[2]),
+    (SINKAGE, PALETTE[3]),
 ];
 
 /// The same channels of several named runs from `start` to `end` [s] as one SVG 1200 px wide: a
@@ -43,11 +37,11 @@ pub fn side_by_side(runs: &[(&str, &Trace)], time: [f64; 2]) -> String {
         canvas.text(at, Anchor::Start, Font::TITLE, &name);
     }
     let mut below = NAMES;
-    let rows: Vec<(&Row, [f64; 2])> = ROWS
+    let rows: Vec<(&ChannelRow, &str, [f64; 2])> = ROWS
         .iter()
-        .filter_map(|row| Some((row, range(runs, row, time)?)))
+        .filter_map(|(row, colour)| Some((row, *colour, range(runs, row, time)?)))
         .collect();
-    for (i, (row, range)) in rows.iter().enumerate() {
+    for (i, (row, colour, range)) in rows.iter().enumerate() {
         let top = below + Panel::HEADER;
         below = top + HEIGHT;
         let is_last = i + 1 == rows.len();
@@ -63,8 +57,17 @@ pub fn side_by_side(runs: &[(&str, &Trace)], time: [f64; 2]) -> String {
                 x: Axis::exact(time, [area.left, area.right()]),
                 y: Axis::roomy(*range, [area.bottom(), area.top]),
             };
-            let header = if *left == columns[0][0] { row.1 } else { "" };
-            draw(&mut canvas, &panel, (trace, row), header);
+            let header = if *left == columns[0][0] {
+                row.header
+            } else {
+                ""
+            };
+            panel.draw_frame(&mut canvas, header);
+            canvas.clip(&panel.area);
+            if let Some(channel) = drawable(trace, row.channel) {
+                draw_channel(&mut canvas, &panel, channel, row.factor, colour);
+            }
+            canvas.unclip();
             if is_last {
                 panel.draw_footer(&mut canvas, "time [s]");
             }
@@ -72,16 +75,6 @@ pub fn side_by_side(runs: &[(&str, &Trace)], time: [f64; 2]) -> String {
     }
     canvas.set_height(below + Panel::FOOTER + 8.0);
     canvas.finish()
-}
-
-fn draw(canvas: &mut Canvas, panel: &Panel, (trace, row): (&Trace, &Row), header: &str) {
-    let &(name, _, factor, colour) = row;
-    panel.draw_frame(canvas, header);
-    canvas.clip(&panel.area);
-    if let Some(channel) = drawable(trace, name) {
-        draw_channel(canvas, panel, channel, factor, colour);
-    }
-    canvas.unclip();
 }
 
 /// Left and right edge [px] of each of `count` columns.
@@ -94,14 +87,12 @@ fn columns(count: usize) -> Vec<[f64; 2]> {
 }
 
 /// Least and greatest value of the row in this time, in the unit shown.
-fn range(
-    runs: &[(&str, &Trace)],
-    &(name, _, factor, _): &Row,
-    [start, end]: [f64; 2],
-) -> Option<[f64; 2]> {
-    let channels = runs.iter().filter_map(|(_, trace)| drawable(trace, name));
+fn range(runs: &[(&str, &Trace)], row: &ChannelRow, [start, end]: [f64; 2]) -> Option<[f64; 2]> {
+    let channels = runs
+        .iter()
+        .filter_map(|(_, trace)| drawable(trace, row.channel));
     let ends = channels.filter_map(|channel| bounds(channel.between(start, end)));
-    let ends: Vec<f64> = ends.flatten().map(|value| value * factor).collect();
+    let ends: Vec<f64> = ends.flatten().map(|value| value * row.factor).collect();
     bounds(&ends)
 }
 
@@ -131,7 +122,7 @@ mod tests {
             run("drawbar_pull", &[10.0, 60.0, 900.0]),
         );
         let runs = [("weak", &weak), ("strong", &strong)];
-        assert_eq!(range(&runs, &ROWS[1], [0.0, 2.0]), Some([1.0, 60.0]));
+        assert_eq!(range(&runs, &DRAWBAR_PULL, [0.0, 2.0]), Some([1.0, 60.0]));
         let svg = side_by_side(&runs, [0.0, 2.0]);
         assert_eq!(svg.matches("Drawbar pull [N]").count(), 1);
         assert_eq!(

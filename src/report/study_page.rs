@@ -162,12 +162,3 @@ fn provenance(told: &ToldStudy) -> Provenance {
             .collect(),
     }
 }
-
-/// The value of a key: sorted by its size where it is a number, and not longer than it need be.
-pub(super) fn value_cell(value: &str) -> Cell {
-    match value.parse::<f64>() {
-        Ok(number) if value.len() > 7 => Cell::Number(number),
-        Ok(number) => Cell::Written(value.replace('-', "−"), number),
-        Err(_) => Cell::text(value),
-    }
-}

@@ -1,9 +1,9 @@
 //! Where along a swept value classes are recognised: right answers against the value.
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
-use super::study_page::value_cell;
 use crate::recognition::confusion::{CLASSES, Share};
 use crate::study::score::Part;
+use crate::table::Cell;
 use crate::terrain::class::Wtic;
 
 /// Width of the drawing [px].
@@ -23,17 +23,26 @@ const RANGE: [f64; 2] = [-0.07, 1.07];
 /// Part of a value's column that the methods share [-].
 const SPREAD: f64 = 0.4;
 
+/// A method, and the windows at every value of a key.
+#[derive(Debug, Clone)]
+pub struct MethodParts<'s> {
+    /// Its name.
+    pub method: &'s str,
+    /// The windows, value by value.
+    pub parts: Vec<&'s Part>,
+}
+
 /// The share of right answers of every method at every value of a swept key, with Wilson's 95 %
 /// intervals and the number of windows: a panel for every true class that occurs, a column for every
 /// value in the order of the sweep, however far apart they are. One SVG 1100 px wide.
 ///
-/// `methods` are their names and the windows at the key's values, the same values for each.
-pub fn sweep_figure(key: &str, methods: &[(&str, Vec<&Part>)]) -> String {
+/// The methods have the same values.
+pub fn sweep_figure(key: &str, methods: &[MethodParts]) -> String {
     let title = format!("Right answers over {key}");
     let mut canvas = Canvas::new([WIDTH, 0.0], &title);
     let text = Font::TITLE.fit(&title, WIDTH - 32.0);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, &text);
-    let values = methods.first().map_or(&[][..], |(_, parts)| parts);
+    let values = methods.first().map_or(&[][..], |first| &first.parts);
     let occurs = |class: &Wtic| {
         let mut parts = values.iter();
         parts.any(|part| part.counted.recalls.contains_key(class))
@@ -61,7 +70,7 @@ pub fn sweep_figure(key: &str, methods: &[(&str, Vec<&Part>)]) -> String {
             colour: INK,
             ..Font::SMALL
         };
-        let text = font.fit(&value_cell(&part.value).written(), width - 6.0);
+        let text = font.fit(&Cell::toml(&part.value).written(), width - 6.0);
         canvas.text(at, Anchor::Middle, font, &text);
     }
     let at = [TICKS + 0.5 * (WIDTH - TICKS - RIGHT), bottom + 30.0];
@@ -70,48 +79,47 @@ pub fn sweep_figure(key: &str, methods: &[(&str, Vec<&Part>)]) -> String {
     canvas.finish()
 }
 
-fn draw_class(canvas: &mut Canvas, panel: &Panel, class: Wtic, methods: &[(&str, Vec<&Part>)]) {
+fn draw_class(canvas: &mut Canvas, panel: &Panel, class: Wtic, methods: &[MethodParts]) {
     let header = format!("{}, share of right answers [-]", class.as_str());
     panel.draw_category_frame(canvas, &header);
     let strokes = PALETTE.map(|colour| Stroke::solid(colour, 2.0));
     let named = methods.iter().zip(strokes);
     let legend: Vec<_> = named
-        .map(|((name, _), stroke)| ((*name).to_owned(), stroke))
+        .map(|(of, stroke)| (of.method.to_owned(), stroke))
         .collect();
     panel.draw_legend(canvas, &header, &legend);
     let step = SPREAD / methods.len().max(1) as f64;
-    for (place, ((name, parts), stroke)) in methods.iter().zip(strokes).enumerate() {
+    for (place, (of, stroke)) in methods.iter().zip(strokes).enumerate() {
         let aside = step * (place as f64 + 0.5) - 0.5 * SPREAD;
-        for (column, part) in parts.iter().enumerate() {
+        for (column, part) in of.parts.iter().enumerate() {
             if let Some(share) = part.counted.recalls.get(&class) {
                 let x = panel.x.pixel(column as f64 + 0.5 + aside);
-                draw_share(canvas, panel, x, (name, share), stroke);
+                draw_interval(canvas, panel, x, share, stroke);
+                let tip = format!(
+                    "{}: {:.0} % of {} windows",
+                    of.method,
+                    100.0 * share.value,
+                    share.n
+                );
+                let at = [x, panel.y.pixel(share.value)];
+                canvas.rect(&mark(at), stroke.colour, &tip);
             }
         }
     }
 }
 
-fn draw_share(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    x: f64,
-    (method, share): (&str, &Share),
-    stroke: Stroke,
-) {
+fn draw_interval(canvas: &mut Canvas, panel: &Panel, x: f64, share: &Share, stroke: Stroke) {
     let [low, high] = share.ci95.map(|end| panel.y.pixel(end));
     canvas.polyline(&[[x, low], [x, high]], stroke);
-    let mark = Area {
+}
+
+fn mark([x, y]: [f64; 2]) -> Area {
+    Area {
         left: x - 4.0,
-        top: panel.y.pixel(share.value) - 4.0,
+        top: y - 4.0,
         width: 8.0,
         height: 8.0,
-    };
-    let told = format!(
-        "{method}: {:.0} % of {} windows",
-        100.0 * share.value,
-        share.n
-    );
-    canvas.rect(&mark, stroke.colour, &told);
+    }
 }
 
 #[cfg(test)]
@@ -143,7 +151,10 @@ mod tests {
             part("48", Wtic::Leis, 2, 2),
         ];
         let parts: Vec<&Part> = parts.iter().collect();
-        let methods = [("paper", parts.clone()), ("improved", parts)];
+        let methods = ["paper", "improved"].map(|method| MethodParts {
+            method,
+            parts: parts.clone(),
+        });
         let figure = sweep_figure("wheel.lugs.count", &methods);
         assert_eq!(figure.matches("share of right answers").count(), 2);
         for told in ["25 % of 4", "100 % of 4", "50 % of 4"] {

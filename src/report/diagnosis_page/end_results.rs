@@ -88,15 +88,18 @@ fn rows(shipped: &EndResults, steps: &[EndResults]) -> Vec<Vec<Cell>> {
 fn shares(told: &ToldDiagnosis) -> Vec<Vec<Cell>> {
     let vibration = told.traces.map_or_else(Vec::new, |traces| traces.stages());
     let of_vibration = vibration.iter().flat_map(|(step, stages)| {
-        let features = ("features", *step, &stages.features);
-        [features, ("class", *step, &stages.class)]
+        let features = of_stages("features", *step, &stages.features);
+        [features, of_stages("class", *step, &stages.class)]
     });
     let terrain = told.diagnosis.end_results.iter();
-    let of_terrain = terrain.filter_map(|it| Some(("terrain", it.step, it.terrain.as_ref()?)));
-    of_vibration.chain(of_terrain).flat_map(of_stages).collect()
+    let of_terrain = terrain.filter_map(|it| {
+        let stages = it.terrain.as_ref()?;
+        Some(of_stages("terrain", it.step, stages))
+    });
+    of_vibration.chain(of_terrain).flatten().collect()
 }
 
-fn of_stages((result, of, stages): (&str, Step, &Stages)) -> Vec<Vec<Cell>> {
+fn of_stages(result: &str, of: Step, stages: &Stages) -> Vec<Vec<Cell>> {
     let shares = stages.shares.iter().filter_map(|it| {
         Some(vec![
             Cell::text(result),

@@ -1,6 +1,5 @@
 //! What every condition gave.
 
-use super::value_cell;
 use crate::report::page::{Cell, Column, Section, Table};
 use crate::study::Study;
 use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady};
@@ -28,15 +27,18 @@ pub fn answer(conditions: &[Condition]) -> String {
     if pulls.is_empty() {
         return "No run recorded a drawbar pull.".to_owned();
     }
-    let told: Vec<String> = pulls.into_iter().map(of_scenario).collect();
+    let told: Vec<String> = pulls
+        .into_iter()
+        .map(|(scenario, pulls)| of_scenario(scenario, pulls))
+        .collect();
     format!("Drawbar pull: {}.", told.join("; "))
 }
 
 /// The range of the pull in one scenario.
-fn of_scenario((scenario, mut pulls): (&str, Vec<(Mean, &Condition)>)) -> String {
+fn of_scenario(scenario: &str, mut pulls: Vec<(Mean, &Condition)>) -> String {
     pulls.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
     let at = |(mean, condition): &(Mean, &Condition)| {
-        let values = condition.values.iter().map(|v| value_cell(v).written());
+        let values = condition.values.iter().map(|v| Cell::toml(v).written());
         let mark = mark(condition);
         match values.collect::<Vec<_>>() {
             none if none.is_empty() => format!("{} N{mark}", written(mean)),
@@ -102,7 +104,7 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
         .chain(unsteady);
     let row = |condition: &Condition| {
         let mut cells = vec![Cell::text(&condition.scenario)];
-        cells.extend(condition.values.iter().map(|value| value_cell(value)));
+        cells.extend(condition.values.iter().map(|value| Cell::toml(value)));
         cells.push(Cell::Count(condition.runs as u64));
         cells.extend(told.iter().map(|&i| mean_cell(condition.means[i])));
         cells.extend(is_any_unsteady.then(|| unsteady_cell(&condition.unsteady)));

@@ -1,6 +1,5 @@
 //! What diagnoses make of the runs.
 
-use super::value_cell;
 use crate::diagnosis::Answer;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{CampaignBar, campaign_bars};
@@ -141,7 +140,7 @@ fn answers(score: &DiagnosisScore) -> Table {
 fn row(campaign: &CampaignScore) -> Vec<Cell> {
     let finding = campaign.finding();
     let mut cells = vec![Cell::text(&campaign.scenario)];
-    cells.extend(campaign.shared.iter().map(|(_, value)| value_cell(value)));
+    cells.extend(campaign.shared.iter().map(|(_, value)| Cell::toml(value)));
     cells.push(Cell::Count(campaign.told.runs as u64));
     cells.push(Cell::Text(campaign.truth.to_string()));
     cells.push(Cell::Text(campaign.answer()));

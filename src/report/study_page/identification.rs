@@ -1,6 +1,5 @@
 //! Terrain parameters and what they predict.
 
-use super::value_cell;
 use crate::identification::{Force, Standing};
 use crate::identification::{Parameter, TerrainParameters};
 use crate::recognition::confusion::Share;
@@ -198,7 +197,7 @@ fn fits(score: &IdentificationScore) -> Table {
     let keys = keys.map(|(key, _)| last_part(key).replace('_', " "));
     let first = ["fit", "scenario"].map(str::to_owned);
     let row = |(number, group): (usize, &GroupScore)| {
-        let values = group.shared.iter().map(|(_, value)| value_cell(value));
+        let values = group.shared.iter().map(|(_, value)| Cell::toml(value));
         let first = [Cell::Count(number as u64 + 1), Cell::text(&group.scenario)];
         first.into_iter().chain(values).collect()
     };
@@ -392,7 +391,7 @@ fn predictions(score: &IdentificationScore) -> Option<Section> {
         let first = told.shared.first().map(|(_, value)| value.as_str());
         let mut cells = vec![
             Cell::text(&told.scenario),
-            first.map_or(Cell::Missing, value_cell),
+            first.map_or(Cell::Missing, Cell::toml),
             Cell::text(told.class.as_str()),
         ];
         cells.extend(errors(&told.accuracy));

@@ -1,10 +1,10 @@
 //! How well classes were recognised.
 
-use super::value_cell;
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{
-    FeaturePoint, Group, confusion_figure, feature_planes, feature_values, sweep_figure,
+    FeaturePoint, Group, MethodParts, confusion_figure, feature_planes, feature_values,
+    sweep_figure,
 };
 use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
@@ -157,7 +157,7 @@ fn map(score: &RecognitionScore) -> Section {
         let n = part.counted.accuracy.map_or(0, |share| share.n);
         let mut cells = vec![
             Cell::text(&part.by),
-            value_cell(&part.value),
+            Cell::toml(&part.value),
             Cell::Count(n),
         ];
         let shares = methods.iter().map(|method| &method.map[number].counted);
@@ -189,9 +189,12 @@ fn swept(methods: &[&MethodScore]) -> Vec<Figure> {
     let figure = |key: &&str| {
         let parts = methods.iter().map(|score| {
             let parts = score.map.iter().filter(|part| part.by == *key);
-            (score.method.as_str(), parts.collect())
+            MethodParts {
+                method: &score.method,
+                parts: parts.collect(),
+            }
         });
-        let parts: Vec<(&str, Vec<&Part>)> = parts.collect();
+        let parts: Vec<MethodParts> = parts.collect();
         Figure::new(
             sweep_figure(key, &parts),
             format!(

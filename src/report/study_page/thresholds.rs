@@ -1,6 +1,5 @@
 //! How far the limits of Eq. (55) to (58) hold.
 
-use super::value_cell;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::threshold_figure;
 use crate::study::thresholds::tally::Tally;
@@ -65,7 +64,7 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
                 let first = [
                     Cell::text(&statement.name),
                     Cell::text(by),
-                    value_cell(value),
+                    Cell::toml(value),
                 ];
                 first.into_iter().chain(tally(of)).collect()
             },
