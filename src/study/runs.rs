@@ -163,11 +163,12 @@ fn value_fields() -> Vec<Field> {
     }
     let order = "amplitude of the vertical acceleration at the order of the lug pass";
     fields.push(Field::number("acceleration_lug_pass_m_s2", "m/s^2", order));
-    fields.extend(STEADY.into_iter().flat_map(steadiness_fields));
+    let steady = STEADY.into_iter();
+    fields.extend(steady.flat_map(|(channel, ending)| steadiness_fields(channel, ending)));
     fields
 }
 
-fn steadiness_fields((channel, ending): (&str, &str)) -> [Field; 2] {
+fn steadiness_fields(channel: &str, ending: &str) -> [Field; 2] {
     let unit = match unit_of(channel) {
         Some("N") => "N/s",
         Some("N m") => "N m/s",

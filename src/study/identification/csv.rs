@@ -16,9 +16,11 @@ impl IdentificationScore {
         for group in &self.groups {
             add_group(&mut text, group);
             let predicted = self.predictions.iter();
-            for prediction in predicted.filter(|p| is_of(group, &p.scenario, &p.shared)) {
-                let what = ("predicted", prediction.class);
-                add_accuracy(&mut text, group, what, &prediction.accuracy);
+            for prediction in
+                predicted.filter(|p| p.scenario == group.scenario && p.shared == group.shared)
+            {
+                let accuracy = &prediction.accuracy;
+                add_accuracy(&mut text, group, "predicted", prediction.class, accuracy);
             }
         }
         for CarriedScore { from, to, accuracy } in &self.carried {
@@ -28,12 +30,17 @@ impl IdentificationScore {
             let source = self.groups.iter().find(|group| group.scenario == *from);
             let model = source.and_then(GroupScore::parameters);
             let what = format!("carried from {from}");
+            // All values of a key count together.
             let every = GroupScore {
-                shared: group.shared.iter().map(every_value).collect(),
+                shared: group
+                    .shared
+                    .iter()
+                    .map(|(key, _)| (key.clone(), String::new()))
+                    .collect(),
                 ..group.clone()
             };
             let class = model.map_or(Wtic::Uwtic, |(class, _)| class);
-            add_accuracy(&mut text, &every, (&what, class), accuracy);
+            add_accuracy(&mut text, &every, &what, class, accuracy);
         }
         text
     }
@@ -55,15 +62,6 @@ const COLUMNS: [&str; 12] = [
     "of",
 ];
 
-fn is_of(group: &GroupScore, scenario: &str, shared: &[(String, String)]) -> bool {
-    group.scenario == scenario && group.shared == shared
-}
-
-/// A key of which all values count together.
-fn every_value((key, _): &(String, String)) -> (String, String) {
-    (key.clone(), String::new())
-}
-
 fn add_group(text: &mut String, group: &GroupScore) {
     for drift in &group.drifts {
         add_drift(text, group, drift);
@@ -83,9 +81,9 @@ fn add_group(text: &mut String, group: &GroupScore) {
             cells.extend([String::new(), String::new()]);
             text.push_str(&line(&cells));
         }
-        add_accuracy(text, group, ("fitted", fit.class), &found.fitted);
-        add_accuracy(text, group, ("means", fit.class), &found.means);
-        add_accuracy(text, group, ("left_out", fit.class), &found.left_out);
+        add_accuracy(text, group, "fitted", fit.class, &found.fitted);
+        add_accuracy(text, group, "means", fit.class, &found.means);
+        add_accuracy(text, group, "left_out", fit.class, &found.left_out);
     }
 }
 
@@ -103,7 +101,8 @@ fn add_drift(text: &mut String, group: &GroupScore, drift: &DriftScore) {
 fn add_accuracy(
     text: &mut String,
     group: &GroupScore,
-    (what, class): (&str, Wtic),
+    what: &str,
+    class: Wtic,
     accuracy: &Accuracy,
 ) {
     for force in Force::ALL {

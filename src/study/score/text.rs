@@ -45,33 +45,50 @@ impl Against {
     }
 }
 
+/// Rows of the classes that occur, and of all together.
 fn add_rows(text: &mut String, first: [&str; 4], counted: &Counted) {
-    let counts = &counted.confusion.counts;
-    for (row, class) in CLASSES.iter().enumerate() {
-        let share = counted.recalls.get(class).copied();
-        let answers = counts[row];
-        add_row(text, &first, (class.as_str(), answers[row], share), answers);
-    }
-    let answers = std::array::from_fn(|column| counts.iter().map(|row| row[column]).sum());
-    let correct = counted.confusion.correct();
-    add_row(text, &first, ("all", correct, counted.accuracy), answers);
+    let Counted {
+        confusion,
+        accuracy,
+        recalls,
+        ..
+    } = counted;
+    let counts = &confusion.counts;
+    let all = std::array::from_fn(|column| counts.iter().map(|row| row[column]).sum());
+    let classes = CLASSES.iter().enumerate().map(|(row, class)| AnswerRow {
+        class: class.as_str(),
+        correct: counts[row][row],
+        share: recalls.get(class).copied(),
+        answers: counts[row],
+    });
+    let all = AnswerRow {
+        class: "all",
+        correct: confusion.correct(),
+        share: *accuracy,
+        answers: all,
+    };
+    text.extend(classes.chain([all]).filter_map(|row| row.line(first)));
 }
 
-fn add_row(
-    text: &mut String,
-    first: &[&str; 4],
-    (class, correct, share): (&str, u64, Option<Share>),
+/// Answers to the windows of a true class.
+struct AnswerRow {
+    class: &'static str,
+    correct: u64,
+    /// None where the class does not occur.
+    share: Option<Share>,
     answers: [u64; 4],
-) {
-    let Some(share) = share else {
-        return;
-    };
-    let mut cells: Vec<String> = first.iter().map(|text| (*text).to_owned()).collect();
-    cells.push(class.to_owned());
-    cells.extend([share.n, correct].map(|count| count.to_string()));
-    cells.extend([share.value, share.ci95[0], share.ci95[1]].map(|number| cell(Some(number))));
-    cells.extend(answers.map(|count| count.to_string()));
-    text.push_str(&line(&cells));
+}
+
+impl AnswerRow {
+    fn line(&self, first: [&str; 4]) -> Option<String> {
+        let share = self.share?;
+        let names = first.into_iter().chain([self.class]);
+        let mut cells: Vec<String> = names.map(str::to_owned).collect();
+        cells.extend([share.n, self.correct].map(|count| count.to_string()));
+        cells.extend([share.value, share.ci95[0], share.ci95[1]].map(|it| cell(Some(it))));
+        cells.extend(self.answers.map(|count| count.to_string()));
+        Some(line(&cells))
+    }
 }
 
 impl fmt::Display for RecognitionScore {
