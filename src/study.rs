@@ -149,6 +149,7 @@ mod recognition;
 mod references;
 pub mod runs;
 pub mod score;
+pub mod scores;
 mod shard;
 pub mod slurm;
 mod sweep;
@@ -158,6 +159,7 @@ mod traces;
 pub mod windows;
 
 pub use execution::{Diagnosing, Failure, Options, Outcome, Progress};
+pub use scores::Scores;
 
 use crate::dataset::hdf5::RunFileError;
 use crate::diagnosis::InvestigationError;

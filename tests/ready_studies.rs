@@ -199,7 +199,7 @@ fn every_ready_study_cut_short_ends_with_its_tables() {
         let outcome = outcome.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let failed = std::fs::read_to_string(out.join("failed.txt")).unwrap_or_default();
         assert!(outcome.failed.is_empty(), "{}: {failed}", file.display());
-        if let Some(score) = &outcome.diagnosis {
+        if let Some(score) = &outcome.scores.diagnosis {
             assert_eq!(score.without_answer().count(), 0, "{score}");
         }
         for table in tables(&file) {

@@ -435,7 +435,7 @@ fn recognised(folder: &TempDir) -> Study {
 fn the_windows_of_a_recognised_study_have_truth_and_the_answers_of_both_methods() {
     let folder = TempDir::new().unwrap();
     let (study, out) = (recognised(&folder), folder.path().join("out"));
-    let score = done(&study, &into(&out)).recognition.unwrap();
+    let score = done(&study, &into(&out)).scores.recognition.unwrap();
     assert_eq!(score.windows, 16);
     let cells = |name: &str| column_of(&out, "windows.csv", name);
     let by_ground = |cells: &[String], hard: &str, sand: &str| {
@@ -505,7 +505,7 @@ fn a_recognised_study_shared_torn_and_resumed_leaves_the_bytes_of_one_that_was_n
     };
     assert_eq!(kept, 6);
     let outcome = done(&study, &resumed(&parts));
-    assert!(outcome.recognition.is_some());
+    assert!(outcome.scores.recognition.is_some());
     assert_eq!(contents(&parts), contents(&whole));
 }
 
@@ -540,7 +540,10 @@ fn a_wheel_without_lugs_has_windows_whose_class_is_unknown_with_the_reason() {
     let out = folder.path().join("out");
     let outcome = done(&study, &into(&out));
     assert_eq!(
-        (outcome.failed.len(), outcome.recognition.unwrap().windows),
+        (
+            outcome.failed.len(),
+            outcome.scores.recognition.unwrap().windows
+        ),
         (0, 1)
     );
     assert_eq!(column_of(&out, "windows.csv", "improved_class"), ["UWTIC"]);
@@ -580,7 +583,7 @@ fn identified(folder: &TempDir, scenarios: &[&str], rest: &str) -> (Identificati
     let out = folder.path().join("out");
     let outcome = done(&study(folder, scenarios, &text), &into(&out));
     assert_eq!(outcome.failed.len(), 0);
-    (outcome.identification.unwrap(), out)
+    (outcome.scores.identification.unwrap(), out)
 }
 
 #[test]

@@ -70,7 +70,7 @@ static WHOLE: LazyLock<Whole> = LazyLock::new(|| {
     Whole {
         _folder: folder,
         out,
-        score: outcome.diagnosis.unwrap(),
+        score: outcome.scores.diagnosis.unwrap(),
     }
 });
 
@@ -178,7 +178,7 @@ fn whoever_finds_all_shares_there_diagnoses_to_the_same_bytes() {
         ..into(&out)
     };
     let first = done(&study, &share(1));
-    assert!(first.missing_shards > 0 && first.diagnosis.is_none());
+    assert!(first.missing_shards > 0 && first.scores.diagnosis.is_none());
     let nobody_stops = &|_| ControlFlow::Continue(());
     study.execute_share(&share(2), nobody_stops).unwrap();
     assert!(!out.join("diagnosis.csv").exists());
@@ -192,7 +192,7 @@ fn a_campaign_that_cannot_be_diagnosed_is_told_with_its_reason_and_does_not_stop
     let out = folder.path().join("out");
     let sweep = "key = \"wheel.radius\"\nvalues = [0.14, 0.2]";
     let outcome = done(&study(&folder, sweep, 1.0), &into(&out));
-    let score = outcome.diagnosis.unwrap();
+    let score = outcome.scores.diagnosis.unwrap();
     let reasons = score.campaigns.iter().map(|it| it.told.reason.clone());
     let reasons: Vec<String> = reasons.map(Option::unwrap).collect();
     assert!(

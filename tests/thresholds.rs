@@ -34,7 +34,7 @@ fn small(folder: &TempDir) -> Study {
 fn held(study: &Study, options: &Options) -> Option<ThresholdScore> {
     let outcome = done(study, options);
     assert!(outcome.failed.is_empty());
-    outcome.thresholds
+    outcome.scores.thresholds
 }
 
 /// The small study, done once.

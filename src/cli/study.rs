@@ -9,9 +9,9 @@ use super::provenance::{self, quoted};
 use crate::learning::DataSet;
 use crate::report::{self, FeaturePoint, Group, ToldStudy};
 use crate::study::conditions::Unsteady;
-use crate::study::diagnosis::score::DiagnosisScore;
 use crate::study::identification::score::IdentificationScore;
 use crate::study::score::{Against, MethodScore, RecognitionScore};
+use crate::study::scores::{Report, Scores};
 use crate::study::thresholds::ThresholdScore;
 use crate::study::{self, Diagnosing, Options, Outcome, Run, Study, StudyError};
 use crate::table::four_digits;
@@ -116,14 +116,8 @@ struct Summary {
     not_steady: Vec<Unsteady>,
     #[serde(skip_serializing_if = "Option::is_none")]
     report: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    recognition: Option<RecognitionScore>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    thresholds: Option<ThresholdScore>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    identification: Option<IdentificationScore>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    diagnosis: Option<DiagnosisScore>,
+    #[serde(flatten)]
+    scores: Scores,
     #[serde(skip_serializing_if = "Option::is_none")]
     dataset: Option<usize>,
 }
@@ -155,19 +149,7 @@ impl StudyCommand {
             0 => Some(self.write_report(&study, &stem, &outcome, &out)?),
             _ => None,
         };
-        if let Some(score) = &outcome.thresholds {
-            draw_limits(score, &out)?;
-        }
-        if let Some(score) = &outcome.recognition {
-            draw_recognition(score, &out)?;
-        }
-        if let Some(score) = &outcome.identification {
-            draw_parameters(score, &out)?;
-        }
-        if let Some(score) = &outcome.diagnosis {
-            let figure = report::study_page::answers_by_campaign(score);
-            output::write_file(&out.join("diagnosis.svg"), &figure)?;
-        }
+        draw(&outcome.scores, &out)?;
         let unanswered = unanswered(&outcome, &out);
         output.print(&Summary {
             study: self.study.display().to_string(),
@@ -178,10 +160,7 @@ impl StudyCommand {
             computing_s,
             not_steady: Unsteady::of_all(&outcome.conditions),
             report,
-            recognition: outcome.recognition,
-            thresholds: outcome.thresholds,
-            identification: outcome.identification,
-            diagnosis: outcome.diagnosis,
+            scores: outcome.scores,
             dataset: outcome.dataset.as_ref().map(DataSet::runs),
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
@@ -296,7 +275,7 @@ fn show(progress: &Progress, now: Diagnosing) {
 
 /// The error of a study with campaigns that cannot be diagnosed.
 fn unanswered(outcome: &Outcome, out: &Path) -> Option<UnansweredCampaigns> {
-    let score = outcome.diagnosis.as_ref()?;
+    let score = outcome.scores.diagnosis.as_ref()?;
     let without = score.without_answer().count();
     (without > 0).then(|| UnansweredCampaigns {
         campaigns: score.campaigns.len(),
@@ -324,6 +303,24 @@ fn stills(study: &Study) -> Vec<(String, Trace)> {
         Some(((*name).to_owned(), trace))
     };
     first.par_iter().filter_map(still).collect()
+}
+
+/// Draws the figures of every analysis.
+fn draw(scores: &Scores, out: &Path) -> anyhow::Result<()> {
+    if let Some(score) = &scores.thresholds {
+        draw_limits(score, out)?;
+    }
+    if let Some(score) = &scores.recognition {
+        draw_recognition(score, out)?;
+    }
+    if let Some(score) = &scores.identification {
+        draw_parameters(score, out)?;
+    }
+    if let Some(score) = &scores.diagnosis {
+        let figure = report::study_page::answers_by_campaign(score);
+        output::write_file(&out.join("diagnosis.svg"), &figure)?;
+    }
+    Ok(())
 }
 
 /// Draws a figure of every limit: `thresholds_<limit>.svg`, `..._olig.svg` of wheels of few lugs.
@@ -433,20 +430,14 @@ impl fmt::Display for Summary {
         if let Some(runs) = self.dataset {
             writeln!(f, "data set: {runs} runs, {}/dataset.h5", self.folder)?;
         }
-        if let Some(score) = &self.recognition {
-            writeln!(f, "windows: {}/windows.csv\n\n{score}", self.folder)?;
-        }
-        if let Some(score) = &self.thresholds {
-            write!(f, "thresholds: {}/thresholds.csv\n\n{score}", self.folder)?;
-        }
-        if let Some(score) = &self.identification {
-            write!(f, "rows: {}/steady.csv\n\n{score}", self.folder)?;
-        }
-        if let Some(score) = &self.diagnosis {
-            write!(f, "campaigns: {}/diagnosis.csv\n\n{score}", self.folder)?;
+        for Report {
+            rows, table, text, ..
+        } in self.scores.reports()
+        {
+            writeln!(f, "{rows}: {}/{table}\n\n{text}", self.folder)?;
         }
         if let Some(report) = &self.report {
-            write!(f, "\nreport: {report}\n")?;
+            writeln!(f, "report: {report}")?;
         }
         Ok(())
     }

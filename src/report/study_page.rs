@@ -39,19 +39,19 @@ pub fn study_page(told: &ToldStudy) -> Page {
     let ToldStudy { study, outcome, .. } = *told;
     let mut sections = Vec::new();
     let mut answers = Vec::new();
-    if let Some(score) = &outcome.recognition {
+    if let Some(score) = &outcome.scores.recognition {
         answers.push(recognition::answer(score));
         sections.extend(recognition::sections(score));
     }
-    if let Some(score) = &outcome.thresholds {
+    if let Some(score) = &outcome.scores.thresholds {
         answers.push(thresholds::answer(score));
         sections.extend(thresholds::sections(score));
     }
-    if let Some(score) = &outcome.identification {
+    if let Some(score) = &outcome.scores.identification {
         answers.push(identification::answer(score));
         sections.extend(identification::sections(score));
     }
-    if let Some(score) = &outcome.diagnosis {
+    if let Some(score) = &outcome.scores.diagnosis {
         answers.push(diagnosis::answer(score));
         sections.push(diagnosis::section(score));
     }

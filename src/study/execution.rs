@@ -1,16 +1,14 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
 use super::conditions::Condition;
-use super::diagnosis::score::DiagnosisScore;
 use super::folder::{Before, Folder};
-use super::identification::score::IdentificationScore;
 use super::identification::{self, SteadyRows};
 use super::kept;
 use super::runs::{self, Runs};
-use super::score::RecognitionScore;
+use super::scores::Scores;
 use super::shard::{self, Shard};
 use super::table::{NoRows, Rows, Table, line};
-use super::thresholds::{self, ThresholdScore};
+use super::thresholds;
 use super::traces::{self, Traces};
 use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
@@ -83,14 +81,8 @@ pub struct Outcome {
     pub computing_s: f64,
     /// Shards that other shares have still to do; the tables are there when there are none.
     pub missing_shards: usize,
-    /// Score of the recognition, if the study has one and no shard is missing.
-    pub recognition: Option<RecognitionScore>,
-    /// Score of the limits of Eq. (55) to (58), if the study has one and no shard is missing.
-    pub thresholds: Option<ThresholdScore>,
-    /// Terrain parameters and predictions, if the study has them and no shard is missing.
-    pub identification: Option<IdentificationScore>,
-    /// Score of the diagnoses, if the study has them and no shard is missing.
-    pub diagnosis: Option<DiagnosisScore>,
+    /// Results of the analyses; none where shards are missing.
+    pub scores: Scores,
     /// The data set, if the study has one and no shard is missing.
     pub dataset: Option<DataSet>,
 }
@@ -265,28 +257,24 @@ impl Study {
     ) -> Result<Outcome, StudyError> {
         let shards = shard::all(self);
         let (collected, missing_shards) = self.collected(folder, &shards);
-        let scored = if missing_shards == 0 {
-            folder.remove_abandoned_parts();
-            collected.write(folder)?;
-            self.scored(folder, &shards, &collected, progress)?
-        } else {
-            Scored::default()
-        };
-        scored.write(folder)?;
         let failed = collected.failures.iter().map(|failure| failure.run);
-        Ok(Outcome {
+        let mut outcome = Outcome {
             runs: collected.runs,
             failed: failed.collect(),
+            failures: collected.failures.clone(),
+            conditions: Vec::new(),
             computing_s: collected.computing_s(),
-            failures: collected.failures,
-            conditions: scored.conditions,
             missing_shards,
-            recognition: scored.recognition,
-            thresholds: scored.thresholds,
-            identification: scored.identification,
-            diagnosis: scored.diagnosis,
-            dataset: scored.dataset,
-        })
+            scores: Scores::default(),
+            dataset: None,
+        };
+        if missing_shards == 0 {
+            folder.remove_abandoned_parts();
+            collected.write(folder)?;
+            self.evaluate(&mut outcome, folder, &collected, progress)?;
+            outcome.scores.write(folder)?;
+        }
+        Ok(outcome)
     }
 
     /// The rows of all complete shards in the folder, and the number of the other shards.
@@ -306,14 +294,14 @@ impl Study {
         (collected, missing_shards)
     }
 
-    /// Data set and scores of the complete tables.
-    fn scored(
+    /// Computes conditions, data set and scores from the complete tables.
+    fn evaluate(
         &self,
+        outcome: &mut Outcome,
         folder: &Folder,
-        shards: &[Shard],
         collected: &Collected<'_>,
         progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Scored, StudyError> {
+    ) -> Result<(), StudyError> {
         let total = self.run_count();
         let on_progress = |diagnosing| {
             progress(Progress {
@@ -326,46 +314,15 @@ impl Study {
         let windows = collected.text_of(kept::NAME).unwrap_or_default();
         let failed = collected.failures.len() as u64;
         let steady = collected.text_of(identification::NAME);
-        Ok(Scored {
-            conditions: self.conditions(&collected.texts[0].1),
-            dataset: self.keep(folder, shards, windows, failed, &|| on_progress(None))?,
+        let shards = shard::all(self);
+        outcome.conditions = self.conditions(&collected.texts[0].1);
+        outcome.dataset = self.keep(folder, &shards, windows, failed, &|| on_progress(None))?;
+        outcome.scores = Scores {
             recognition: self.score(collected.text_of(windows::NAME))?,
             thresholds: self.hold_to_thresholds(collected.text_of(thresholds::NAME)),
             identification: self.identify(steady, &|| on_progress(None))?,
             diagnosis: self.diagnose(folder, &|now| on_progress(Some(now)))?,
-        })
-    }
-}
-
-/// What follows from the tables of all runs; nothing where shards are missing.
-#[derive(Default)]
-struct Scored {
-    conditions: Vec<Condition>,
-    dataset: Option<DataSet>,
-    recognition: Option<RecognitionScore>,
-    thresholds: Option<ThresholdScore>,
-    identification: Option<IdentificationScore>,
-    diagnosis: Option<DiagnosisScore>,
-}
-
-impl Scored {
-    /// Writes the scores as text, and as CSV where they have one.
-    fn write(&self, folder: &Folder) -> Result<(), StudyError> {
-        if let Some(score) = &self.recognition {
-            folder.write("recognition.csv", score.to_csv().as_bytes())?;
-            folder.write("recognition.txt", score.to_string().as_bytes())?;
-        }
-        if let Some(score) = &self.thresholds {
-            folder.write("thresholds.txt", score.to_string().as_bytes())?;
-        }
-        if let Some(score) = &self.identification {
-            folder.write("identification.csv", score.to_csv().as_bytes())?;
-            folder.write("identification.txt", score.to_string().as_bytes())?;
-        }
-        if let Some(score) = &self.diagnosis {
-            folder.write("diagnosis.csv", score.to_csv().as_bytes())?;
-            folder.write("diagnosis.txt", score.to_string().as_bytes())?;
-        }
+        };
         Ok(())
     }
 }

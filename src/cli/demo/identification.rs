@@ -21,7 +21,7 @@ pub fn loads(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
 
 /// Runs the study and identifies.
 pub fn identify(loads: &SmallStudy, jobs: Jobs, progress: &Progress) -> anyhow::Result<Identified> {
-    let score = loads.execute(jobs, progress)?.identification;
+    let score = loads.execute(jobs, progress)?.scores.identification;
     let score = score.ok_or_else(|| anyhow::anyhow!("the demo's study identifies nothing"))?;
     Ok(Identified { score })
 }
