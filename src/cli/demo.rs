@@ -150,7 +150,7 @@ impl Demo {
         rig.execute(self.jobs, &progress)
             .map_err(|error| self.named(error))?;
         drop(progress);
-        let diagnosis = gap::diagnosis(&rig, &self.out, (self.seed, self.jobs));
+        let diagnosis = gap::diagnosis(&rig, &self.out, self.seed, self.jobs);
         let diagnosed = diagnosis
             .investigate(output)
             .map_err(|error| self.named(error))?;

@@ -145,25 +145,22 @@ impl Profile<'_> {
         };
         let mut distance = step.abs().min(reach);
         let outside = loop {
-            let value = excess(distance);
-            if value.abs() < NEAR {
+            let end = End {
+                at: distance,
+                excess: excess(distance),
+            };
+            if end.excess.abs() < NEAR {
                 return Some(start + distance * step.signum());
             }
-            if value > 0.0 {
-                break End {
-                    at: distance,
-                    excess: value,
-                };
+            if end.excess > 0.0 {
+                break end;
             }
             if distance >= reach {
                 return None;
             }
-            inside = End {
-                at: distance,
-                excess: value,
-            };
+            inside = end;
             // Slightly beyond the linear crossing.
-            let straight = 1.02 / (value + 1.0);
+            let straight = 1.02 / (end.excess + 1.0);
             distance = (distance * straight.min(2.0)).min(reach);
         };
         Some(start + crossing(excess, inside, outside) * step.signum())
@@ -171,6 +168,7 @@ impl Profile<'_> {
 }
 
 /// An end of the interval that brackets a crossing.
+#[derive(Clone, Copy)]
 struct End {
     at: f64,
     excess: f64,

@@ -54,11 +54,11 @@ pub fn rig(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
     let rig = known.with_all(&[format!("effect.{name}={magnitude}")])?;
     output::write_file(&folder.join(KNOWN_FILE), known.text())?;
     output::write_file(&folder.join("rig.toml"), rig.text())?;
-    SmallStudy::prepare(folder, ("gap", STUDY), seed)
+    SmallStudy::prepare(folder, "gap", STUDY, seed)
 }
 
 /// The diagnosis of the rig's runs against the sand as shipped.
-pub fn diagnosis(rig: &SmallStudy, folder: &Path, (seed, jobs): (u64, Jobs)) -> Diagnose {
+pub fn diagnosis(rig: &SmallStudy, folder: &Path, seed: u64, jobs: Jobs) -> Diagnose {
     Diagnose {
         measured: rig.folder.join("dataset.h5"),
         scenario: folder.join(KNOWN_FILE),

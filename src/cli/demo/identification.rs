@@ -16,7 +16,7 @@ const STUDY: &str = include_str!("identification.toml");
 /// A study of steady loads on sand.
 pub fn loads(folder: &Path, seed: u64) -> anyhow::Result<SmallStudy> {
     output::write_file(&folder.join("sand.toml"), shipped("st").text)?;
-    SmallStudy::prepare(folder, ("identification", STUDY), seed)
+    SmallStudy::prepare(folder, "identification", STUDY, seed)
 }
 
 /// Runs the study and identifies.

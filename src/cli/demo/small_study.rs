@@ -31,7 +31,7 @@ impl SmallStudy {
     ///
     /// Its results go to a folder of their own, named by all that decides them: a demo that was
     /// run before, and the same, is not computed again.
-    pub fn prepare(folder: &Path, (name, text): (&str, &str), seed: u64) -> anyhow::Result<Self> {
+    pub fn prepare(folder: &Path, name: &str, text: &str, seed: u64) -> anyhow::Result<Self> {
         let file = folder.join(format!("{name}.toml"));
         let text = text.replace("seed = 1\n", &format!("seed = {seed}\n"));
         output::write_file(&file, &text)?;

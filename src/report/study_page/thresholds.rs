@@ -39,55 +39,6 @@ fn shown(score: &ThresholdScore) -> impl Iterator<Item = &Statement> {
 
 /// Tallies, figures, and tallies by swept key.
 pub fn sections(score: &ThresholdScore) -> Vec<Section> {
-    let summary = score.statements.iter().map(|statement| {
-        let wheels = if statement.multi_lugged {
-            "multi-lugged"
-        } else {
-            "olig-lugged"
-        };
-        let first = [
-            Cell::text(&statement.name),
-            Cell::text(statement.equation),
-            Cell::text(wheels),
-        ];
-        let first = first.into_iter();
-        first.chain(tally(&statement.parts[0].tally)).collect()
-    });
-    let parts = shown(score).flat_map(|statement| {
-        let by_sweep = statement.parts.iter().filter(|part| part.by != "all");
-        by_sweep.map(
-            |Part {
-                 by,
-                 value,
-                 tally: of,
-             }| {
-                let first = [
-                    Cell::text(&statement.name),
-                    Cell::text(by),
-                    Cell::toml(value),
-                ];
-                first.into_iter().chain(tally(of)).collect()
-            },
-        )
-    });
-    let hold = Section::new("Do the limits hold?")
-        .prose(format!(
-            "{} of {} windows are truly ALCT: nine in ten lugs or more touched. They are held to the limits; to \
-             those of displacements where nine in ten touch also without slip. 99 % / limit is the 99 % quantile of \
-             value over limit: 1 is a limit just reached, 0.1 a loose one.",
-            score.all_touched, score.windows
-        ))
-        .table(Table {
-            caption: "Every limit. Shares have Wilson's 95 % interval, which takes windows for independent".to_owned(),
-            columns: columns(["name", "equation", "wheels"]),
-            rows: summary.collect(),
-        })
-        .table(Table {
-            caption: "What these names stand for".to_owned(),
-            columns: Column::named(["name", "what is limited", "the limit"]),
-            rows: meanings(score),
-        })
-;
     let figures = shown(score).map(|statement| {
         let caption = format!(
             "{} {}: {}.",
@@ -102,9 +53,57 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
     let swept = Section::new("On what does it depend?").table(Table {
         caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
         columns: columns(["name", "by", "value"]),
-        rows: parts.collect(),
+        rows: shown(score).flat_map(by_sweep).collect(),
     });
-    vec![hold, figures.fold(drawn, Section::figure), swept]
+    vec![validity(score), figures.fold(drawn, Section::figure), swept]
+}
+
+/// A row every limit.
+fn validity(score: &ThresholdScore) -> Section {
+    Section::new("Do the limits hold?")
+        .prose(format!(
+            "{} of {} windows are truly ALCT: nine in ten lugs or more touched. They are held to the limits; to \
+             those of displacements where nine in ten touch also without slip. 99 % / limit is the 99 % quantile of \
+             value over limit: 1 is a limit just reached, 0.1 a loose one.",
+            score.all_touched, score.windows
+        ))
+        .table(Table {
+            caption: "Every limit. Shares have Wilson's 95 % interval, which takes windows for independent".to_owned(),
+            columns: columns(["name", "equation", "wheels"]),
+            rows: score.statements.iter().map(of_all).collect(),
+        })
+        .table(Table {
+            caption: "What these names stand for".to_owned(),
+            columns: Column::named(["name", "what is limited", "the limit"]),
+            rows: meanings(score),
+        })
+}
+
+/// All windows of a limit.
+fn of_all(statement: &Statement) -> Vec<Cell> {
+    let wheels = match statement.multi_lugged {
+        true => "multi-lugged",
+        false => "olig-lugged",
+    };
+    let first = [&statement.name, statement.equation, wheels].map(Cell::text);
+    let tally = tally(&statement.parts[0].tally);
+    first.into_iter().chain(tally).collect()
+}
+
+/// A row every entry of a sweep.
+fn by_sweep(statement: &Statement) -> impl Iterator<Item = Vec<Cell>> {
+    let parts = statement.parts.iter().filter(|part| part.by != "all");
+    parts.map(
+        |Part {
+             by,
+             value,
+             tally: of,
+         }| {
+            let names = [&statement.name, by].map(Cell::text);
+            let first = names.into_iter().chain([Cell::toml(value)]);
+            first.chain(tally(of)).collect()
+        },
+    )
 }
 
 /// What every limit is about; one of wheels of few lugs has a row of its own where it differs.
