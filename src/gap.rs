@@ -25,6 +25,7 @@ mod global;
 mod map;
 mod moderation;
 mod readings;
+mod run;
 pub mod stages;
 pub mod statistics;
 mod tail;
@@ -39,7 +40,8 @@ pub(crate) use curves::class_of;
 pub use distance::{Closed, Scores, closed, energy_score, least_energy_score};
 pub use global::{Global, PERMUTATIONS, Test};
 pub use map::{Colour, Entry, GapMap, LEVEL, Margins, ParameterSpread};
-pub use readings::{Reading, Readings, Run};
+pub use readings::{Reading, Readings};
+pub use run::Run;
 pub use statistics::Statistician;
 
 use crate::identification::IdentifyError;

@@ -20,6 +20,7 @@ mod rolling;
 mod soil_track;
 mod stone_bearing;
 mod stone_bed;
+mod stone_outline;
 mod world;
 
 use crate::quantity::{RangeError, SampleRate};

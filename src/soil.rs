@@ -38,6 +38,7 @@ pub mod penetration_rate;
 pub(crate) mod power;
 pub mod pressure_sinkage;
 pub mod real;
+pub mod rolling;
 pub mod shear;
 pub mod table_6;
 pub mod wheel_load;

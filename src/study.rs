@@ -173,7 +173,7 @@ use crate::trace::Trace;
 use crate::whole_file;
 use diagnosis::DiagnosisTable;
 use identification::{IdentificationTable, Plan};
-use kept::{DatasetTable, Keep};
+use kept::DatasetTable;
 use recognition::{Recognition, RecognitionTable};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
@@ -185,6 +185,7 @@ use std::path::{Path, PathBuf};
 pub use sweep::Axis;
 use sweep::{Sweep, SweepTable};
 use thresholds::{Thresholds, ThresholdsTable};
+use traces::Keep;
 
 /// The version of study files that this program reads.
 const VERSION: i64 = 1;

@@ -3,9 +3,13 @@
 mod class;
 mod group;
 mod law;
+mod lines;
+mod parameter_order;
 mod plates;
 mod summary;
 mod text;
+mod unused;
+mod wheel;
 
 use super::interrupt;
 use super::output::Output;
@@ -18,13 +22,14 @@ use crate::report::force_curves;
 use crate::terrain::class::Wtic;
 use clap::{Args, ValueEnum};
 use class::Classifier;
-use group::{Fit, Groups, Run, Unused};
+use group::{Fit, Groups, Run};
 use law::{LawName, StressName};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::str::FromStr;
 use summary::{Report, Summary};
+use unused::Unused;
 
 /// Find the terrain's parameters from steady loads, slip and sinkage
 ///

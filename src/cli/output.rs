@@ -1,7 +1,6 @@
 //! Where a command's words and files go.
 
 use super::console::Attached;
-use super::target::Claim;
 use crate::whole_file;
 use anyhow::Context;
 use clap::Args;
@@ -28,15 +27,6 @@ pub struct Output {
 }
 
 impl Output {
-    /// A claim on what a command that reads `inputs` is about to write.
-    pub fn claim<'a>(&self, inputs: &'a [&'a Path]) -> Claim<'a> {
-        Claim {
-            force: self.force,
-            inputs,
-            elsewhere: ELSEWHERE,
-        }
-    }
-
     /// Prints the result of a command to stdout, or hands it to the calling program.
     ///
     /// # Errors

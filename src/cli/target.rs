@@ -12,7 +12,7 @@
 //! a folder that cannot be written to is told before any work. A file that may be replaced stays until
 //! the new one is whole ([`whole_file`](crate::whole_file)).
 
-use super::output;
+use super::output::{self, ELSEWHERE, Output};
 use crate::whole_file;
 use std::fs::{self, Metadata};
 use std::io::{self, ErrorKind::NotADirectory, ErrorKind::NotFound};
@@ -58,6 +58,17 @@ pub struct Claim<'a> {
     pub inputs: &'a [&'a Path],
     /// How another place is named.
     pub elsewhere: &'static str,
+}
+
+impl Output {
+    /// A claim on what a command that reads `inputs` is about to write.
+    pub fn claim<'a>(&self, inputs: &'a [&'a Path]) -> Claim<'a> {
+        Claim {
+            force: self.force,
+            inputs,
+            elsewhere: ELSEWHERE,
+        }
+    }
 }
 
 impl Claim<'_> {

@@ -10,6 +10,7 @@
 
 mod caveat;
 mod group;
+mod limitations;
 mod record;
 
 pub use caveat::Caveat;
@@ -21,8 +22,8 @@ use crate::gap::{self, Condition, Run, Statistician};
 use crate::quantity::RangeError;
 use crate::scenario::Scenario;
 use crate::trace::{RunAttributes, Trace};
-use caveat::{differences, not_simulated, not_steady, unlike_a_rig};
 use group::{Group, grouped, without_broken};
+use limitations::{differences, not_simulated, not_steady, unlike_a_rig};
 use rand::Rng;
 use record::{Record, Repetition, Slips};
 

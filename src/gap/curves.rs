@@ -4,7 +4,8 @@
 //! curves equally.
 
 use super::cell::{Cell, Covariate, Statistic};
-use super::readings::{Readings, Run};
+use super::readings::Readings;
+use super::run::Run;
 use crate::identification::{Identification, Parameter, Setting};
 use crate::terrain::class::Wtic;
 use nalgebra::{DMatrix, DVector};

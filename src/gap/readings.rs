@@ -1,8 +1,6 @@
 //! What was read from one run.
 
 use super::cell::{Cell, Statistic};
-use crate::identification::{SteadyLoad, steady_loads};
-use crate::trace::{RunAttributes, Trace};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -78,28 +76,6 @@ impl FromIterator<(Cell, Reading)> for Readings {
         };
         Self {
             cells: readings.into_iter().filter(finite).collect(),
-        }
-    }
-}
-
-/// One run: its condition, what was read from it, and its rows for the identification.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Run {
-    /// Wheel, condition, day.
-    pub attributes: RunAttributes,
-    /// What was read.
-    pub readings: Readings,
-    /// Its steady loads; none where they were not all measured.
-    pub loads: Vec<SteadyLoad>,
-}
-
-impl Run {
-    /// Reads a run.
-    pub fn read(statistician: &mut super::Statistician, trace: &Trace) -> Self {
-        Self {
-            attributes: trace.attributes.clone(),
-            readings: statistician.read(trace),
-            loads: steady_loads(trace).unwrap_or_default(),
         }
     }
 }

@@ -11,9 +11,21 @@
 
 use super::motion::{WheelMotion, Wrench};
 use super::mount::{Action, Actions};
-use super::world::WheelBody;
 use rapier2d::math::{Pose, Vector};
 use rapier2d::prelude::{RigidBodyForces, RigidBodyMassProps, RigidBodyVelocity};
+
+/// The wheel's body in the integrators.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WheelBody {
+    /// Mass [kg] that moves vertically with the axle.
+    pub mass: f64,
+    /// Mass [kg] that moves along the track with it besides.
+    pub carriage_mass: f64,
+    /// Moment of inertia about the axle [kg·m²].
+    pub inertia: f64,
+    /// Whether it is clamped in height.
+    pub clamped: bool,
+}
 
 /// The wheel's body.
 pub(super) struct FreeBody {

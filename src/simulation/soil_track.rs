@@ -38,7 +38,7 @@ mod transport;
 
 use super::contact::{Reach, WheelGeometry};
 use super::motion::{WheelMotion, Wrench};
-use super::stone_bearing::StoneOutline;
+use super::stone_outline::StoneOutline;
 use crate::quantity::SlipRatio;
 use crate::soil::contact::{ContactAngles, EffectiveDepth};
 use crate::soil::lug_action::shear_radius;

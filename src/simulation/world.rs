@@ -4,22 +4,10 @@
 //! of a solver. The body stands for all that moves vertically with the wheel (wheel, carriage slide and counterweight).
 
 use super::free_body::FreeBody;
+pub(super) use super::free_body::WheelBody;
 use super::motion::{WheelMotion, Wrench};
 use super::mount::Actions;
 use crate::quantity::SampleRate;
-
-/// The wheel's body in the integrators.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct WheelBody {
-    /// Mass [kg] that moves vertically with the axle.
-    pub mass: f64,
-    /// Mass [kg] that moves along the track with it besides.
-    pub carriage_mass: f64,
-    /// Moment of inertia about the axle [kg·m²].
-    pub inertia: f64,
-    /// Whether it is clamped in height.
-    pub clamped: bool,
-}
 
 /// A body above the axle that moves vertically only: what a leg's spring carries.
 #[derive(Debug, Clone, Copy)]

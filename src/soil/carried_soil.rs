@@ -38,7 +38,7 @@
 use crate::soil::Soil;
 use crate::soil::lug_action::{carried_layer, shear_radius};
 use crate::soil::real::Real;
-use crate::soil::wheel_load::Rolling;
+use crate::soil::rolling::Rolling;
 use crate::wheel::Wheel;
 
 /// The layer of soil that moves with the lugs of a wheel in steady rolling.

@@ -6,8 +6,8 @@
 use crate::soil::Soil;
 use crate::soil::contact::ContactAngles;
 use crate::soil::real::Real;
+use crate::soil::rolling::WheelLoad;
 use crate::soil::shear::{ShearDisplacement, speed_ratio};
-use crate::soil::wheel_load::WheelLoad;
 use crate::wheel::Wheel;
 
 /// The cylinder that meets the soil.

@@ -535,7 +535,7 @@ impl<'s> Collected<'s> {
         }
         let text = self.text_of("runs").unwrap_or_default();
         let records = Records::of_csv(runs::fields(self.study), text);
-        let provenance = kept::provenance(self.study);
+        let provenance = traces::provenance(self.study);
         write_table(folder.path_of("runs.h5"), &records, &provenance)?;
         folder.write("timing.csv", self.times.as_bytes())?;
         if !self.failures.is_empty() {

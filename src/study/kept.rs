@@ -3,23 +3,21 @@
 //! Once all shards are present, runs are moved one by one from the [files of the shards](super::traces) into
 //! `dataset.h5`. So memory contains one run per thread, and an interruption costs one shard.
 
-use super::folder::{Folder, file_error};
+use super::folder::Folder;
 use super::recognition;
 use super::references::References;
 use super::runs::swept_fields;
 use super::shard::Shard;
 use super::table::{NoRows, Rows, Stop, Table, condition_cells};
-use super::traces;
+use super::traces::{self, Keep, fact, provenance};
 use super::{Run, Study, StudyError};
-use crate::dataset::Provenance;
 use crate::dataset::hdf5::{RunFileWriter, write_table};
 use crate::dataset::records::{Field, Records};
 use crate::learning::windows::Windower;
-use crate::learning::{ChannelFact, DataSet, Facts, FileFact, Kept, run_fields, run_id, windows};
+use crate::learning::{ChannelFact, DataSet, Facts, Kept, run_fields, run_id, windows};
 use crate::trace::Trace;
 use serde::Deserialize;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// Name of the table of windows in the shards.
 pub(super) const NAME: &str = "dataset";
@@ -29,16 +27,6 @@ pub(super) const NAME: &str = "dataset";
 #[serde(deny_unknown_fields)]
 pub(super) struct DatasetTable {
     pub(super) keep: Keep,
-}
-
-/// Content stored per run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Keep {
-    /// Every channel at its output rate, and all that features use.
-    Traces,
-    /// Features and class of every window.
-    Features,
 }
 
 /// The table of the windows of a data set.
@@ -161,17 +149,5 @@ impl Study {
         }
         writer.finish()?;
         Ok(channels.unwrap_or_default())
-    }
-}
-
-pub(super) fn fact(path: &Path) -> Result<FileFact, StudyError> {
-    FileFact::of(path).map_err(|source| file_error("read", path, source))
-}
-
-/// The runs are of several scenarios, which their notes name.
-pub(super) fn provenance(study: &Study) -> Provenance {
-    Provenance {
-        seed: Some(study.seed),
-        ..Provenance::measured()
     }
 }

@@ -3,13 +3,25 @@
 //!
 //! They go to `shards/<number>.traces.h5`, run by run, and its checksum to another file.
 
-use super::folder::Folder;
-use super::kept::{Keep, fact, provenance};
+use super::folder::{Folder, file_error};
 use super::shard::Shard;
 use super::{Run, Study, StudyError};
+use crate::dataset::Provenance;
 use crate::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
 use crate::learning::{FileFact, run_id};
 use crate::trace::Trace;
+use serde::Deserialize;
+use std::path::Path;
+
+/// Content stored per run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Keep {
+    /// Every channel at its output rate, and all that features use.
+    Traces,
+    /// Features and class of every window.
+    Features,
+}
 
 impl Study {
     /// Whether the channels of its runs are needed once the runs are done.
@@ -92,4 +104,16 @@ fn seal_name(shard: &Shard) -> String {
 /// Sidecar of the runs of a shard: their origin and checksum.
 fn seal(folder: &Folder, fact: &FileFact) -> String {
     format!("study {}\nsha256 {}\n", folder.fingerprint(), fact.sha256)
+}
+
+pub(super) fn fact(path: &Path) -> Result<FileFact, StudyError> {
+    FileFact::of(path).map_err(|source| file_error("read", path, source))
+}
+
+/// The runs are of several scenarios, which their notes name.
+pub(super) fn provenance(study: &Study) -> Provenance {
+    Provenance {
+        seed: Some(study.seed),
+        ..Provenance::measured()
+    }
 }

@@ -3,6 +3,8 @@
 use super::class::{Classification, Classifier};
 use super::law::{Chosen, LawReport, OtherStress};
 use super::plates::{self, PlateReport, PlateTests};
+use super::unused::{LeftOut, StretchLeftOut, Unused};
+use super::wheel::WheelOfRun;
 use super::{Convention, SlipRange};
 use crate::dataset::hdf5::RunFile;
 use crate::identification::{
@@ -11,10 +13,7 @@ use crate::identification::{
 };
 use crate::quantity::RangeError;
 use crate::terrain::class::{TerrainLabel, Wtic};
-use crate::trace::wheel::Lugs;
-use crate::trace::{RunAttributes, Trace};
-use serde::Serialize;
-use std::fmt;
+use crate::trace::Trace;
 use std::rc::Rc;
 
 /// A run of a file.
@@ -28,121 +27,23 @@ pub struct Run {
     pub id: String,
 }
 
-/// A run that was not used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct LeftOut {
-    /// Its name.
-    pub run: String,
-    /// Why.
-    pub reason: String,
-}
-
-/// A stretch that was not used, of a run with others that were.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StretchLeftOut {
-    /// The run.
-    pub run: String,
-    /// Its middle half [s], which would have been the row.
-    pub interval_s: [f64; 2],
-    /// Why.
-    pub reason: String,
-}
-
-/// What was not used in any fit.
-#[derive(Debug, Clone, Default)]
-pub struct Unused {
-    /// Runs.
-    pub runs: Vec<LeftOut>,
-    /// Stretches of runs.
-    pub stretches: Vec<StretchLeftOut>,
-}
-
-/// The wheel of a run.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct WheelOfRun {
-    /// Rim radius [m].
-    pub radius_m: f64,
-    /// Width [m].
-    pub width_m: f64,
-    /// Number of lugs; none where unknown.
-    pub lug_count: Option<u32>,
-    /// Lug height [m]; none where unknown.
-    pub lug_height_m: f64,
-    /// Lug thickness [m]; none where unknown.
-    pub lug_thickness_m: Option<f64>,
-}
-
-impl WheelOfRun {
-    fn of(run: &RunAttributes) -> Self {
-        Self {
-            radius_m: run.wheel_radius,
-            width_m: run.wheel_width,
-            // The lug height of a smooth wheel may be missing.
-            lug_height_m: if run.lugs().are_none() {
-                0.0
-            } else {
-                run.lug_height
-            },
-            lug_count: run.lug_count,
-            lug_thickness_m: run.lug_thickness,
-        }
-    }
-
-    /// Its lugs.
-    pub fn lugs(&self) -> Lugs {
-        Lugs {
-            count: self.lug_count,
-            height: self.lug_height_m,
-        }
-    }
-
-    /// Whether it is the same wheel; unknown dimensions are equal to each other.
-    fn is(&self, other: &Self) -> bool {
-        let lengths = |wheel: &Self| {
-            let Self {
-                radius_m,
-                width_m,
-                lug_height_m,
-                ..
-            } = wheel;
-            [radius_m, width_m, lug_height_m].map(|length| length.to_bits())
-        };
-        let thicknesses = self.lug_thickness_m.zip(other.lug_thickness_m);
-        self.lug_count == other.lug_count
-            && thicknesses.is_none_or(|(own, other)| own == other)
-            && lengths(self) == lengths(other)
-    }
-
-    fn setting(&self, convention: &Convention, chosen: &Chosen) -> Setting {
-        let is_rim = convention.cylinder.cylinder() == Cylinder::Rim;
-        Setting {
-            // The rim's equations do not need the lug height.
-            lug_height: match self.lug_height_m {
-                unknown if unknown.is_nan() && is_rim => 0.0,
-                height => height,
-            },
-            cylinder: convention.cylinder.cylinder(),
-            exit_angle: chosen.exit_angle,
-            known: convention.known(),
-            law: chosen.law,
-            ..Setting::new(crate::soil::closed_form::Rim {
-                radius: self.radius_m,
-                width: self.width_m,
-            })
-        }
-    }
-}
-
-impl fmt::Display for WheelOfRun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // To a hundredth of a millimetre.
-        let shown = |length: f64| (length * 1.0e5).round() / 1.0e2;
-        let [radius, width] = [self.radius_m, self.width_m].map(shown);
-        write!(
-            f,
-            "rim radius {radius} mm, width {width} mm, {}",
-            self.lugs()
-        )
+/// Conventions of the equations for a wheel.
+fn setting(wheel: &WheelOfRun, convention: &Convention, chosen: &Chosen) -> Setting {
+    let is_rim = convention.cylinder.cylinder() == Cylinder::Rim;
+    Setting {
+        // The rim's equations do not need the lug height.
+        lug_height: match wheel.lug_height_m {
+            unknown if unknown.is_nan() && is_rim => 0.0,
+            height => height,
+        },
+        cylinder: convention.cylinder.cylinder(),
+        exit_angle: chosen.exit_angle,
+        known: convention.known(),
+        law: chosen.law,
+        ..Setting::new(crate::soil::closed_form::Rim {
+            radius: wheel.radius_m,
+            width: wheel.width_m,
+        })
     }
 }
 
@@ -341,7 +242,7 @@ impl Group {
             let chosen = chosen
                 .map_err(|reason| self.leave_out(&reason, unused))
                 .ok()?;
-            let setting = self.wheel.setting(convention, &chosen);
+            let setting = setting(&self.wheel, convention, &chosen);
             match identified(&rows, self.class, &setting) {
                 Ok((estimate, predictor)) => {
                     return Some(Fit {

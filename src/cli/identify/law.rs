@@ -1,8 +1,8 @@
 //! Choice of the equations for a wheel's rows.
 
 use super::Convention;
-use super::group::WheelOfRun;
-use super::summary::values_by_name;
+use super::parameter_order::values_by_name;
+use super::wheel::WheelOfRun;
 use crate::identification::{
     Identification, Law, Own, Scope, Setting, SteadyLoad, TerrainParameters,
 };

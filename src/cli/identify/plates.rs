@@ -1,7 +1,7 @@
 //! Plate tests: pressure-sinkage modulus and exponent.
 
-use super::group::LeftOut;
-use super::text::{counted, write_item};
+use super::lines::{counted, write_item};
+use super::unused::LeftOut;
 use crate::identification::{
     Interval, Moduli, Parameter, PlateSize, Pressing, PressureSinkage, Resampled,
 };

@@ -1,9 +1,12 @@
 //! Result of `identify` for machines.
 
 use super::class::ClassSource;
-use super::group::{Fit, LeftOut, Rows, StretchLeftOut, Unused, WheelOfRun};
+use super::group::{Fit, Rows};
 use super::law::{LawReport, OtherStress};
+use super::parameter_order::{ORDER, values_by_name};
 use super::plates::PlateReport;
+use super::unused::{LeftOut, StretchLeftOut, Unused};
+use super::wheel::WheelOfRun;
 use crate::identification::{
     Combination, Cylinder, Drift, Estimate, ForceErrors, Identified, Parameter, Prediction,
     PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Unidentifiable,
@@ -13,18 +16,6 @@ use crate::soil::wheel_load::WheelLoad;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use serde::{Serialize, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// The parameters in the order of the output.
-const ORDER: [Parameter; 8] = [
-    Parameter::SinkageModulus,
-    Parameter::SinkageExponent,
-    Parameter::SinkageExponentSlip,
-    Parameter::StressAngle,
-    Parameter::StressAngleSlip,
-    Parameter::Cohesion,
-    Parameter::FrictionAngle,
-    Parameter::ShearModulus,
-];
 
 /// Fraction of a run's windows [-] with its class below which it may be on several grounds.
 const CLEAR: f64 = 0.9;
@@ -547,13 +538,6 @@ fn by_name<S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(parameters.iter().map(|(of, report)| (of.name(), report)))
-}
-
-pub fn values_by_name<S: Serializer>(
-    parameters: &TerrainParameters,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(ORDER.map(|of| (of.name(), parameters.get(of))))
 }
 
 /// Runs grouped by the source of their class, in the order of the sources.

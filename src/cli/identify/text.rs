@@ -1,11 +1,12 @@
 //! Result of `identify` for people.
 
 use super::class::ClassSource;
-use super::group::{LeftOut, StretchLeftOut, Unused};
 use super::law::OtherStress;
+use super::lines::{LINE, counted, wrapped, write_item};
 use super::summary::{
     Origin, ParameterReport, Report, RunReport, SettingReport, Summary, by_origin,
 };
+use super::unused::{LeftOut, StretchLeftOut, Unused};
 use crate::identification::{Cylinder, Standing};
 use crate::recognition::known::Source;
 use crate::soil::StressConvention;
@@ -16,9 +17,6 @@ use std::fmt;
 
 /// Absolute correlation [-] from which two estimates are reported as strongly correlated.
 const STRONG: f64 = 0.95;
-
-/// Width of a line of text.
-const LINE: usize = 96;
 
 /// Errors [%] of pull, load and torque in Table 7 of the paper, with its ground.
 fn published(class: Wtic) -> Option<(&'static str, [f64; 3])> {
@@ -347,14 +345,6 @@ fn range(values: impl Iterator<Item = f64> + Clone, decimals: usize) -> String {
     }
 }
 
-pub fn counted(count: usize, what: &str) -> String {
-    match count {
-        1 => format!("1 {what}"),
-        count if what.ends_with("ch") => format!("{count} {what}es"),
-        count => format!("{count} {what}s"),
-    }
-}
-
 fn interval(report: &ParameterReport) -> String {
     match report.standing {
         Standing::SetByClass | Standing::Given => "-".to_owned(),
@@ -380,27 +370,4 @@ fn shown_unit(unit: &'static str) -> &'static str {
 /// A correlation with its sign.
 fn value_of(correlation: f64) -> String {
     format!("{correlation:+.3}").replace('-', "−")
-}
-
-/// A list item: continuation lines are indented below its text.
-pub fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Result {
-    let width = lead.chars().count();
-    let lines = wrapped(text, LINE - width);
-    let indented = lines.join(&format!("\n{:width$}", ""));
-    writeln!(f, "{lead}{indented}")
-}
-
-/// `text` wrapped between words into lines of at most `width` characters; longer words are not broken.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + word.chars().count() < width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }

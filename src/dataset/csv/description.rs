@@ -2,7 +2,6 @@
 
 use super::selection::Picked;
 use super::sheet::Layout;
-use super::slip_origin::{SlipRadius, SlipZero};
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
@@ -206,4 +205,28 @@ impl<'de> Visitor<'de> for GivenVisitor {
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Given, A::Error> {
         ColumnTable::deserialize(MapAccessDeserializer::new(map)).map(Given::Column)
     }
+}
+
+/// The radius by which slip is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SlipRadius {
+    /// The rim's.
+    #[default]
+    Rim,
+    /// That of the lugs' tips.
+    Tips,
+    /// The mean radius at which soil shears off the lugs, for a friction angle of 30°.
+    Shear,
+}
+
+/// What happens at slip 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SlipZero {
+    /// The wheel travels by its radius per turn.
+    #[default]
+    Speed,
+    /// The torque is nothing.
+    Torque,
 }

@@ -11,38 +11,13 @@
 //! rim (36 values).
 
 use super::Misplaced;
-use super::description::SourceTable;
+use super::description::{SlipRadius, SlipZero, SourceTable};
 use super::source::Source;
 use crate::soil::lug_action::shear_radius;
 use crate::soil::wheel_load::Rolling;
 use crate::soil::{Soil, table_6};
 use crate::trace::{Channel, Mean, Trace};
 use crate::wheel::Wheel;
-use serde::Deserialize;
-
-/// The radius by which slip is counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum SlipRadius {
-    /// The rim's.
-    #[default]
-    Rim,
-    /// That of the lugs' tips.
-    Tips,
-    /// The mean radius at which soil shears off the lugs, for a friction angle of 30°.
-    Shear,
-}
-
-/// What happens at slip 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum SlipZero {
-    /// The wheel travels by its radius per turn.
-    #[default]
-    Speed,
-    /// The torque is nothing.
-    Torque,
-}
 
 /// Friction angle [°] for which the shear radius is taken; by 20° more or less it moves by a tenth of
 /// the lugs' height.

@@ -10,7 +10,7 @@
 //! with the standard deviations `D_c` and `n` rigs. A statistic that a condition lacks is uncorrelated in it, so that `R̄` is a
 //! correlation matrix.
 
-use super::emulator::Place;
+use super::place::Place;
 use nalgebra::DMatrix;
 
 /// `N`, and bounds of both shares [-].

@@ -26,14 +26,12 @@
 //! is the identity.
 
 use super::covariance::{Covariance, covariances};
+use super::place::{CURVE, Place};
 use super::shrinkage::{Noise, shrink};
 use crate::diagnosis::rigs::{Part, Row};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, RowDVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Coefficients of an effect.
-pub const CURVE: usize = 3;
 
 /// Penalty of an effect's coefficients [rows], and of the parameters'.
 const RIDGE: [f64; CURVE] = [1.0, 10.0, 10.0];
@@ -80,17 +78,6 @@ pub fn slopes(parameters: &[f64]) -> DMatrix<f64> {
         }
     }
     slopes
-}
-
-/// Where a column belongs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    /// Its condition.
-    pub condition: usize,
-    /// Its statistic of its channel, the same number in all conditions.
-    pub cell: usize,
-    /// Its channel.
-    pub channel: usize,
 }
 
 /// What is known of a rig.

@@ -11,7 +11,8 @@
 //! the evidence `log ∫ exp(−m_e(u)/2) du` costs three products of vectors a cause. Of two effects the misfit is minimised
 //! over both sizes.
 
-use super::emulator::{CURVE, Emulator};
+use super::emulator::Emulator;
+use super::place::CURVE;
 use crate::diagnosis::rigs::Part;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 

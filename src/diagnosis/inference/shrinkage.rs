@@ -10,7 +10,7 @@
 //! is kept, with the block `A` of the inverse normal matrix and the noise variance `s_j²` of a statistic: without an effect
 //! `T` is `3 p` on average (positive part estimator of James and Stein 1961, Proc. 4th Berkeley Symp. 1:361).
 
-use super::emulator::{CURVE, Place};
+use super::place::{CURVE, Place};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Noise of the coefficients of a regression.
