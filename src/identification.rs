@@ -60,14 +60,16 @@ mod profile;
 mod row;
 mod scope;
 mod search;
+mod stage;
 mod stages;
+mod standing;
 mod steady;
 mod warning;
 mod weight;
 
 pub use combination::Combination;
 pub use drift::{Drift, SteadyRow};
-pub use estimate::{Estimate, Identified, Standing, Unidentifiable};
+pub use estimate::{Estimate, Identified, Unidentifiable};
 pub use force_error::ForceErrors;
 pub use forces::{Force, PredictedForce};
 pub use known::Known;
@@ -83,7 +85,9 @@ pub use pressing::Pressing;
 pub use pressure_sinkage::{Interval, Moduli, PlateSize, PressureSinkage, Resampled};
 pub use row::{Cylinder, RIGID_SINKAGE, STATIC_SLIP, Setting, SteadyLoad, Uncertainty};
 pub use scope::Scope;
-pub use stages::{Stage, Staged};
+pub use stage::Stage;
+pub use stages::Staged;
+pub use standing::Standing;
 pub use steady::{CALIBRATION, SteadyError, Stretch, steady_loads, steady_rows, steady_stretches};
 pub use warning::Warning;
 

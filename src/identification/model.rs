@@ -1,11 +1,11 @@
 //! The terramechanics model switched by class (Table 4), in the coordinates of the fit.
 
-use super::estimate::Standing;
 use super::law::{Law, Own};
 use super::parameter::{Coordinates, Parameter};
 use super::point::{ALL, Point};
 use super::row::{Setting, SteadyLoad};
-use super::stages::Stage;
+use super::stage::Stage;
+use super::standing::Standing;
 use crate::soil::closed_form::{ArcCoefficients, Rim, RimContact};
 use crate::soil::contact::{ContactAngles, entry_angle};
 use crate::soil::departures::Departures;

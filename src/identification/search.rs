@@ -7,7 +7,8 @@ use super::parameter::{Coordinates, Parameter, TerrainParameters};
 use super::point::Point;
 use super::precision::Precision;
 use super::row::SteadyLoad;
-use super::stages::{self, ANGLES, STRENGTHS, Stage, Staged};
+use super::stage::Stage;
+use super::stages::{self, ANGLES, STRENGTHS, Staged};
 use super::weight::Scale;
 
 /// Default start: typical of sands, and the paper's exponents `n_0` for hard ground.
