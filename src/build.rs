@@ -1,4 +1,4 @@
-//! Tells the program which source it is made of, where that stands under git.
+//! Sets the commit of the source, where it is under git.
 //!
 //! Only released builds know: others would be compiled anew with every commit.
 
@@ -24,9 +24,9 @@ fn main() {
     println!("cargo::rustc-env=LUGWHEEL_COMMIT={commit}{changed}");
 }
 
-/// What git says, where there is one and a repository.
+/// Output of git, where there is one and a repository.
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
-    let said = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| said.trim().to_owned())
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
 }

@@ -69,7 +69,7 @@ Examples:
   lugwheel scenarios                                  what is ready to run
   lugwheel simulate single_wheel_st                   one run on sand
   lugwheel new my_rig                                 a scenario to edit
-  lugwheel keys wheel.lugs                            what a scenario can say of it
+  lugwheel keys wheel.lugs                            its keys in a scenario
   lugwheel dataset single_wheel_ht --runs 50          a labelled data set
   lugwheel study quick                                sweeps and seeds, a row a run
   lugwheel import campaign.toml --out measured.h5     measured CSV files in a run file

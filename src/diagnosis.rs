@@ -42,8 +42,8 @@ pub use arm_traces::ArmTraces;
 pub use end_results::{EndResults, MeanError, Step};
 pub use further::{Further, further_runs};
 pub use investigation::{
-    BUDGET, Compared, ComparedCondition, Diagnosis, Estimate, Hear, Investigation,
-    InvestigationError, Progress, Settings, Stage,
+    BUDGET, Compared, ComparedCondition, Diagnosis, Estimate, Investigation, InvestigationError,
+    OnProgress, Progress, Settings, Stage,
 };
 pub use next_run::NextRun;
 pub use screen::{ALIKE, Screened};

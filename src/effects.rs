@@ -158,7 +158,7 @@ pub enum Bound {
 pub enum Source {
     /// Published or measured figures.
     Cited(&'static str),
-    /// Nobody's figures: the reasoning behind the guess.
+    /// No published value: the reasoning behind the guess.
     Guess(&'static str),
 }
 

@@ -17,7 +17,7 @@
 //! # 1. Simulate
 //!
 //! A [`Scenario`](scenario::Scenario) is one experiment as a file; some are part of the program
-//! ([`scenario::ready`]), and [`scenario::keys`] lists what a file can say. From it come the [`terrain`] along the track, the
+//! ([`scenario::ready`]), and [`scenario::keys`] lists the keys of a file. From it come the [`terrain`] along the track, the
 //! [`wheel`], and the rig that carries and drives it; [`simulation`] integrates the motion, state by state, with the
 //! equations of [`soil`] on sand. The kinematics of a rigid wheel are in [`vibration`]. [`quantity`] holds the typed
 //! numbers. A stream of random numbers belongs to seed, run and stage, so that results do not depend on threads.
@@ -157,7 +157,7 @@
 //! | slip-sinkage | sinkage that grows with slip |
 //! | stream | the random numbers of one stage of one run |
 //! | study | a set of runs by a design, with a score |
-//! | truth | what the simulator knows of a run and no sensor measures |
+//! | truth | the simulated quantities of a run that no sensor measures |
 //! | window | the part of a record from which one set of features is computed |
 
 #[cfg(doctest)]

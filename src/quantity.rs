@@ -211,7 +211,7 @@ impl From<SampleRate> for f64 {
 /// Where all randomness of a run comes from.
 ///
 /// Every stage draws from its own stream, named by `(seed, stage, run)`: a new stage shifts
-/// nobody's draws, and run 17 is the same alone, in a study, or on another thread.
+/// no other run's draws, and run 17 is the same alone, in a study, or on another thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seed(pub u64);
 

@@ -464,7 +464,7 @@ fn default_hertz(terrain: &TerrainSpec) -> f64 {
     }
 }
 
-/// Refuses a magnitude above `most`, and says whence that limit.
+/// Refuses a magnitude above `most`, with the source of that limit.
 fn limit(
     quantity: &'static str,
     unit: &'static str,

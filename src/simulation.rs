@@ -323,7 +323,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// The state after a step in which the ground pressed on the wheel as `reach` says.
+    /// The state after a step in which the ground acted on the wheel with `reach`.
     fn read(
         &mut self,
         before: &WheelMotion,

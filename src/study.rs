@@ -31,7 +31,7 @@
 //! Distributions are `uniform` and `log_uniform` (`from`, `to`), `normal` (`mean`, `sd`), `log_normal`
 //! (`median`, `factor`: 68 % lie within that factor), `triangular` (`from`, `mode`, `to`) and `one_of`
 //! (a list). Which values are drawn depends on seed, key and number of the draw only, so every shard
-//! of a study knows them.
+//! of a study draws the same values.
 //!
 //! A *condition* is a scenario with one entry of every sweep. Runs are numbered from 0, scenario by scenario,
 //! the last sweep changing fastest, with the repeats of a condition together. All randomness of a run comes

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use wheel::{Lugs, Plate};
 
-/// The channels every tool knows, and their units. Others may be there; they are carried along.
+/// The standard channels and their units. Other channels are stored unchanged.
 ///
 /// `acceleration_y` points upward and has gravity removed; signs are those of
 /// [`Loads`](crate::simulation::Loads) and [`WheelState`](crate::simulation::WheelState).
@@ -136,7 +136,7 @@ pub struct Mean {
     pub value: f64,
     /// Standard deviation within the steady interval; NaN where it is not known.
     pub sd: f64,
-    /// Number of samples behind it; 0 where nobody counted.
+    /// Number of samples behind it; 0 where unknown.
     pub n: u64,
 }
 
@@ -179,7 +179,7 @@ pub struct LugTally {
     pub entered: u32,
 }
 
-/// What a simulation knows and a rig does not.
+/// Ground truth of a simulation, which no sensor measures.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Truth {
     /// Every contact of every lug.
@@ -248,7 +248,7 @@ pub struct RunAttributes {
     pub notes: String,
     /// Steps per second of the simulation [Hz]; `None` on a measured run.
     pub physics_rate: Option<f64>,
-    /// Whether the wheel angle was summed up from the wheel's speed, so that nobody knows where its
+    /// Whether the wheel angle was summed up from the wheel's speed, so that it is unknown where its
     /// zero lies: it has turn and no position of the lugs.
     pub angle_zero_unknown: bool,
     /// What the import of a measured run took for granted or did to its data.

@@ -4,7 +4,7 @@
 //!
 //! They know the wheel's outline, the ground's height and nothing of forces: the wheel is rigid,
 //! rolls without slipping and never leaves the ground. Its lugs are edges without thickness. The simulated ones are
-//! plates: one of 3 mm whose end is all round lifts the axle by 1 % less than (10) says, one with sharp edges by 16 % less,
+//! plates: one of 3 mm whose end is all round lifts the axle by 1 % less than by (10), one with sharp edges by 16 % less,
 //! for it reaches `(r + l - e) cos φ + (t/2 - e) |sin φ| + e` below the axle.
 //!
 //! Angles count as everywhere: the wheel angle grows when driving forward, lug 0 points straight
@@ -17,7 +17,7 @@
 //! [`flat_ground`] is the reference terrain, [`reference`] what an accelerometer feels on it.
 //! [`outline`] lets a wheel down on any ground and [`rolling`] rolls it on (ALCT and SLCT);
 //! [`soft_ground`] has lugs in soil (LEIS). [`simplified`] reduces all three to the reference with two
-//! factors, [`harmonics`] the reference to its series, [`bounds`] asks how far the first may go.
+//! factors, [`harmonics`] the reference to its series, [`bounds`] the limits of the first.
 //!
 //! Against the rigid-body simulation of a wheel under 100 N, the axle's height on hard ground, flat
 //! or rough, differs by the 11 µm by which that ground gives way, and its velocity jumps agree within

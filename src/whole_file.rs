@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The system releases the lock when the writer dies, however it dies. The first part that a process
-//! begins in a folder removes those there that nobody has locked. On file systems that know no locks
+//! begins in a folder removes those there that are not locked. On file systems without locks
 //! they stay; where locks hold on one machine only, other machines must not write into the folder.
 
 use std::collections::BTreeSet;
@@ -135,7 +135,7 @@ pub fn is_vacant(path: &Path) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Removes the parts in `folder` whose writer was killed, and never one whose writer lives. What cannot
+/// Removes the parts in `folder` whose writer was killed, and never one whose writer runs. What cannot
 /// be removed stays.
 pub fn remove_abandoned_parts(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -198,7 +198,7 @@ impl Locked {
         }
         loop {
             let file = builder.tempfile_in(folder).map_err(without_the_part)?;
-            // Some file systems know no locks; there nobody removes a part.
+            // Some file systems have no locks; there no part is removed.
             let is_locked = file.as_file().lock().is_ok();
             if !is_locked || is_there(&file)? {
                 return Ok(Self(file));

@@ -455,7 +455,7 @@ fn a_wheel_that_spins_in_place_is_commanded_by_its_measured_angle() {
     (spinning.attributes.slip_ratio, spinning.attributes.speed) = (1.0, 0.0);
     let message = refused(&short(), std::slice::from_ref(&spinning));
     assert!(
-        message.contains("nothing but a measured wheel_angle tells"),
+        message.contains("only a measured wheel_angle determines"),
         "{message}"
     );
     let mut angle = channel("wheel_angle", 2000, 2000.0);
@@ -504,13 +504,16 @@ fn what_the_scenario_cannot_repeat_is_left_out_and_says_why() {
     foreign.channels[0].name = "motor_current".to_owned();
     let message = refused(&rover, &[foreign]);
     assert!(
-        message.contains("no simulation makes what it holds: motor_current"),
+        message.contains("none of its channels is simulated: motor_current"),
         "{message}"
     );
     let mut unknown = rig_run(2000, 2000.0);
     unknown.attributes.slip_ratio = f64::NAN;
     let message = refused(&short(), &[unknown]);
-    assert!(message.contains("nothing tells its slip"), "{message}");
+    assert!(
+        message.contains("its slip is not stated and no channel gives it"),
+        "{message}"
+    );
     assert_eq!(refused(&rover, &[]), "there are no measured runs");
 }
 
@@ -556,7 +559,7 @@ fn the_measured_points_of_ding_are_cases_of_a_scenario_with_their_wheel() {
             .all(|case| case.has("drawbar_pull") && !case.has("acceleration_y"))
     );
     let texts = texts(&found);
-    let speed = "forward speed is not told: taken from the scenario";
+    let speed = "forward speed is not stated: taken from the scenario";
     assert!(texts.iter().any(|text| text == speed), "{texts:?}");
 }
 
@@ -628,15 +631,15 @@ fn repeated(measured: [f64; 3]) -> (Vec<f64>, Vec<String>) {
 fn a_run_whose_slip_contradicts_its_label_is_repeated_at_the_slip_measured() {
     let (slips, texts) = repeated([0.2, 0.2002, 0.2311]);
     assert_eq!(slips, [0.2, 0.2311]);
-    let text = "run 3 of those given ran at another slip than told: the measured one is taken";
+    let text = "run 3 of those given ran at another slip than stated: the measured one is taken";
     assert!(texts.iter().any(|it| it == text), "{texts:?}");
 }
 
 #[test]
-fn where_most_runs_contradict_their_slips_the_rig_is_at_fault_and_the_slips_told_are_kept() {
+fn where_most_runs_contradict_their_slips_the_rig_is_at_fault_and_the_slips_stated_are_kept() {
     let (slips, texts) = repeated([0.2, 0.2502, 0.2511]);
     assert_eq!(slips, [0.2]);
-    let most = |text: &String| text.starts_with("most runs ran at another slip than told");
+    let most = |text: &String| text.starts_with("most runs ran at another slip than stated");
     assert!(texts.iter().any(most), "{texts:?}");
 }
 

@@ -15,7 +15,7 @@ use lugwheel::gap::stages::{Stage, StageShare, Stages};
 use lugwheel::gap::{Cell, Closed, Colour, Condition, Covariate, Entry, Global, Statistic, Test};
 use lugwheel::quantity::Seed;
 use lugwheel::report::page::Page;
-use lugwheel::report::{self, ToldDiagnosis, diagnosis_page};
+use lugwheel::report::{self, DiagnosisReport, diagnosis_page};
 use lugwheel::scenario::Scenario;
 use lugwheel::trace::{Channel, RunAttributes, Trace};
 use std::ops::ControlFlow;
@@ -359,7 +359,7 @@ fn changed(change: impl FnOnce(&mut Diagnosis), traces: Option<&ArmTraces>) -> P
     let cases = cases();
     let mut diagnosis = diagnosis(&cases);
     change(&mut diagnosis);
-    diagnosis_page(&ToldDiagnosis {
+    diagnosis_page(&DiagnosisReport {
         diagnosis: &diagnosis,
         measured: "rig",
         name: "quick",

@@ -3,7 +3,7 @@
 use crate::chromium::{look, sheets};
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::report::page::{Cell, Code, Column, Figure, Page, Provenance, Section, Table};
-use lugwheel::report::{ToldStudy, confusion_figure, page, study_page};
+use lugwheel::report::{StudyReport, confusion_figure, page, study_page};
 use lugwheel::study::{Options, Study};
 use std::fs;
 use std::ops::ControlFlow;
@@ -177,7 +177,7 @@ static STUDY_PAGE: LazyLock<String> = LazyLock::new(|| {
         .unwrap();
     let run = study.runs().next().unwrap();
     let still = study.run(&run, &mut |_| ControlFlow::Continue(())).unwrap();
-    page(&study_page(&ToldStudy {
+    page(&study_page(&StudyReport {
         study: &study,
         name: "everything",
         outcome: &outcome,
@@ -219,7 +219,7 @@ fn the_page_of_a_study_has_answer_published_numbers_and_how_to_run_it_again() {
     for part in [
         "<h1>Everything at once</h1>",
         "What changes with rig.single_wheel.slip in single_wheel_ht, single_wheel_st?",
-        "Windows told by the class their ground stands for: paper ",
+        "Windows recognised as the class of their ground: paper ",
         "published 292 of 300, 97.3 % [94.8, 98.6]",
         "exceed the paper&#x27;s limits",
         "(published 15.2 / 11.7 / 15.5)",
@@ -230,7 +230,7 @@ fn the_page_of_a_study_has_answer_published_numbers_and_how_to_run_it_again() {
     ] {
         assert!(STUDY_PAGE.replace("&#x2f;", "/").contains(part), "{part}");
     }
-    assert!(!STUDY_PAGE.contains("Which runs failed"));
+    assert!(!STUDY_PAGE.contains("Failed runs"));
 }
 
 /// Sand does not carry a hundred tonnes.
@@ -256,7 +256,7 @@ fn a_run_that_failed_is_named_on_the_page_with_its_reason() {
     let outcome = study
         .execute(&options, &|_| ControlFlow::Continue(()))
         .unwrap();
-    let html = page(&study_page(&ToldStudy {
+    let html = page(&study_page(&StudyReport {
         study: &study,
         name: "heavy",
         outcome: &outcome,

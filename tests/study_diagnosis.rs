@@ -85,7 +85,7 @@ fn every_campaign_is_told_with_its_truth_and_its_row() {
         let sum: f64 = finding.probabilities.values().sum();
         // 1e-9: rounding of some dozen terms.
         assert!((sum - 1.0).abs() < 1e-9, "{sum}");
-        assert_eq!(campaign.told.runs, 4);
+        assert_eq!(campaign.result.runs, 4);
         assert!(!finding.effects.is_empty());
     }
     let mut reader = csv::Reader::from_path(WHOLE.out.join("diagnosis.csv")).unwrap();
@@ -193,7 +193,7 @@ fn a_campaign_that_cannot_be_diagnosed_is_told_with_its_reason_and_does_not_stop
     let sweep = "key = \"wheel.radius\"\nvalues = [0.14, 0.2]";
     let outcome = done(&study(&folder, sweep, 1.0), &into(&out));
     let score = outcome.scores.diagnosis.unwrap();
-    let reasons = score.campaigns.iter().map(|it| it.told.reason.clone());
+    let reasons = score.campaigns.iter().map(|it| it.result.reason.clone());
     let reasons: Vec<String> = reasons.map(Option::unwrap).collect();
     assert!(
         reasons[0].starts_with("1 s of driving are too few"),

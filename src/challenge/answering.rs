@@ -1,4 +1,4 @@
-//! Campaigns put to a diagnosis, one by one; nothing here knows where their truth is.
+//! Diagnosis of the campaigns, one by one, without access to their truth.
 
 use super::ChallengeError;
 use super::answer::Answer;

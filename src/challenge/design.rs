@@ -63,7 +63,7 @@ struct Variability {
     keys: Vec<String>,
 }
 
-/// A number that no rig has exactly as its scenario says; all its keys move together.
+/// A number in which every rig differs from its scenario; all its keys move together.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Parameter {

@@ -85,7 +85,7 @@ mod tests {
         let now: Vec<Frozen> = seats.collect();
         assert!(
             frozen() == now,
-            "a level that moves after a score makes the score worthless; the catalogue says\n{}",
+            "a level that moves after a score makes the score worthless; the catalogue has\n{}",
             written(&now)
         );
     }

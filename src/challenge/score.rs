@@ -162,7 +162,8 @@ pub struct Scores {
     /// Number of cases by truth and answer.
     pub confusion: Matrix,
     /// Mean probability of answers by truth.
-    pub told: Matrix,
+    #[serde(rename = "told")]
+    pub posterior: Matrix,
     /// Mean absolute cosine between projected signatures of effects, over the answers that state it.
     pub isolability: Matrix,
     /// Hits against magnitude over detection limit.
@@ -223,7 +224,7 @@ impl Scores {
             calibration_error: calibration_error(judged),
             seconds: Score::median(judged.iter().filter_map(|case| case.seconds)),
             confusion: tables::confusion(judged),
-            told: tables::told(judged),
+            posterior: tables::posterior(judged),
             isolability: tables::isolability(judged),
             power: tables::power(judged),
             effects: tables::of_effects(judged),
@@ -446,7 +447,7 @@ mod tests {
         truth.effects.iter().map(suspect).collect()
     }
 
-    /// Who knows everything.
+    /// An oracle.
     fn perfect(truth: &Truth) -> Value {
         let names: Vec<&str> = truth.effects.iter().map(|it| it.name.as_str()).collect();
         let (verdict, label) = match truth.set {
@@ -469,7 +470,7 @@ mod tests {
     }
 
     #[test]
-    fn who_knows_everything_has_every_score() {
+    fn an_oracle_has_every_score() {
         let scores = scores(&truths(150), perfect);
         let is = |score: &Score, value: f64| {
             let found = score.value.unwrap();
@@ -613,7 +614,7 @@ mod tests {
         let effect = &scores.effects[0];
         assert_eq!(effect.partner.as_deref(), Some("else"));
         assert_eq!(effect.next_run.as_deref(), Some("in reverse"));
-        // No answer falls out of the matrix for being nobody's truth.
+        // Answers that are no case's truth are in the matrix too.
         let columns = &scores.confusion.columns;
         let another = columns
             .iter()

@@ -45,8 +45,8 @@ and the seed), bank/ and answers/ of the diagnoses, and score/ (scores.json, fig
 All three commands go on where they were stopped. `sha256sum truth/case_0001.json` opens a seal by
 hand.
 
-Sets: C0 nothing withheld, C1 one effect, C2 one effect in another form than the diagnosis knows,
-C3 one effect that the diagnosis is not told of, C4 two effects; all; and calibration, whose seeds
+Sets: C0 nothing withheld, C1 one effect, C2 one effect in another form than the catalogue's,
+C3 one effect that is excluded from the diagnosis, C4 two effects; all; and calibration, whose seeds
 are never those of a case that is scored.";
 
 #[derive(Debug, Subcommand)]
@@ -74,7 +74,7 @@ struct Make {
     /// Duration of each of the twelve runs of a case, and their longest lead-in [s]; 8 and 2 if not given
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
-    /// Seed of all cases and salts: whoever knows it knows the truth. Drawn by the operating system
+    /// Seed of all cases and salts: it determines the truth. Drawn by the operating system
     /// if not given, and kept in truth/
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -152,14 +152,14 @@ impl Make {
         let size = |simulated: f64| {
             progress.get_or_init(|| Progress::new(output, "campaigns", simulated));
         };
-        let hear = |simulated: f64| {
+        let on_progress = |simulated: f64| {
             if let Some(progress) = progress.get() {
                 progress.advance(simulated);
             }
             go_on()
         };
         let made = pool(self.jobs.count())?
-            .install(|| challenge::make(&self.out, &order, &size, &hear))
+            .install(|| challenge::make(&self.out, &order, &size, &on_progress))
             .map_err(interrupted)?;
         drop(progress);
         output.print(&MadeSummary {
@@ -170,7 +170,7 @@ impl Make {
         failures(made.failed, &self.out.join("truth/failed.txt"))
     }
 
-    /// The seed asked for, or that of the trial that goes on, or one that nobody knows.
+    /// The seed asked for, or that of the trial that goes on, or a random one.
     fn seed(&self) -> anyhow::Result<Seed> {
         if let Some(seed) = self.seed {
             return Ok(Seed(seed));
@@ -192,19 +192,21 @@ impl Run {
             cores: (Jobs::ALL.count() / self.jobs).max(1),
         };
         let progress = OnceLock::new();
-        let heard = AtomicUsize::new(0);
-        let hear = |now: challenge::Progress| {
-            // What was answered before takes no time, and must not tell of the time left.
+        let reported = AtomicUsize::new(0);
+        let on_progress = |now: challenge::Progress| {
+            // What was answered before takes no time and is excluded from the estimate of the time left.
             let bar = progress.get_or_init(|| {
-                heard.store(now.done, Ordering::Relaxed);
+                reported.store(now.done, Ordering::Relaxed);
                 Progress::of_runs(output, "cases", now.total - now.done)
             });
-            let before = heard.fetch_max(now.done, Ordering::Relaxed);
+            let before = reported.fetch_max(now.done, Ordering::Relaxed);
             bar.advance(now.done.saturating_sub(before) as f64);
             go_on()
         };
         let answered = pool(self.jobs.get())?
-            .install(|| challenge::answer(&self.folder, &|question| asking.ask(question), &hear))
+            .install(|| {
+                challenge::answer(&self.folder, &|question| asking.ask(question), &on_progress)
+            })
             .map_err(interrupted)?;
         drop(progress);
         output.print(&RunSummary {
@@ -253,11 +255,14 @@ fn claim_scores(folder: &Path) -> anyhow::Result<()> {
 
 fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
     let write = |name: &str, svg: &str| output::write_file_or(&folder.join(name), svg, ELSEWHERE);
-    let [_, answers, told, isolability, power] = SCORES;
+    let [_, answers, posterior, isolability, power] = SCORES;
     let counts = matrix_figure(&scores.confusion, Entries::Counts, "Truths and answers");
     write(answers, &counts)?;
     let title = "Probability of each answer by truth";
-    write(told, &matrix_figure(&scores.told, Entries::Shares, title))?;
+    write(
+        posterior,
+        &matrix_figure(&scores.posterior, Entries::Shares, title),
+    )?;
     let title = "Isolability: cosine of projected signatures";
     write(
         isolability,

@@ -52,12 +52,12 @@ impl Cluster {
     /// Has the cluster run the study, and returns when all its shards are whole.
     ///
     /// # Errors
-    /// `Interrupted` when somebody asked the program to stop, `StudyError` otherwise.
+    /// `Interrupted` when a stop is requested, `StudyError` otherwise.
     pub fn run(&self, study: &Study, work: &Work, progress: &Progress) -> anyhow::Result<()> {
         let submission = Submission {
             out: on_every_node(work.out)?,
             resume: work.resume,
-            program: program::file().context("cannot tell where this program is")?,
+            program: program::file().context("cannot locate this program")?,
             study: match work.study {
                 Source::File(path) => on_every_node(path)?,
                 // The program is the same on every node.
@@ -68,15 +68,15 @@ impl Cluster {
             options: self.slurm_option.clone(),
         };
         let begun = Instant::now();
-        let mut hear = |news: News| {
+        let mut on_progress = |news: News| {
             let is_look = matches!(news, News::Standing(_) | News::Silence(_));
-            tell(news, study, progress);
+            report(news, study, progress);
             match is_look {
                 true => wait((begun.elapsed() / 20).clamp(PAUSE[0], PAUSE[1])),
                 false => ControlFlow::Continue(()),
             }
         };
-        match study.execute_on(&Programs, &submission, &mut hear) {
+        match study.execute_on(&Programs, &submission, &mut on_progress) {
             Err(StudyError::Slurm(left @ SlurmError::Left { .. })) => {
                 Err(Interrupted(left.to_string()).into())
             }
@@ -86,11 +86,11 @@ impl Cluster {
 }
 
 fn on_every_node(path: &Path) -> anyhow::Result<PathBuf> {
-    absolute(path).with_context(|| format!("cannot tell where {} is", path.display()))
+    absolute(path).with_context(|| format!("cannot locate {}", path.display()))
 }
 
 /// Shows the news.
-fn tell(news: News, study: &Study, progress: &Progress) {
+fn report(news: News, study: &Study, progress: &Progress) {
     match news {
         News::Standing(Standing {
             done,
@@ -105,7 +105,7 @@ fn tell(news: News, study: &Study, progress: &Progress) {
             };
             progress.add_to_name(&format!("{running} jobs run, {waiting} wait{why}"));
         }
-        News::Submitted { array, tasks, name } => progress.say(&format!(
+        News::Submitted { array, tasks, name } => progress.print(&format!(
             "submitted: {tasks} tasks as job {array} and a collecting job, all named {name}"
         )),
         News::Silence(reason) => {
@@ -123,7 +123,7 @@ fn tell(news: News, study: &Study, progress: &Progress) {
     }
 }
 
-/// Waits unless somebody asks the program to stop.
+/// Waits unless a stop is requested.
 fn wait(pause: Duration) -> ControlFlow<()> {
     const SLICE: Duration = Duration::from_millis(100);
     let begun = Instant::now();

@@ -82,7 +82,7 @@ struct Summary {
 }
 
 impl Dataset {
-    /// Simulates the runs and says what they came to.
+    /// Simulates the runs and prints a summary.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let mut scenario = self.scenario.load()?;
         if self.raw {
@@ -174,8 +174,8 @@ impl Dataset {
             return Interrupted(left).into();
         }
         // The reason comes first.
-        let told = format!("{error}; {left}");
-        error.context(told)
+        let context = format!("{error}; {left}");
+        error.context(context)
     }
 
     /// Gathers the parts in the file; the outcomes of the runs.

@@ -29,13 +29,13 @@ use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use story::Told;
+use story::Results;
 
 /// Show all of it on small scenarios, in a report that opens in a browser
 ///
 /// Simulates the paper's single wheel on several grounds, writes labelled run files, checks and draws
 /// them, recognises how the lugs met the ground, identifies the sand's parameters, diagnoses what a
-/// rig has that its scenario lacks, and tells it in one HTML page. It takes less than three minutes.
+/// rig has that its scenario lacks, and reports in one HTML page. It takes less than three minutes.
 #[derive(Debug, Args)]
 pub struct Demo {
     /// Folder for run files, scenarios, figures and the report
@@ -56,7 +56,7 @@ struct Ground {
     name: &'static str,
 }
 
-/// The grounds, in the order in which they are told.
+/// The grounds, in the order of the report.
 const GROUNDS: [Ground; 4] = [
     Ground {
         key: "ref",
@@ -156,7 +156,7 @@ impl Demo {
             .map_err(|error| self.named(error))?;
         let computing_s = begun.elapsed().as_secs_f64();
         let report = self.out.join("report.html");
-        let told = story::tell(&Told {
+        let page_of_results = story::story(&Results {
             findings: &findings,
             recognition: &recognition,
             identified: &identified,
@@ -166,7 +166,7 @@ impl Demo {
             seed: self.seed,
             computing_s,
         });
-        output::write_file(&report, page(&told))?;
+        output::write_file(&report, page(&page_of_results))?;
         output.print(&Summary {
             seed: self.seed,
             runs_per_ground: RUNS,

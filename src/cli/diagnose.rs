@@ -15,12 +15,12 @@ use crate::diagnosis::condition::LONGEST;
 use crate::diagnosis::inference::{BaseRates, FEWEST_RIGS};
 use crate::diagnosis::rigs::Origin;
 use crate::diagnosis::{
-    self, ArmTraces, BUDGET, Diagnosis, Hear, Investigation, InvestigationError, Settings, Stage,
-    Variants,
+    self, ArmTraces, BUDGET, Diagnosis, Investigation, InvestigationError, OnProgress, Settings,
+    Stage, Variants,
 };
 use crate::gap::GapMap;
 use crate::quantity::Seed;
-use crate::report::{self, ToldDiagnosis};
+use crate::report::{self, DiagnosisReport};
 use crate::scenario::Scenario;
 use crate::trace::Trace;
 use anyhow::Context;
@@ -31,7 +31,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use summary::{Input, Inputs, Summary};
 
-/// Tell where measured runs and a scenario differ, which missing effect causes it, and how far
+/// Identify where measured runs and a scenario differ, which missing effect causes it, and how far
 /// adding it closes the gap
 ///
 /// Random rigs with the measured conditions and channels are simulated: their parameters are off, and effects of `lugwheel
@@ -106,7 +106,7 @@ pub(super) const RESULTS: [&str; 5] = [
 ];
 
 impl Diagnose {
-    /// Diagnoses the runs and says what came of it.
+    /// Diagnoses the runs and prints the result.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         if self.dry_run {
             let estimate = self.estimate(output, &self.scenario()?, &self.read()?)?;
@@ -132,7 +132,9 @@ impl Diagnose {
             ..self.origin(version)
         };
         let investigation = Investigation::new(measured, scenario, &settings, origin)?;
-        let estimate = self.heard(output, &investigation, |hear| investigation.estimate(hear))?;
+        let estimate = self.with_progress(output, &investigation, |on_progress| {
+            investigation.estimate(on_progress)
+        })?;
         let cores = self.jobs.count();
         let rigs = match self.time {
             Some(time) => {
@@ -206,7 +208,7 @@ impl Diagnose {
         let widest = diagnosis.widest(investigation.cases());
         let traces =
             widest.and_then(|case| ArmTraces::of(case, &measured, &variants, settings.seed));
-        let page = report::diagnosis_page(&ToldDiagnosis {
+        let page = report::diagnosis_page(&DiagnosisReport {
             diagnosis: &diagnosis,
             measured: &stem(&self.measured),
             name: &stem(&self.scenario),
@@ -293,22 +295,24 @@ impl Diagnose {
         output: &Output,
         investigation: &Investigation,
     ) -> anyhow::Result<(Diagnosis, Variants)> {
-        self.heard(output, investigation, |hear| investigation.run(hear))
+        self.with_progress(output, investigation, |on_progress| {
+            investigation.run(on_progress)
+        })
     }
 
     /// What comes of an investigation, on the threads asked for, with its progress shown.
-    fn heard<Found: Send>(
+    fn with_progress<Found: Send>(
         &self,
         output: &Output,
         investigation: &Investigation,
-        work: impl FnOnce(Hear) -> Result<Found, InvestigationError> + Send,
+        work: impl FnOnce(OnProgress) -> Result<Found, InvestigationError> + Send,
     ) -> anyhow::Result<Found> {
         let progress = Progress::of_runs(output, "random rigs", 0);
         // Before the time is spent: another ground or other lugs may be a wrong scenario.
         for caveat in investigation.caveats() {
             progress.warn(caveat);
         }
-        let hear = |now: diagnosis::Progress| {
+        let on_progress = |now: diagnosis::Progress| {
             let stage = match now.stage {
                 Stage::Rigs => "random rigs",
                 Stage::Validation => "validation",
@@ -322,7 +326,7 @@ impl Diagnose {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.jobs.count())
             .build()?;
-        match pool.install(|| work(&hear)) {
+        match pool.install(|| work(&on_progress)) {
             Err(stopped) if stopped.is_stopped() => Err(Interrupted(stopped.to_string()).into()),
             Err(refused) if refused.is_refused() => Err(refused.into()),
             other => other.with_context(|| {

@@ -58,10 +58,10 @@ pub enum NoDocument {
         asked: PathBuf,
         hint: String,
     },
-    /// It asks for many runs.
+    /// It describes many runs.
     #[error("{} is a study, no scenario; `lugwheel study {}` runs it", .0.display(), .0.display())]
     Study(PathBuf),
-    /// It asks for one run.
+    /// It describes one run.
     #[error("{} is a scenario, no study; `lugwheel simulate {}` runs it", .0.display(), .0.display())]
     Scenario(PathBuf),
 }

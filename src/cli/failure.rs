@@ -27,7 +27,7 @@ const ERROR: Style = AnsiColor::Red.on_default().bold();
 
 /// The command did not do what it should.
 const FAILED: u8 = 1;
-/// An input file is missing or not what it should be. (2 is wrong usage, told by clap.)
+/// An input file is missing or not what it should be. (2 is wrong usage, reported by clap.)
 const INVALID_INPUT: u8 = 3;
 /// A study or a trial was finished with failed runs or campaigns without an answer.
 const FAILED_RUNS: u8 = 4;
@@ -38,7 +38,7 @@ const INTERRUPTED: u8 = 130;
 /// the exit code for it. What was finished, as an inspection that found errors, has printed its result,
 /// which stays the only document.
 pub(super) fn report(error: &anyhow::Error, json: bool) -> u8 {
-    // Nobody reads on if this fails.
+    // There is no reader if this fails.
     let message = message(error).replacen("error:", &format!("{ERROR}error:{ERROR:#}"), 1);
     let _ = write!(anstream::stderr(), "{message}");
     let code = exit_code(error);
@@ -124,22 +124,22 @@ fn fault<'e>(cause: &'e (dyn Error + 'static)) -> Option<&'e Fault> {
     }
 }
 
-/// The error on a line, and each cause that says more on another.
+/// The error on a line, and each cause with more information on another.
 fn message(error: &anyhow::Error) -> String {
-    let mut said = String::new();
+    let mut printed = String::new();
     let mut message = String::new();
     for cause in error.chain() {
         let text = text_of(cause);
-        if said.contains(&text) {
+        if printed.contains(&text) {
             continue;
         }
-        let lead = if said.is_empty() {
+        let lead = if printed.is_empty() {
             "error"
         } else {
             "  because"
         };
         message.push_str(&format!("{lead}: {text}\n"));
-        said.push_str(&text);
+        printed.push_str(&text);
     }
     message
 }
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cause_is_told_once_though_its_effect_already_names_it() {
+    fn a_cause_is_reported_once_though_its_effect_already_names_it() {
         let error = Err::<(), _>(unreadable()).context("no figure").unwrap_err();
         assert_eq!(
             message(&error),
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exit_code_tells_a_bad_file_from_a_failure_and_from_ctrl_c() {
+    fn the_exit_code_distinguishes_a_bad_file_a_failure_and_ctrl_c() {
         let bad_file = Err::<(), _>(unreadable()).context("no figure").unwrap_err();
         let interrupted = anyhow::Error::from(Interrupted("nothing was written".to_owned()));
         let disk_full = anyhow::Error::from(RunFileError::Write {

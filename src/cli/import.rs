@@ -64,7 +64,7 @@ struct Note {
 }
 
 impl Import {
-    /// Imports the campaign and says what it holds.
+    /// Imports the campaign and prints a summary.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let campaign = Campaign::load(&self.campaign)?;
         let sources = campaign.files();

@@ -6,7 +6,7 @@ use crate::dataset::inspection::{Inspection, Severity, inspect};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Say what is in a run file, and what is odd about it
+/// List the contents of a run file and its faults
 ///
 /// Channels with units, rates, gaps and means, and findings: clipped or constant channels, units
 /// and signs that look wrong, loads that no wheel can have, labels that the channels contradict.
@@ -21,7 +21,7 @@ pub struct Inspect {
     strict: bool,
 }
 
-/// A file that should not be used as it is, as its printed inspection says.
+/// A file that should not be used as it is, by its printed inspection.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {findings}; see above", file.display())]
 pub struct Doubtful {

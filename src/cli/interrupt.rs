@@ -1,10 +1,10 @@
-//! Ctrl-C: the first asks the running simulations to stop, the second stops the program.
+//! Ctrl-C: the first requests the running simulations to stop, the second stops the program.
 
 use anyhow::Context;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Somebody asked the program to stop; says what is left behind.
+/// The program was interrupted; with the files that remain.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted; {0}")]
 pub struct Interrupted(pub String);
@@ -60,13 +60,13 @@ pub fn listen() -> anyhow::Result<()> {
     .context("cannot listen for Ctrl-C")
 }
 
-/// Whether somebody asked the program to stop.
+/// Whether a stop is requested.
 pub fn is_requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
 /// # Errors
-/// `Interrupted` when somebody asked the program to stop.
+/// `Interrupted` when a stop is requested.
 pub fn check() -> Result<(), Interrupted> {
     if is_requested() {
         return Err(Interrupted("nothing was written".to_owned()));

@@ -1,4 +1,4 @@
-//! Where a command's words and files go.
+//! Output of a command: text and files.
 
 use super::console::Attached;
 use crate::whole_file;
@@ -10,7 +10,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// How a command talks.
+/// Output options of every command.
 #[derive(Debug, Clone, Args)]
 pub struct Output {
     /// Print the result as one JSON document
@@ -60,11 +60,11 @@ pub fn file_or_default(asked: Option<&Path>, of: &str, name: &str) -> PathBuf {
     asked.map_or_else(default, Path::to_owned)
 }
 
-/// What to do where a place is refused, in most commands.
+/// Way out of a refused place, in most commands.
 pub const ELSEWHERE: &str = "name another place with --out";
 
 /// That the system refuses to do something with a file or folder: its reason, and the way out, for which
-/// `elsewhere` says how to name another place.
+/// `elsewhere` names the option for another place.
 pub fn refused(action: &str, path: &Path, error: &io::Error, elsewhere: &str) -> anyhow::Error {
     let reason = whole_file::reason(error);
     let way_out = whole_file::way_out(&reason, elsewhere);

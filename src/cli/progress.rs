@@ -34,7 +34,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A bar over `simulated` [s] of what `name` says.
+    /// A bar over `simulated` [s] named `name`.
     pub fn new(output: &Output, name: &str, simulated: f64) -> Self {
         Self::with_style(output, name, simulated, style())
     }
@@ -73,13 +73,13 @@ impl Progress {
         self.show();
     }
 
-    /// Says more behind the name.
+    /// Adds text behind the name.
     pub fn add_to_name(&self, more: &str) {
         self.bar.set_message(format!("{}, {more}", self.name));
     }
 
-    /// Says something above the bar, unless all is to be quiet.
-    pub fn say(&self, text: &str) {
+    /// Prints a line above the bar, unless `--quiet`.
+    pub fn print(&self, text: &str) {
         match self.console.caller() {
             Some(console) => console.message(text),
             None if self.is_quiet => {}
@@ -120,7 +120,7 @@ impl Progress {
         self.advance(0.0);
     }
 
-    /// As [`reach`](Self::reach) in what comes next, which `name` says, when what the bar was made for
+    /// As [`reach`](Self::reach) in the next stage, named `name`, when what the bar was made for
     /// is done.
     pub fn reach_next(&self, name: &str, done: u64, total: u64) {
         self.next.call_once(|| self.bar.set_style(style_of_runs()));

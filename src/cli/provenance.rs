@@ -1,4 +1,4 @@
-//! What a page says of how it was made.
+//! Provenance of a page.
 
 use crate::dataset;
 use std::path::Path;

@@ -15,10 +15,10 @@ use figures::Figures;
 use std::path::{Path, PathBuf};
 use summary::Summary;
 
-/// Tell how the lugs met the ground, window by window
+/// Recognise how the lugs contact the ground, window by window
 ///
 /// ALCT: all lugs contact the surface. SLCT: some do. LEIS: lugs enter the soil. UWTIC: cannot be
-/// told, with the reason. Needs the channel acceleration_y, and wheel_angle or forward_speed;
+/// recognised, with the reason. Needs the channel acceleration_y, and wheel_angle or forward_speed;
 /// simulated and measured runs, labelled or not. Where the class is known, answers are counted
 /// against it.
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub struct Recognize {
     /// Run file, simulated or measured
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
-    /// How the class is told
+    /// Method of recognition
     #[arg(long, value_enum, default_value_t = MethodName::Improved)]
     method: MethodName,
     /// Length of the windows [s] [default: 15]
@@ -60,7 +60,7 @@ Features are taken over those of the same wheel on flat hard ground: measured wi
 else computed, through the sensors of the scenario where the file holds one.
 --out draws a figure of every run; choose with --run where there are many.";
 
-/// How the class is told.
+/// Method of recognition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MethodName {
     /// By the paper's regions of the features; needs no wheel_angle, but answers UWTIC more often
@@ -131,7 +131,7 @@ pub enum Unfit {
 }
 
 impl Recognize {
-    /// Recognises the runs and says what they are.
+    /// Recognises the runs and prints their classes.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let settings = self.settings();
         let file = RunFile::open(&self.file)?;
@@ -225,7 +225,7 @@ impl Recognize {
     }
 
     /// # Errors
-    /// `Interrupted` when somebody asked the program to stop, with what that leaves behind.
+    /// `Interrupted` when a stop is requested, with what that leaves behind.
     fn go_on(&self) -> Result<(), Interrupted> {
         if !interrupt::is_requested() {
             return Ok(());

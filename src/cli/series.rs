@@ -217,7 +217,7 @@ fn simulate_all(
 /// What the threads share.
 struct Work<'a> {
     progress: &'a Progress,
-    /// Whether nobody waits for the runs any more.
+    /// Whether no receiver waits for the runs any more.
     is_over: AtomicBool,
 }
 
@@ -230,7 +230,7 @@ impl Work<'_> {
     ) -> Receiver<Simulated> {
         let (sender, receiver) = sync_channel(1);
         scope.spawn_fifo(move |_| {
-            // Nobody receives once another run has failed.
+            // There is no receiver once another run has failed.
             let _ = sender.send(self.simulate(series, run));
         });
         receiver

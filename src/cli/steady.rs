@@ -18,7 +18,7 @@ pub struct Quantity {
     pub shown_unit: &'static str,
 }
 
-/// What a run comes to, in the order in which it is told.
+/// What a run comes to, in the order of the output.
 pub const QUANTITIES: [Quantity; 6] = [
     quantity("normal_force", "N", "normal force", "N"),
     quantity("drawbar_pull", "N", "drawbar pull", "N"),

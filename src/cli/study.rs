@@ -7,7 +7,7 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
 use crate::learning::DataSet;
-use crate::report::{self, FeaturePoint, Group, ToldStudy};
+use crate::report::{self, FeaturePoint, Group, StudyReport};
 use crate::study::conditions::Unsteady;
 use crate::study::identification::score::IdentificationScore;
 use crate::study::score::{Against, MethodScore, RecognitionScore};
@@ -123,7 +123,7 @@ struct Summary {
 }
 
 impl StudyCommand {
-    /// Runs the study and says what it came to.
+    /// Runs the study and prints its results.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let source = documents::study(&self.study)?;
         let study = documents::read_study(&source)?;
@@ -200,13 +200,13 @@ impl StudyCommand {
             resume: self.resume,
             shard: self.shard,
         };
-        let heard = AtomicU64::new(0);
+        let reported = AtomicU64::new(0);
         let total = study.run_count() as f64;
-        let hear = |now: study::Progress| {
-            heard.fetch_max(now.done, Ordering::Relaxed);
+        let on_progress = |now: study::Progress| {
+            reported.fetch_max(now.done, Ordering::Relaxed);
             match now.diagnosing {
                 Some(now) => show(progress, now),
-                None => progress.set_share(heard.load(Ordering::Relaxed) as f64 / total),
+                None => progress.set_share(reported.load(Ordering::Relaxed) as f64 / total),
             }
             if interrupt::is_requested() {
                 ControlFlow::Break(())
@@ -215,10 +215,10 @@ impl StudyCommand {
             }
         };
         let outcome = match self.collect {
-            _ if self.cluster.is_wanted() => study.collect(&options, &hear).map(Some),
-            Collect::Only => study.collect(&options, &hear).map(Some),
-            Collect::Never => study.execute_share(&options, &hear).map(|()| None),
-            Collect::Whole => study.execute(&options, &hear).map(Some),
+            _ if self.cluster.is_wanted() => study.collect(&options, &on_progress).map(Some),
+            Collect::Only => study.collect(&options, &on_progress).map(Some),
+            Collect::Never => study.execute_share(&options, &on_progress).map(|()| None),
+            Collect::Whole => study.execute(&options, &on_progress).map(Some),
         };
         match outcome {
             Err(stopped @ (StudyError::Stopped { .. } | StudyError::StoppedDiagnosing { .. })) => {
@@ -243,7 +243,7 @@ impl StudyCommand {
             let left = "the results are whole, and --resume writes their report";
             return Err(Interrupted(left.to_owned()).into());
         }
-        let told = ToldStudy {
+        let contents = StudyReport {
             study,
             name,
             outcome,
@@ -256,12 +256,12 @@ impl StudyCommand {
                 ),
             ],
         };
-        output::write_file(&path, report::page(&report::study_page(&told)))?;
+        output::write_file(&path, report::page(&report::study_page(&contents)))?;
         Ok(path.display().to_string())
     }
 }
 
-/// Says which campaign is diagnosed, and how far its simulations are.
+/// Shows which campaign is diagnosed, and the progress of its simulations.
 fn show(progress: &Progress, now: Diagnosing) {
     let Diagnosing {
         campaign,
@@ -380,7 +380,7 @@ fn share(text: &str) -> Result<(u32, u32), String> {
 }
 
 /// In how many of `runs` a quantity is no steady value.
-fn told(unsteady: &Unsteady, runs: u64) -> String {
+fn not_steady(unsteady: &Unsteady, runs: u64) -> String {
     let Unsteady {
         quantity,
         drifting,
@@ -425,7 +425,7 @@ impl fmt::Display for Summary {
             )?,
         }
         for unsteady in &self.not_steady {
-            writeln!(f, "  {}", told(unsteady, self.runs))?;
+            writeln!(f, "  {}", not_steady(unsteady, self.runs))?;
         }
         if let Some(runs) = self.dataset {
             writeln!(f, "data set: {runs} runs, {}/dataset.h5", self.folder)?;

@@ -9,7 +9,7 @@
 //!   file where a folder is to be made.
 //!
 //! A claim makes the folders above the target and tries whether they take a file, so that a full disk or
-//! a folder that cannot be written to is told before any work. A file that may be replaced stays until
+//! a folder that cannot be written to is reported before any work. A file that may be replaced stays until
 //! the new one is whole ([`whole_file`](crate::whole_file)).
 
 use super::output::{self, ELSEWHERE, Output};
@@ -100,7 +100,7 @@ impl Claim<'_> {
         Ok(())
     }
 
-    /// Claims a folder whose files the command knows for its own, and makes it.
+    /// Claims a folder whose files the command recognises as its own, and makes it.
     ///
     /// # Errors
     /// `TargetError`, or the system's reason where the folder cannot be made or written to.

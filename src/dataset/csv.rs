@@ -26,10 +26,10 @@
 //!
 //! Every attribute of a run may be left out: `id` (else `run_000000`, counted), `wheel`,
 //! `load_n`, `speed_m_s`, `slip_ratio` or `rim_speed_m_s` [m/s], `slope_deg` (above 0 uphill; level
-//! where left out), `terrain`, `class`, `repeat`, `day`, `notes`. Numbers that nobody knows are NaN, as
+//! where left out), `terrain`, `class`, `repeat`, `day`, `notes`. Unknown numbers are NaN, as
 //! are missing cells of a channel, and the spread of a mean. `lug_count = 0` or `lug_height_m = 0` is a
 //! smooth wheel; lugs that are not counted are unknown, and so is their `lug_thickness_m` where it is left
-//! out, which only `identify` asks for. A plate in place of a wheel has
+//! out, which only `identify` uses. A plate in place of a wheel has
 //! `plate_diameter_m`, or `plate_length_m` and `plate_width_m`. On a slope, `mass_kg` of the wheel is
 //! what the force sensors carry of its own weight. In a [table] an attribute is a value for all rows or
 //! a `{ column = "..." }`.

@@ -23,7 +23,7 @@
 //!
 //! Known channels are stored in single precision: 6e-8 of the value, 0.01 mN on 100 N and 1 nm on
 //! 20 mm. The wheel angle grows without end and keeps double precision, as do channels this
-//! program does not know. Numbers that nobody knows (the load of a hand-pushed cart, the spread of a
+//! program does not define. Unknown numbers (the load of a hand-pushed cart, the spread of a
 //! published mean) are NaN. `lug_count` is left out where the count is unknown; 0 is a smooth wheel, but with a
 //! `lug_height_m` above 0 it is read as unknown, as files of earlier versions have it. `wheel_mass_kg` may be left
 //! out, as may `lug_thickness_m` and `slope_deg` (0, level); a run with the size of a plate has no wheel.
@@ -101,7 +101,7 @@ pub enum RunFileError {
         /// The file.
         path: PathBuf,
     },
-    /// Another program has it open and lets nobody else read it.
+    /// Another program has it open and locks it.
     #[error("{} is locked: another program has it open; close it there", path.display())]
     Locked {
         /// The file.
@@ -188,7 +188,7 @@ fn way_out(reason: &str) -> String {
             "it is no HDF5 file",
             "name another file, or remove that one",
         ),
-        ("earlier run failed", "see what was said of that run"),
+        ("earlier run failed", "see the message of that run"),
     ];
     let known = OWN.iter().find(|(part, _)| reason.contains(part));
     known.map_or_else(

@@ -406,7 +406,7 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// A number, or that nobody knows it.
+/// A number, or `unknown`.
 fn known(value: f64) -> String {
     if value.is_nan() {
         "-".to_owned()
@@ -760,8 +760,8 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_nobody_described_raises_no_doubt_but_that() {
-        let nobody_knows = RunAttributes {
+    fn a_run_without_attributes_raises_no_other_doubt() {
+        let unknown = RunAttributes {
             wheel_radius: f64::NAN,
             wheel_width: f64::NAN,
             load: f64::NAN,
@@ -770,7 +770,7 @@ mod tests {
             ..RunAttributes::default()
         };
         let trace = Trace {
-            attributes: nobody_knows,
+            attributes: unknown,
             ..sound()
         };
         let found = findings("run", &trace);

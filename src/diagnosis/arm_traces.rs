@@ -44,12 +44,12 @@ impl ArmTraces {
             (Step::Recalibrated, &self.recalibrated),
             (Step::WithEffect, &self.with_effect),
         ];
-        let told = arms.into_iter().filter_map(|(step, made)| {
+        let stages = arms.into_iter().filter_map(|(step, made)| {
             let made = made.as_ref()?;
             let stages = stages::vibration(&self.measured, made, settings, &reference).ok()?;
             Some((step, stages))
         });
-        told.collect()
+        stages.collect()
     }
 
     /// Simulates every arm of a case once; none where the case has no run among those measured.

@@ -1,6 +1,6 @@
 //! Simulated statistics, each thing simulated once.
 //!
-//! A [`Request`] asks for one arm in one case with one stream of randomness; the answer is a
+//! A [`Request`] is one arm in one case with one stream of random numbers; the answer is a
 //! [`Run`] read as the measured ones are, or why there is none. Answers are kept in a folder under
 //! the hash of all that makes them: scenario, case, seed, stream, program. What is in the folder is
 //! not simulated again, so work that was stopped goes on, and a second diagnosis is fast.
@@ -149,23 +149,22 @@ impl Bank {
         let answers = Mutex::new(vec![None; requests.len()]);
         let keep = |place: usize, outcome| {
             // A lock is poisoned by a panic only, and storing an answer has none.
-            answers.lock().expect("nobody panicked")[place] = Some(outcome);
+            answers.lock().expect("no thread panicked")[place] = Some(outcome);
         };
         self.for_each(requests, progress, &keep)?;
-        let answers = answers.into_inner().expect("nobody panicked");
+        let answers = answers.into_inner().expect("no thread panicked");
         Ok(answers.into_iter().flatten().collect())
     }
 
-    /// Tells `seen` what came of each request, with its place among them, from several threads and
-    /// in any order; what is not in the folder is simulated, on the threads of the pool that this is
-    /// called in. Nothing is kept in memory.
+    /// Calls `seen(place, outcome)` once per request, from several threads and in any order; what is
+    /// not in the folder is simulated, on the threads of the pool that this is called in. Nothing is kept in memory.
     ///
-    /// `progress` hears of every answer and of many moments within a run, from several threads; a
+    /// `progress` is called at every outcome and many times within a run, from several threads; a
     /// `Break` stops all at once, and what is done stays in the folder. A run that fails has its
     /// reason for an answer.
     ///
     /// # Errors
-    /// `Stopped` when `progress` said so; `NoCase`; `File` where an answer cannot be kept.
+    /// `Stopped` when `progress` breaks; `NoCase`; `File` where an answer cannot be kept.
     pub fn for_each(
         &self,
         requests: &[Request],
@@ -190,7 +189,7 @@ impl Bank {
         finished.map_err(|halt| work.error(halt))
     }
 
-    /// What is to be simulated; `seen` is told the answers that are known.
+    /// What is to be simulated; `seen` is called with the outcomes that are in the cache.
     fn missing(
         &self,
         requests: &[Request],
@@ -230,7 +229,7 @@ impl Bank {
         })
     }
 
-    /// The run of the seed's series that a request for one of the cases asks for. Cases do not share streams: what they have
+    /// The run of the seed's series for a request of one of the cases. Cases do not share streams: what they have
     /// in common would be taken for the simulator's word.
     pub fn run(&self, request: &Request) -> u64 {
         let case = Key::of(&self.cases[request.case].reading()).number();
@@ -386,7 +385,7 @@ impl Work<'_> {
         Ok(outcome)
     }
 
-    /// Tells how far the bank is; `Break` when it is to stop.
+    /// Reports the progress; `Break` to stop.
     fn report(&self) -> ControlFlow<()> {
         let progress = Progress {
             done: self.done.load(Ordering::Relaxed),
@@ -412,7 +411,7 @@ impl Work<'_> {
     }
 }
 
-/// What a request asks for, in one line.
+/// A request, in one line.
 fn title(request: &Request) -> String {
     let Request { arm, case, stream } = request;
     format!("{arm}, case {case}, stream {stream}")
@@ -436,16 +435,16 @@ impl From<ExperimentError> for NoRun {
 /// A run that panics fails like any other.
 fn caught<T>(run: impl FnOnce() -> Result<T, NoRun>) -> Result<T, NoRun> {
     catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-        let reason = format!("it panicked: {}", said(&*panic));
+        let reason = format!("it panicked: {}", panic_message(&*panic));
         Err(NoRun::Failed(Failure(reason)))
     })
 }
 
 /// The message of a panic.
-fn said(panic: &(dyn Any + Send)) -> &str {
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("without a word")
+        .unwrap_or("no message")
 }
 
 /// Whence the traces of one motion come.

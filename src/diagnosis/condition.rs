@@ -27,7 +27,7 @@ use limitations::{differences, not_simulated, not_steady, unlike_a_rig};
 use rand::Rng;
 use record::{Record, Repetition, Slips};
 
-/// Longest part [s] of a measured run that is compared, unless the caller says otherwise.
+/// Longest part [s] of a measured run that is compared, by default.
 pub const LONGEST: f64 = 20.0;
 
 /// One measured condition as the simulator repeats it.

@@ -1,4 +1,4 @@
-//! What a gap does to what is taken from the runs: forces, features, the class told, the terrain's parameters.
+//! Effect of a gap on the results of the runs: forces, features, recognised class, terrain parameters.
 //!
 //! A gap of many spreads may leave all of them as they are, and a small one move them. Each step of the
 //! simulator is held against the measured runs, condition by condition, fitted to all of them.
@@ -12,7 +12,7 @@ use crate::recognition::confusion::CLASSES;
 use crate::trace::unit_of;
 use serde::Serialize;
 
-/// Channels whose means are foretold by who knows the terrain.
+/// Channels whose means are predicted from the terrain parameters.
 const MEANS: [&str; 4] = ["drawbar_pull", "driving_torque", "normal_force", "sinkage"];
 
 /// Which simulator.
@@ -36,7 +36,7 @@ pub struct EndResults {
     pub means: Vec<MeanError>,
     /// Distance of the mean feature vectors [decades], a mean over conditions; none without features.
     pub features: Option<f64>,
-    /// Share [-] of windows that are told to be of another class, as far as shares of classes show it: a mean
+    /// Share [-] of windows that are recognised as another class, as far as shares of classes show it: a mean
     /// over conditions; none without windows.
     pub class: Option<f64>,
     /// Distance of the identified terrains, and which measured quantity brings it; none where a side's

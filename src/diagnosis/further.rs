@@ -60,7 +60,7 @@ pub fn further_runs(case: &Case) -> Vec<Further> {
     runs.into_iter().flatten().collect()
 }
 
-/// The case with other attributes, its drive and load commanded as they say.
+/// The case with other attributes, with their drive and load.
 fn changed(
     case: &Case,
     name: &str,

@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Simulated driving [s] of a diagnosis unless the caller says otherwise: some seven minutes of two cores for a campaign of
+/// Simulated driving [s] of a diagnosis by default: some seven minutes of two cores for a campaign of
 /// seven conditions of 10 s on sand or hard ground.
 pub const BUDGET: f64 = 32_000.0;
 
@@ -180,7 +180,7 @@ pub struct Diagnosis {
     pub map: Vec<Entry>,
     /// What can be seen of every effect that was tried.
     pub screen: Vec<Screened>,
-    /// Magnitude of each effect below which nothing can be said, in its unit; none where nothing can at all.
+    /// Detection limit of each effect, in its unit; none where no magnitude is detectable.
     pub limits: BTreeMap<String, Option<f64>>,
     /// Cosines of the projected signatures of those effects, row by row.
     pub isolability: Vec<Vec<f64>>,
@@ -243,8 +243,8 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Hears how far simulations are; a `Break` stops them.
-pub type Hear<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
+/// Callback with the progress of simulations; a `Break` stops them.
+pub type OnProgress<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
 /// A campaign being diagnosed.
 #[derive(Debug)]
@@ -343,9 +343,9 @@ impl<'a> Investigation<'a> {
     ///
     /// # Errors
     /// `Nominal` where the scenario cannot be simulated; `Bank`.
-    pub fn estimate(&self, hear: Hear) -> Result<Estimate, InvestigationError> {
+    pub fn estimate(&self, on_progress: OnProgress) -> Result<Estimate, InvestigationError> {
         let begun = Instant::now();
-        self.nominal(hear)?;
+        self.nominal(on_progress)?;
         let threads = rayon::current_num_threads().min(self.cases.len());
         let seconds = begun.elapsed().as_secs_f64() * threads as f64;
         Ok(Estimate {
@@ -360,9 +360,12 @@ impl<'a> Investigation<'a> {
     /// # Errors
     /// `Rigs` and `Bank` where simulations stop or cannot be kept; `Gap` where the sides have nothing in common;
     /// `Training`.
-    pub fn run(&self, hear: Hear) -> Result<(Diagnosis, Variants), InvestigationError> {
-        let set = self.rig_set(hear)?;
-        let model = self.model(&set, hear)?;
+    pub fn run(
+        &self,
+        on_progress: OnProgress,
+    ) -> Result<(Diagnosis, Variants), InvestigationError> {
+        let set = self.rig_set(on_progress)?;
+        let model = self.model(&set, on_progress)?;
         let values = set.measured(&self.measured);
         let judgement = model.judge(&values, &self.settings.rates);
         let chosen = Chosen::of(&judgement);
@@ -385,7 +388,7 @@ impl<'a> Investigation<'a> {
             answered,
             signatures,
         };
-        let simulated = self.simulate(&fitted.variants, hear)?;
+        let simulated = self.simulate(&fitted.variants, on_progress)?;
         let comparison = self.comparison(&simulated)?;
         let validation = validate(
             fitted.yardstick,
@@ -395,7 +398,7 @@ impl<'a> Investigation<'a> {
             &self.cases,
             self.settings.seed,
         );
-        let verdict = self.verdict(&fitted, validation.as_ref(), hear)?;
+        let verdict = self.verdict(&fitted, validation.as_ref(), on_progress)?;
         let map = comparison.map(
             &Margins::default(),
             &self.spread(&fitted),
@@ -410,7 +413,7 @@ impl<'a> Investigation<'a> {
         &self,
         fitted: &Fitted,
         validation: Option<&Validation>,
-        hear: Hear,
+        on_progress: OnProgress,
     ) -> Result<Verdict, InvestigationError> {
         let Yardstick { model, columns } = fitted.yardstick;
         let grounds = Grounds {
@@ -429,7 +432,7 @@ impl<'a> Investigation<'a> {
         let search = Search {
             yardstick: fitted.yardstick,
             bank: &|cases| self.bank(cases),
-            progress: &|now| hear(validating(now)),
+            progress: &|now| on_progress(validating(now)),
         };
         let verdict = confirmed(verdict, validation);
         Ok(self.with_next_run(verdict, fitted, &search)?)
@@ -472,8 +475,8 @@ impl<'a> Investigation<'a> {
         }
     }
 
-    fn rig_set(&self, hear: Hear) -> Result<RigSet, InvestigationError> {
-        let nominal = self.nominal(hear)?;
+    fn rig_set(&self, on_progress: OnProgress) -> Result<RigSet, InvestigationError> {
+        let nominal = self.nominal(on_progress)?;
         let population = Population {
             cases: self.cases.clone(),
             candidates: self.of_rigs.clone(),
@@ -484,7 +487,7 @@ impl<'a> Investigation<'a> {
     }
 
     /// One run of the scenario as it is, in every condition.
-    fn nominal(&self, hear: Hear) -> Result<Vec<Run>, InvestigationError> {
+    fn nominal(&self, on_progress: OnProgress) -> Result<Vec<Run>, InvestigationError> {
         let requests = (0..self.cases.len()).map(|case| Request {
             arm: Arm::as_shipped(),
             case,
@@ -497,14 +500,14 @@ impl<'a> Investigation<'a> {
         let outcomes = self
             .bank(self.cases.clone())?
             .readings(&requests.collect::<Vec<_>>(), &|_| {
-                hear(drawing(begun, self.rigs))
+                on_progress(drawing(begun, self.rigs))
             })?;
         let runs: Result<Vec<Run>, Failure> = outcomes.into_iter().collect();
         runs.map_err(InvestigationError::Nominal)
     }
 
     /// The model of these rigs, from their folder where it has been learned before.
-    fn model(&self, set: &RigSet, hear: Hear) -> Result<Model, InvestigationError> {
+    fn model(&self, set: &RigSet, on_progress: OnProgress) -> Result<Model, InvestigationError> {
         let names: Vec<String> = self.candidates.iter().map(Candidate::name).collect();
         let discrepancy = self.settings.discrepancy;
         let key = format!("{} {discrepancy} {}", set.key(), names.join(","));
@@ -512,7 +515,7 @@ impl<'a> Investigation<'a> {
         if let Some(model) = model_file::read(&path, &key) {
             return Ok(model);
         }
-        let table = set.draw(self.rigs, &|now| hear(drawing(now, self.rigs)))?;
+        let table = set.draw(self.rigs, &|now| on_progress(drawing(now, self.rigs)))?;
         let kept = (0..self.of_rigs.len())
             .filter(|place| self.of_rigs[*place].is_none_of(&self.settings.without));
         let mut table = table.restricted(&kept.collect::<Vec<_>>());
@@ -546,9 +549,13 @@ impl<'a> Investigation<'a> {
         (!effects.is_empty()).then(|| effects.into_iter().fold(arm, Arm::with_effect))
     }
 
-    fn simulate(&self, variants: &Variants, hear: Hear) -> Result<SimulatedRuns, BankError> {
+    fn simulate(
+        &self,
+        variants: &Variants,
+        on_progress: OnProgress,
+    ) -> Result<SimulatedRuns, BankError> {
         let bank = self.bank(self.cases.clone())?;
-        let progress = |now: bank::Progress| hear(validating(now));
+        let progress = |now: bank::Progress| on_progress(validating(now));
         let mut simulated = SimulatedRuns::default();
         simulated.simulate(&bank, &[&Arm::as_shipped()], REPLICATES, &progress)?;
         let others = [Some(&variants.recalibrated), variants.with_effect.as_ref()];

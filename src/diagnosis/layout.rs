@@ -20,8 +20,8 @@ const ZEROS: f64 = 16.0;
 /// gives a sample more or less; simulations of the one length serve the other too.
 const STEP: (f64, f64) = (0.5, 2.0);
 
-/// Uncertainty [-] of a slip, and part of any other mean, where nothing tells it.
-const UNTOLD: f64 = 0.01;
+/// Uncertainty [-] of a slip, and part of any other mean, where it is not stated.
+const USUAL: f64 = 0.01;
 
 /// Part of a sample [-] within which instants are the same.
 const SAME: f64 = 1.0e-6;
@@ -48,7 +48,7 @@ struct Averaged {
     /// Number of samples behind it.
     n: u64,
     /// Its standard uncertainty, in its unit: of so many samples, or of one where they were not
-    /// counted; what is usual where nothing tells it.
+    /// counted; what is usual where it is not stated.
     error: f64,
 }
 
@@ -60,12 +60,12 @@ pub(super) struct Layout {
     means: Vec<Averaged>,
 }
 
-/// Uncertainty of a mean whose own nobody told, in its unit. No simulation misses its slip, and without
+/// Uncertainty of a mean that states none, in its unit. No simulation misses its slip, and without
 /// any uncertainty a thousandth would be a gap.
-fn untold(mean: &Mean) -> f64 {
+fn usual_uncertainty(mean: &Mean) -> f64 {
     match &*mean.name {
-        "slip_ratio" => UNTOLD,
-        _ => UNTOLD * mean.value.abs(),
+        "slip_ratio" => USUAL,
+        _ => USUAL * mean.value.abs(),
     }
 }
 
@@ -103,7 +103,7 @@ impl Layout {
                 n: mean.n,
                 error: match mean.sd > 0.0 && mean.sd.is_finite() {
                     true => mean.sd / libm::sqrt(mean.n.max(1) as f64),
-                    false => untold(mean),
+                    false => usual_uncertainty(mean),
                 },
             })
             .collect();
@@ -372,8 +372,8 @@ mod tests {
         for rate in [1000.0, 333.3, 47.0] {
             let passed = resampled("drawbar_pull", rate, tone(0.4 * rate));
             for (k, found) in passed.iter().enumerate().skip(40).take(60) {
-                let told = tone(0.4 * rate)(k as f64 / rate);
-                assert!((found - told).abs() < 0.012, "{rate} Hz, {k}: {found}");
+                let expected = tone(0.4 * rate)(k as f64 / rate);
+                assert!((found - expected).abs() < 0.012, "{rate} Hz, {k}: {found}");
             }
             let stopped = resampled("drawbar_pull", rate, tone(0.6 * rate));
             let loudest = stopped[40..100].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -385,8 +385,8 @@ mod tests {
     fn a_counter_is_latched_and_keeps_its_ramp_to_the_ends() {
         let angles = resampled("wheel_angle", 333.3, |time| 3.0 - 0.1 * time);
         for (k, angle) in angles.iter().enumerate() {
-            let told = 3.0 - 0.1 * k as f64 / 333.3;
-            assert!((angle - told).abs() < 1e-12, "{k}: {angle}");
+            let expected = 3.0 - 0.1 * k as f64 / 333.3;
+            assert!((angle - expected).abs() < 1e-12, "{k}: {angle}");
         }
     }
 

@@ -49,7 +49,7 @@ pub struct Search<'a> {
     pub yardstick: Yardstick<'a>,
     /// A cache of the conditions at hand, and one maker of caches of others.
     pub bank: &'a dyn Fn(Vec<Case>) -> Result<Bank, BankError>,
-    /// Hears how far it is.
+    /// Callback with the progress.
     pub progress: &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync),
 }
 

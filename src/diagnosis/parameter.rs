@@ -1,7 +1,7 @@
-//! What a recalibration may move: numbers of a scenario that nobody knows exactly.
+//! Parameters of the recalibration: numbers of a scenario that are not known exactly.
 //!
 //! A parameter moves along a coordinate, the logarithm of its value or the value itself, by an
-//! offset from what the scenario says. What an [effect](crate::effects) carries is none: the growth
+//! offset from the scenario's value. What an [effect](crate::effects) carries is none: the growth
 //! of the sinkage exponent with slip, the slope, the lugs.
 
 use crate::effects::Source;
@@ -96,7 +96,7 @@ pub const PARAMETERS: &[Parameter] = &[
         coordinate: Coordinate::Plain,
         sd: 0.1,
         source: Source::Guess(
-            "0.18 on loose and 0.43 on compact sand (Wong and Reece 1967), and nobody measured this one",
+            "0.18 on loose and 0.43 on compact sand (Wong and Reece 1967), and this one is not measured",
         ),
         places: |scenario| each(soils(scenario), |soil| vec![&mut soil.stress_angle]),
     },

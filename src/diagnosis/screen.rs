@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// Deviations from which on an effect shows.
 const SHOWS: f64 = 3.0;
-/// Cosine from which on two effects cannot be told apart.
+/// Cosine from which on two effects cannot be distinguished.
 pub const ALIKE: f64 = 0.95;
 
 /// What can be seen of an effect.

@@ -26,7 +26,7 @@ pub enum Answer {
     None,
     /// Parameters are off.
     Parameter,
-    /// An effect is missing, one of a set that cannot be told apart.
+    /// An effect is missing, one of a set that cannot be distinguished.
     Effect,
     /// Two effects are missing.
     Effects,
@@ -63,7 +63,7 @@ pub struct Suspect {
     pub unit: &'static str,
     /// 95 % interval of the magnitude, in `unit`.
     pub ci95: [f64; 2],
-    /// Effects that these runs cannot tell from it.
+    /// Effects that these runs cannot distinguish from it.
     pub equivalent_to: Vec<String>,
     /// Distance from the neutral magnitude that shows itself with three deviations, in `unit`, or
     /// the magnitude itself where the neutral one is infinite; none where none does.
@@ -124,7 +124,7 @@ pub struct Verdict {
     pub recalibration: Vec<Recalibrated>,
     /// Strongest cells of what recalibration leaves.
     pub located: Vec<Located>,
-    /// The run that would tell the two likeliest effects apart, where the answer needs it.
+    /// The run that best discriminates between the two likeliest effects, where the answer is open.
     pub next_run: Option<NextRun>,
     /// Why the answer is less sure than it could be.
     pub reasons: Vec<String>,
@@ -168,7 +168,7 @@ pub struct Grounds<'a> {
     pub candidates: &'a [Candidate],
     /// What can be seen of them, in their order.
     pub screen: &'a [Screened],
-    /// What the model says.
+    /// Judgement of the model.
     pub judgement: &'a Judgement,
     /// What may be expected of it.
     pub self_test: &'a SelfTest,
@@ -235,7 +235,7 @@ impl Grounds<'_> {
         }
     }
 
-    /// An effect and all that cannot be told from it.
+    /// An effect and all that cannot be distinguished from it.
     fn alike(&self, effect: usize) -> Vec<String> {
         let screened = &self.screen[effect];
         let others = screened.equivalent.iter().map(|(name, _)| name.clone());

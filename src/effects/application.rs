@@ -210,14 +210,14 @@ mod tests {
 
     #[test]
     fn a_rejected_effect_has_a_remedy() {
-        let said = message("gain_eror=0.05");
-        assert!(said.contains("did you mean `gain_error`"), "{said}");
-        let said = message("gain_error.sinkages=0.05");
-        assert!(said.contains("it sits on `drawbar_pull`, "), "{said}");
-        let said = message("clock_error.sinkage=0.01");
-        assert!(said.contains("it sits on no channel"), "{said}");
-        let said = message("gain_error=5");
-        assert_eq!(said, "gain_error [-] must be in [-0.5, 0.5], got 5");
+        let error = message("gain_eror=0.05");
+        assert!(error.contains("did you mean `gain_error`"), "{error}");
+        let error = message("gain_error.sinkages=0.05");
+        assert!(error.contains("it sits on `drawbar_pull`, "), "{error}");
+        let error = message("clock_error.sinkage=0.01");
+        assert!(error.contains("it sits on no channel"), "{error}");
+        let error = message("gain_error=5");
+        assert_eq!(error, "gain_error [-] must be in [-0.5, 0.5], got 5");
         assert!(message("gain_error").contains("write name=magnitude"));
     }
 }

@@ -124,7 +124,7 @@ mod tests {
     use crate::quantity::Seed;
 
     #[test]
-    fn every_prior_lives_in_its_range_and_reaches_the_typical_level() {
+    fn every_prior_is_in_its_range_and_reaches_the_typical_level() {
         for effect in catalogue() {
             for seat in effect.seats {
                 let [low, high] = seat.range;

@@ -120,7 +120,7 @@ const LOAD_DRIFT: Effect = Effect {
     signature: Signature {
         channels: &["normal_force", "sinkage", "drawbar_pull"],
         bound: Bound::Condition,
-        dependence: "load W (1 + m s) at commanded slip s; none at slip 0; sinkage follows, which tells \
+        dependence: "load W (1 + m s) at commanded slip s; none at slip 0; sinkage follows, which distinguishes \
                      it from a wrong reading",
     },
     confusers: &[

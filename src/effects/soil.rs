@@ -65,7 +65,7 @@ const fn log_normal(median: f64, factor: f64) -> Prior {
 
 const SLIP_SINKAGE: Effect = Effect {
     name: "slip_sinkage",
-    title: "slip makes the wheel sink deeper than the soil's n_1 says",
+    title: "slip makes the wheel sink deeper than by the soil's n_1",
     edits: "soil.sinkage_exponent_slip, added",
     stage: Stage::Physics,
     seats: &[seat("-", 2.0, [0.3, 0.8, 1.3], log_normal(0.8, 1.65))],
@@ -101,7 +101,7 @@ const NEW_LUGS: (u32, f64) = (30, 0.003);
 
 const LUG_ACTION: Effect = Effect {
     name: "lug_action",
-    title: "lugs cut and push soil: higher than told, or 30 of them on a wheel told to be smooth",
+    title: "lugs cut and push soil: higher than stated, or 30 of them on a wheel stated to be smooth",
     edits: "wheel.lugs.height, added",
     stage: Stage::Physics,
     seats: &[seat(
@@ -187,7 +187,7 @@ const BULLDOZING: Effect = Effect {
 const MULTIPASS: Effect = Effect {
     name: "multipass",
     title: "former wheels have compacted the track",
-    edits: "soil.departures.compaction; one wheel has passed, or more where the scenario tells of earlier ones",
+    edits: "soil.departures.compaction; one wheel has passed, or more where the scenario states earlier ones",
     stage: Stage::Physics,
     seats: &[seat("-", 5.0, [0.15, 0.5, 1.5], log_normal(0.5, 2.0))],
     signature: Signature {

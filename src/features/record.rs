@@ -27,7 +27,7 @@ pub struct Record {
     pub angle: Vec<f64>,
     /// Whether the angle is measured, so that the lugs' positions are known; otherwise it is integrated from
     /// the speed and only the rotation is known.
-    pub knows_lugs: bool,
+    pub lugs_known: bool,
     /// What carries the wheel.
     pub support: Support,
     /// Levels [m/s²] at which the acceleration is clipped.
@@ -152,9 +152,9 @@ impl Record {
         let wheel = wheel(trace)?;
         let lug_angle = wheel.lug_angle().ok_or(RecordError::NoLugs)?;
         let acceleration = known(trace, "acceleration_y")?.ok_or(RecordError::NoAcceleration)?;
-        let (rotation, knows_lugs) = rotation(trace, &wheel)?;
+        let (rotation, lugs_known) = rotation(trace, &wheel)?;
         let span =
-            overlap(acceleration, &rotation).ok_or(RecordError::NoOverlap(if knows_lugs {
+            overlap(acceleration, &rotation).ok_or(RecordError::NoOverlap(if lugs_known {
                 "wheel_angle"
             } else {
                 "forward_speed"
@@ -169,7 +169,7 @@ impl Record {
             clipped: clipped_levels(&samples),
             acceleration: samples,
             angle: at_times(&rotation, times),
-            knows_lugs,
+            lugs_known,
             support: Support::of(trace),
         })
     }
@@ -344,7 +344,7 @@ fn wheel(trace: &Trace) -> Result<Wheel, RecordError> {
     ))
 }
 
-/// A channel of a name whose unit this program knows.
+/// A channel of a name with a standard unit.
 fn known<'t>(trace: &'t Trace, name: &str) -> Result<Option<&'t Channel>, RecordError> {
     let Some(channel) = trace.channel(name) else {
         return Ok(None);
@@ -463,7 +463,7 @@ mod tests {
         let mut run = trace();
         run.channels[1] = channel("forward_speed", 500.0, vec![0.0224; 5000]);
         let record = Record::of(&run).unwrap();
-        assert!(!record.knows_lugs);
+        assert!(!record.lugs_known);
         // 0.0224 / (0.14 * 0.8) = 0.2 rad/s; a measured slip goes before the command.
         let turned = record.angle[9000] - record.angle[0];
         assert!((turned - 1.8).abs() < 1e-3, "{turned}");

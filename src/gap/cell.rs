@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cell_reads_channel_domain_statistic_and_knows_its_unit() {
+    fn a_cell_reads_channel_domain_statistic_and_has_its_unit() {
         let text = |channel: &str, statistic| {
             let cell = Cell::new(channel, statistic);
             format!("{cell} [{}]", cell.unit())

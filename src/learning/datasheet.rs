@@ -56,11 +56,11 @@ impl DataSet {
              **What is an instance?** A window of a run of a wheel; {} windows of {} runs under {} conditions \
              (scenarios {scenarios}; swept: {swept}), on {} grounds (streams of random numbers).\n\n\
              **What does it consist of?** {}\n\n\
-             **Is there a label?** The class of every window, told from what each lug really met \
+             **Is there a label?** The class of every window, determined from the contacts of each lug \
              (`truth/class_windows`), and the label of its ground. The two may disagree: a stone may carry \
              all lugs for a while.\n\n\
              **Is anything missing?** {} runs failed and are left out. Features are empty where a window does \
-             not tell them.\n\n\
+             not reveal them.\n\n\
              **Are there errors, noise, redundancies?** Noise and errors are those of the scenarios' sensors. \
              Windows of a run, runs of a stream and runs of a condition are alike: see the splits.\n\n\
              **Is it self-contained? Confidential? About people?** Self-contained, nothing confidential, no \
@@ -117,7 +117,7 @@ impl DataSet {
     fn split_text(&self) -> String {
         let mut text = "**Are there recommended splits?** Four, in `splits.csv` and in columns of \
                         `windows.csv`; none of them has what it groups by in two parts. Ask \
-                        of a model what its split asks: other stretches (`by_run`), new ground and noise \
+                        of a model what its split requires: other stretches (`by_run`), new ground and noise \
                         (`by_ground`), new conditions (`by_condition`), both at once (`by_both`). \
                         Windows by class in each part:\n\n\
                         | split | part | runs | ALCT | SLCT | LEIS | UWTIC |\n|---|---|---|---|---|---|---|\n"
@@ -157,7 +157,7 @@ impl DataSet {
              ## Preprocessing, cleaning, labelling\n\n\
              **Was any done?** Anti-alias filters and sensors as the scenarios state; labels as above; windows \
              and features by the program's defaults. Nothing was selected by its outcome.\n\n\
-             **Is the raw data saved?** Where the scenario says `sensors.raw = true` (`--raw`), as channels \
+             **Is the raw data saved?** Where the scenario has `sensors.raw = true` (`--raw`), as channels \
              `<name>_raw`.\n\n\
              ## Uses\n\n\
              **For what could it be used?** Classes of interaction, terrain parameters, slip and sinkage, \
@@ -166,7 +166,7 @@ impl DataSet {
              planar but for their stones, contacts of stones are guesses, and many rig values are guesses marked in the \
              scenarios.\n\n\
              ## Distribution and maintenance\n\n\
-             **Under what licence?** That of the program, MIT, unless whoever publishes it says otherwise. \
+             **Under what licence?** That of the program, MIT, unless published under another. \
              Fill in `url` and `datePublished` of the Croissant file when you do.\n\n\
              **Who maintains it?** Whoever keeps `{name}`; the command above makes it again, byte by byte with \
              the same program and libraries.\n"

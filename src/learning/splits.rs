@@ -284,7 +284,7 @@ mod tests {
             let both = split(Grouping::Both);
             prop_assert!(parts_of(&both, ground).iter().all(|&n| n <= 1));
             prop_assert!(parts_of(&both, condition).iter().all(|&n| n <= 1));
-            // Nobody is left out for nothing.
+            // Every exclusion has a reason.
             prop_assert!(common || both.iter().all(Option::is_some));
         }
 

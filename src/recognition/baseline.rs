@@ -2,7 +2,7 @@
 //! in bands ([`band_powers`](crate::features::band_powers)), standardised, and has one linear
 //! support vector machine for every class against the others; the machine that is surest answers.
 //!
-//! It needs labelled windows of every ground, and it knows nothing of the wheel's speed. How much
+//! It needs labelled windows of every ground, and does not use the wheel's speed. How much
 //! that costs shows when it is tested on a speed that it was not trained on, [`left_out`].
 
 use crate::features::band_powers::{BANDS, BandPowers};

@@ -226,12 +226,12 @@ impl<'r> Evidence<'r> {
             ));
         }
         let most = if cells > FEWEST { 1.0 } else { DOUBTFUL };
-        let knows_lugs = self.record.knows_lugs;
+        let lugs_known = self.record.lugs_known;
         Answer {
             class: Wtic::Alct,
             confidence: rhythm.probability.min(most),
             reason: format!("{seen}, {height:.2} times as high as on rigid ground"),
-            offset: knows_lugs.then(|| LugOffset::of(rhythm, &self.pulses)),
+            offset: lugs_known.then(|| LugOffset::of(rhythm, &self.pulses)),
         }
     }
 
@@ -527,7 +527,7 @@ mod tests {
     #[test]
     fn turning_without_a_zero_gives_the_class_and_no_offset() {
         let mut record = record(&every_lug(1.0, 0.0), 1e-3);
-        record.knows_lugs = false;
+        record.lugs_known = false;
         let answer = class_of(&record, 0..record.len());
         assert_eq!((answer.class, answer.offset), (Wtic::Alct, None));
     }

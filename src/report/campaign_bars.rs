@@ -96,8 +96,8 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, place: f64, bar: &CampaignBar) {
                 width: right - left,
                 height: 0.72 * PITCH,
             };
-            let told = format!("{name}: {:.1} %", 100.0 * probability);
-            canvas.rect(&part, colour, &told);
+            let tip = format!("{name}: {:.1} %", 100.0 * probability);
+            canvas.rect(&part, colour, &tip);
         }
         from = to;
     }
@@ -133,8 +133,8 @@ mod tests {
 
     #[test]
     fn a_bar_shows_what_has_a_share_and_a_campaign_without_an_answer_none() {
-        let told = bar(Some([0.75, 0.0, 0.25, 0.0, 0.0, 0.0]));
-        let figure = campaign_bars(&[told, bar(None)], "power");
+        let known = bar(Some([0.75, 0.0, 0.25, 0.0, 0.0, 0.0]));
+        let figure = campaign_bars(&[known, bar(None)], "power");
         let parts = figure.matches(" %<").count();
         // Two parts; the ticks of the axis have no per cent.
         assert_eq!(parts, 2, "{figure}");

@@ -26,7 +26,7 @@ pub(super) struct Group {
 pub(super) struct Line {
     /// The channel.
     pub channel: &'static str,
-    /// Its name in the legend; empty where the group's says it.
+    /// Its name in the legend; empty where the group's name suffices.
     pub name: &'static str,
     /// Its symbol, indices as in `F_{N}`.
     pub symbol: &'static str,

@@ -13,7 +13,7 @@ const TOP: f64 = 132.0;
 const CELL: [f64; 2] = [120.0, 84.0];
 
 /// How often each true class (row) was answered by each class (column), with shares of the row,
-/// and the share answered rightly with its 95 % interval. `title` says what was counted. One SVG
+/// and the share answered rightly with its 95 % interval. `title` names what was counted. One SVG
 /// 820 px wide.
 pub fn confusion_figure(confusion: &Confusion, title: &str) -> String {
     let height = TOP + 4.0 * CELL[1] + 24.0;

@@ -20,7 +20,7 @@ use crate::scenario::Scenario;
 
 /// A diagnosis and what it was made of.
 #[derive(Debug, Clone, Copy)]
-pub struct ToldDiagnosis<'a> {
+pub struct DiagnosisReport<'a> {
     /// What came of it.
     pub diagnosis: &'a Diagnosis,
     /// What the measured runs are called: their file.
@@ -41,7 +41,7 @@ pub struct ToldDiagnosis<'a> {
     pub commands: &'a [String],
 }
 
-impl ToldDiagnosis<'_> {
+impl DiagnosisReport<'_> {
     /// The effect or effects of the answer as a few words; empty where it names none.
     fn named(&self) -> String {
         let sets = self.diagnosis.verdict.named.iter();
@@ -53,31 +53,31 @@ impl ToldDiagnosis<'_> {
 /// The page of a diagnosis, in this order: the answer with its probability, in figures, and what it rests on, how
 /// far the gap closes, where the sides differ, which effects may explain it, what recalibration
 /// moved, measured and simulated runs before and after, what the gap does to end results, the gap in plain units, which effects these
-/// runs can tell apart, what to measure next, what was compared. It holds nothing that depends on a
+/// runs can discriminate, what to measure next, what was compared. It holds nothing that depends on a
 /// clock or a machine.
-pub fn diagnosis_page(told: &ToldDiagnosis) -> Page {
-    let ToldDiagnosis { diagnosis, .. } = *told;
+pub fn diagnosis_page(report: &DiagnosisReport) -> Page {
+    let DiagnosisReport { diagnosis, .. } = *report;
     let sections = [
         Some(figures::section(diagnosis)),
         Some(answer::rests_on(diagnosis)),
         Some(shrinkage::section(diagnosis)),
-        Some(differences::section(told)),
+        Some(differences::section(report)),
         Some(effects::suspects(diagnosis)),
-        Some(parameters::section(told)),
-        Some(looks(told)),
-        end_results::section(told),
+        Some(parameters::section(report)),
+        Some(looks(report)),
+        end_results::section(report),
         units::section(diagnosis),
-        effects::isolability(told),
+        effects::isolability(report),
         Some(answer::next_run(diagnosis)),
         Some(compared::section(diagnosis)),
     ];
     Page {
-        title: format!("Where {} and {} differ, and why", told.measured, told.name),
+        title: format!("Where {} and {} differ, and why", report.measured, report.name),
         question: format!(
             "What has the simulator of {} wrong, or not at all, that {} shows?",
-            told.name, told.measured
+            report.name, report.measured
         ),
-        answer: answer::sentence(told),
+        answer: answer::sentence(report),
         intro: "A gap is a difference between measured runs and simulated ones of the same load, speed \
                 and slip. Three simulators are set beside the measurements: the scenario as shipped, the \
                 scenario with its parameters recalibrated within what is known of them, and that with an \
@@ -85,20 +85,20 @@ pub fn diagnosis_page(told: &ToldDiagnosis) -> Page {
                 effect."
             .to_owned(),
         sections: sections.into_iter().flatten().collect(),
-        provenance: provenance(told),
+        provenance: provenance(report),
     }
 }
 
 /// Traces, spectra and curves, before and after.
-fn looks(told: &ToldDiagnosis) -> Section {
-    let named = told.named();
+fn looks(report: &DiagnosisReport) -> Section {
+    let named = report.named();
     let mut section = Section::new("What do the runs look like, before and after?");
     if named.is_empty() {
         section = section.prose(
             "The answer names no effect: the runs are simulated as shipped and recalibrated only.",
         );
     }
-    let traces = told
+    let traces = report
         .traces
         .and_then(|traces| Some((traces, arm_traces(traces, &named)?)));
     section = match traces {
@@ -115,7 +115,7 @@ fn looks(told: &ToldDiagnosis) -> Section {
             "No traces are shown: the strongest condition has no time series, or could not be simulated.",
         ),
     };
-    match arm_curves(&told.diagnosis.in_units, told.cases, &named) {
+    match arm_curves(&report.diagnosis.in_units, report.cases, &named) {
         Some(svg) => section.figure(Figure::new(
             svg,
             "Means of the measured runs of a condition, and of simulated runs of each arm; parameters and \
@@ -125,10 +125,10 @@ fn looks(told: &ToldDiagnosis) -> Section {
     }
 }
 
-fn provenance(told: &ToldDiagnosis) -> Provenance {
-    let ToldDiagnosis {
+fn provenance(report: &DiagnosisReport) -> Provenance {
+    let DiagnosisReport {
         settings, scenario, ..
-    } = *told;
+    } = *report;
     let without = match settings.without.is_empty() {
         true => "none".to_owned(),
         false => settings.without.join(", "),
@@ -148,8 +148,8 @@ fn provenance(told: &ToldDiagnosis) -> Provenance {
     ];
     let own = own.map(|(name, value)| (name.to_owned(), value));
     Provenance {
-        facts: told.facts.iter().cloned().chain(own).collect(),
-        commands: told.commands.to_vec(),
+        facts: report.facts.iter().cloned().chain(own).collect(),
+        commands: report.commands.to_vec(),
         files: vec![("the scenario as used".to_owned(), scenario.to_toml())],
     }
 }

@@ -15,7 +15,7 @@ pub const INK: &str = "#1f2430";
 pub const MUTED: &str = "#5b6270";
 /// Lines of the grid.
 pub const GRID: &str = "#e3e6eb";
-/// Colours told apart with any colour vision (Okabe and Ito, 2008).
+/// Colours distinct with any colour vision (Okabe and Ito, 2008).
 pub const PALETTE: [&str; 6] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00",
 ];

@@ -86,7 +86,7 @@ const QUANTITIES: [Quantity; 4] = [
 /// (crosses); one colour a load. One SVG 1200 px wide.
 ///
 /// Between rows a line takes the load between theirs. Rows of hard ground that static friction
-/// holds are hollow: no shear law says their pull and torque. Where the soil does not carry the
+/// holds are hollow: no shear law gives their pull and torque. Where the soil does not carry the
 /// load there is no line.
 pub fn force_curves(
     title: &str,
@@ -442,7 +442,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_static_friction_holds_is_hollow_and_what_nobody_measured_is_not_drawn() {
+    fn a_row_that_static_friction_holds_is_hollow_and_what_is_not_measured_is_not_drawn() {
         let unsunk = |slip: f64| SteadyLoad {
             sinkage: f64::NAN,
             ..row(slip, 100.0)

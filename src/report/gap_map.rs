@@ -14,7 +14,7 @@ const STRIP: f64 = 9.0;
 /// Strength |z| [-] at which the shade is full.
 const FULL: f64 = 10.0;
 
-/// Vermilion, green and grey: told apart with any colour vision.
+/// Vermilion, green and grey: distinct with any colour vision.
 fn ink(colour: Colour) -> &'static str {
     match colour {
         Colour::Gap => "#d55e00",
@@ -25,7 +25,7 @@ fn ink(colour: Colour) -> &'static str {
 
 /// A grid of channels and domains. Each field has the colour of its strongest cell, the stronger
 /// the deeper, with the cell's name and |z|; a gap goes before what is no gap. The strip below it
-/// has one part a condition, in the order told under the grid. One SVG.
+/// has one part a condition, in the order listed under the grid. One SVG.
 pub fn gap_map(map: &GapMap, title: &str) -> String {
     let channels = distinct(map.entries.iter().map(|entry| entry.channel.as_str()));
     let domains: Vec<Domain> = Domain::ALL

@@ -17,7 +17,7 @@ const PANEL: Area = Area {
 };
 /// Half of a bar's width, in columns [-].
 const HALF_BAR: f64 = 0.32;
-/// Ink of what nobody can close, and of what nobody knows.
+/// Ink of the floor, and of unknown parts.
 const FLOOR: &str = "#b9c0cc";
 const UNKNOWN: &str = "#e69f00";
 

@@ -13,7 +13,7 @@ const GRID: f64 = 850.0;
 
 /// Cosines of the effects' signatures, as far as parameters leave them: blue where two show alike,
 /// vermilion where they are opposite, white where nothing is alike; framed from `alike` [-] on, where
-/// these runs cannot tell them apart. Effects stand beside those that show like them. One SVG.
+/// these runs cannot discriminate between them. Effects stand beside those that show like them. One SVG.
 pub fn isolability_map(names: &[&str], cosines: &[Vec<f64>], alike: f64) -> String {
     let order = chain(cosines, names.len());
     let count = order.len();
@@ -107,7 +107,8 @@ fn draw_legend(canvas: &mut Canvas, alike: f64) {
         canvas.text([left + 30.0, 62.0], Anchor::Start, Font::SMALL, text);
         left += 50.0 + Font::SMALL.width(text);
     }
-    let text = format!("Framed: beyond {alike}, where these runs cannot tell the two apart.");
+    let text =
+        format!("Framed: beyond {alike}, where these runs cannot discriminate between the two.");
     canvas.text([16.0, 84.0], Anchor::Start, Font::SMALL, &text);
 }
 

@@ -108,7 +108,7 @@ mod tests {
         let counts = matrix_figure(&matrix, Entries::Counts, "<answers>");
         assert!(counts.contains("&lt;answers&gt;") && counts.contains(">3 undecided<"));
         assert!(counts.contains(">7<") && !counts.contains(">25<"));
-        let probabilities = matrix_figure(&matrix, Entries::Shares, "told");
+        let probabilities = matrix_figure(&matrix, Entries::Shares, "posterior");
         assert!(probabilities.contains(">25<"));
     }
 }

@@ -43,7 +43,7 @@ use minijinja::{AutoEscape, Environment, Value, context};
 pub struct Page {
     /// Title.
     pub title: String,
-    /// What is asked; empty where the title says it.
+    /// The question; empty where the title is the question.
     pub question: String,
     /// The answer in a sentence or two; empty for none.
     pub answer: String,

@@ -114,8 +114,9 @@ impl Bar {
     fn extent(&self, parameter: Parameter) -> impl Iterator<Item = f64> {
         let decades = parameter == Parameter::SinkageModulus;
         let fixed = decades || self.standing == Standing::Identified;
-        let told = [Some(self.value), self.ends[0], self.ends[1]];
-        told.into_iter()
+        let values = [Some(self.value), self.ends[0], self.ends[1]];
+        values
+            .into_iter()
             .filter(move |_| fixed)
             .chain([self.own])
             .flatten()
@@ -158,7 +159,7 @@ fn draw_parameter(canvas: &mut Canvas, area: Area, shown: &Shown, grounds: &[Ide
         let below = area.bottom();
         let text = name.fit(&ground.name, room);
         canvas.text([x, below + 19.0], Anchor::Middle, name, &text);
-        let text = bar.as_ref().map_or_else(|| "-".to_owned(), told);
+        let text = bar.as_ref().map_or_else(|| "-".to_owned(), label);
         let text = Font::SMALL.fit(&text, room);
         canvas.text([x, below + 37.0], Anchor::Middle, Font::SMALL, &text);
     }
@@ -217,7 +218,7 @@ fn draw_whisker(canvas: &mut Canvas, panel: &Panel, middle: f64, [low, high]: [O
 }
 
 /// What stands below a bar.
-fn told(bar: &Bar) -> String {
+fn label(bar: &Bar) -> String {
     match bar.standing {
         Standing::Identified => three_digits(bar.value),
         Standing::NotIdentifiable => "not fixed".to_owned(),
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn values_below_bars_have_three_digits() {
-        let told = [2.5114e6, 308.6, 29.67, -0.577, 0.0].map(three_digits);
-        assert_eq!(told, ["2.51e6", "309", "29.7", "−0.577", "0"]);
+        let shown = [2.5114e6, 308.6, 29.67, -0.577, 0.0].map(three_digits);
+        assert_eq!(shown, ["2.51e6", "309", "29.7", "−0.577", "0"]);
     }
 }

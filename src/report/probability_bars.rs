@@ -14,7 +14,7 @@ const RIGHT: f64 = 90.0;
 const PITCH: f64 = 30.0;
 /// Bars shown.
 const SHOWN: usize = 14;
-/// Probability [-] below which an explanation is told with the others.
+/// Probability [-] below which an explanation is summed with the others.
 const UNLIKELY: f64 = 0.005;
 /// Name of the bar of what is improbable.
 const OTHERS: &str = "all others together";
@@ -79,7 +79,7 @@ const PLAIN: [(Answer, &str, &str); 4] = [
 fn plain(name: &str) -> Option<(&'static str, &'static str)> {
     let mut plain = PLAIN.iter();
     let found = plain.find(|(answer, ..)| answer.name() == name);
-    found.map(|(_, colour, told)| (*colour, *told))
+    found.map(|(_, colour, label)| (*colour, *label))
 }
 
 fn colour(name: &str) -> &'static str {
@@ -91,8 +91,8 @@ fn colour(name: &str) -> &'static str {
 }
 
 /// What an explanation is called.
-fn told(name: &str) -> String {
-    let plain = plain(name).map(|(_, told)| told.to_owned());
+fn label(name: &str) -> String {
+    let plain = plain(name).map(|(_, label)| label.to_owned());
     plain.unwrap_or_else(|| name.replace('+', " + "))
 }
 
@@ -110,7 +110,7 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, place: f64, name: &str, probabil
         colour: INK,
         ..Font::SMALL
     };
-    let text = font.fit(&told(name), LEFT - 28.0);
+    let text = font.fit(&label(name), LEFT - 28.0);
     let at = [panel.area.left - 10.0, y + 5.0];
     canvas.text(at, Anchor::End, font, &text);
     let number = Font {
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn bars_come_likeliest_first_and_what_is_improbable_is_one_bar() {
-        let told = [
+        let known = [
             ("none", 0.1),
             ("a", 0.003),
             ("b", 0.8),
@@ -141,7 +141,7 @@ mod tests {
             ("c", f64::NAN),
             ("d", 0.0),
         ];
-        let bars = bars(&probabilities(&told));
+        let bars = bars(&probabilities(&known));
         let names: Vec<&str> = bars.iter().map(|(name, _)| &**name).collect();
         assert_eq!(names, ["b", "none", "a+b", OTHERS]);
         assert!((bars[3].1 - 0.003).abs() < 1e-12);

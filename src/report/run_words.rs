@@ -16,7 +16,7 @@ pub(super) fn terrain_name(terrain: TerrainLabel) -> &'static str {
     }
 }
 
-/// The wheel and what was commanded, without what nobody knows.
+/// The wheel and what was commanded, without unknown values.
 pub(super) fn wheel_and_condition(run: &RunAttributes) -> String {
     let wheel = match run.lugs() {
         lugs if lugs.are_none() => "smooth wheel".to_owned(),

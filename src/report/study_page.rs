@@ -1,4 +1,4 @@
-//! The page of a study: what it asks, what came of it, what was run.
+//! The page of a study: question, results, provenance.
 
 mod conditions;
 mod dataset;
@@ -18,7 +18,7 @@ use crate::trace::Trace;
 
 /// A study and what came of it.
 #[derive(Debug, Clone, Copy)]
-pub struct ToldStudy<'a> {
+pub struct StudyReport<'a> {
     /// The study.
     pub study: &'a Study,
     /// What it is called where its file has no title.
@@ -27,16 +27,16 @@ pub struct ToldStudy<'a> {
     pub outcome: &'a Outcome,
     /// Runs to look at: the name of the scenario, and the run.
     pub stills: &'a [(String, Trace)],
-    /// What was run on what, beside what the study knows: version, machine.
+    /// Facts on the execution that the study does not contain: version, machine.
     pub facts: &'a [(String, String)],
     /// Commands that run it again.
     pub commands: &'a [String],
 }
 
-/// The page of a study, of the same parts whatever the study asks: answer, scores with tables and
+/// The page of a study, of the same parts for every study: answer, scores with tables and
 /// figures, means of every condition, what a run looks like, runs that failed, how to run it again.
-pub fn study_page(told: &ToldStudy) -> Page {
-    let ToldStudy { study, outcome, .. } = *told;
+pub fn study_page(report: &StudyReport) -> Page {
+    let StudyReport { study, outcome, .. } = *report;
     let mut sections = Vec::new();
     let mut answers = Vec::new();
     if let Some(score) = &outcome.scores.recognition {
@@ -64,15 +64,15 @@ pub fn study_page(told: &ToldStudy) -> Page {
     }
     answers.extend(failed(outcome));
     sections.push(conditions::section(study, &outcome.conditions));
-    sections.extend(looks(told.stills));
+    sections.extend(looks(report.stills));
     sections.extend(failures(outcome));
     Page {
-        title: or(&study.title, told.name),
+        title: or(&study.title, report.name),
         question: or(&study.question, &asked(study)),
         answer: answers.join(" "),
         intro: String::new(),
         sections,
-        provenance: provenance(told),
+        provenance: provenance(report),
     }
 }
 
@@ -130,8 +130,8 @@ fn failures(outcome: &Outcome) -> Option<Section> {
     Some(section.answer(answer).table(table))
 }
 
-fn provenance(told: &ToldStudy) -> Provenance {
-    let ToldStudy { study, outcome, .. } = *told;
+fn provenance(report: &StudyReport) -> Provenance {
+    let StudyReport { study, outcome, .. } = *report;
     let sweeps = study.axes().into_iter().map(|axis| axis.values.len());
     let counts: Vec<String> = std::iter::once(study.first_runs().count())
         .chain(sweeps)
@@ -155,8 +155,8 @@ fn provenance(told: &ToldStudy) -> Provenance {
     let texts = study.scenario_texts();
     let texts = texts.map(|(name, text)| (format!("{name}.toml"), text.to_owned()));
     Provenance {
-        facts: told.facts.iter().cloned().chain(ours).collect(),
-        commands: told.commands.to_vec(),
+        facts: report.facts.iter().cloned().chain(ours).collect(),
+        commands: report.commands.to_vec(),
         files: std::iter::once(("study.toml".to_owned(), study.text().to_owned()))
             .chain(texts)
             .collect(),

@@ -157,9 +157,9 @@ mod tests {
         });
         let figure = sweep_figure("wheel.lugs.count", &methods);
         assert_eq!(figure.matches("share of right answers").count(), 2);
-        for told in ["25 % of 4", "100 % of 4", "50 % of 4"] {
-            let of_method = format!("paper: {told} windows");
-            assert_eq!(figure.matches(&of_method).count(), 1, "{told}");
+        for shares in ["25 % of 4", "100 % of 4", "50 % of 4"] {
+            let of_method = format!("paper: {shares} windows");
+            assert_eq!(figure.matches(&of_method).count(), 1, "{shares}");
         }
         assert!(!figure.contains("SLCT"));
     }

@@ -13,7 +13,7 @@ const LEFT: f64 = 78.0;
 /// Height of a line of text [px].
 const LINE: f64 = 22.0;
 
-/// What tells lugs apart among the sweeps.
+/// The sweep that distinguishes lugs.
 const LUGS: &str = "wheel.lugs.count";
 
 /// Every window's value over its limit by number of lugs, coloured by another sweep of the study;
@@ -239,7 +239,7 @@ fn draw_lane(
     }
 }
 
-/// Names of keys, what they have in common said once.
+/// Names of keys, with their common part once.
 fn in_short(keys: &str) -> String {
     let names: Vec<&str> = keys.split(", ").collect();
     let split: Option<Vec<(&str, &str)>> = names.iter().map(|name| name.rsplit_once('.')).collect();

@@ -24,7 +24,7 @@ const COMPACT: f64 = 0.53;
 /// order spectrum, and the wheel on its ground in the middle of the run, as one SVG 1200 px wide.
 ///
 /// Any channel may be missing, empty or hold samples that are no numbers: what there is is drawn,
-/// and a remark under the title says what is not. A line of many samples is drawn by the bounds of
+/// and a remark under the title lists what is not. A line of many samples is drawn by the bounds of
 /// each pixel's samples, so no spike is lost.
 ///
 /// # Errors

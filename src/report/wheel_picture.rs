@@ -100,7 +100,7 @@ pub struct Ground<'a> {
     pub terrain: Option<TerrainLabel>,
 }
 
-/// Whether a wheel presses itself into this ground, as into soil and into nobody knows what.
+/// Whether a wheel presses itself into this ground, as into soil and into unknown ground.
 pub(super) fn is_soft(terrain: Option<TerrainLabel>) -> bool {
     use TerrainLabel::{Sand, SandWithGravel};
     matches!(terrain, None | Some(Sand | SandWithGravel))
@@ -280,7 +280,7 @@ fn draw_wheel(canvas: &mut Canvas, view: &View, wheel: &WheelShape, pose: &Pose)
             around(angle, 0.0, 0.12 * wheel.radius),
             around(angle, 0.0, 0.9 * wheel.radius),
         ];
-        // Lug 0 can be told from the others by its spoke.
+        // Lug 0 is distinguished by its spoke.
         let stroke = if spoke == 0 {
             Stroke::solid("#d55e00", 3.0)
         } else {

@@ -102,12 +102,12 @@ impl Scenario {
 
     /// Runs the experiment: run `run` of the series that `seed` begins.
     ///
-    /// `progress` hears the simulated time [s] now and then, and may stop the run.
+    /// `progress` is called with the simulated time [s] from time to time, and may stop the run.
     ///
     /// # Errors
     /// `Simulation` where the ground does not carry the wheel or the motion is not defined,
     /// `Sensors` for rates that do not divide, `Effect` for one with nothing to edit, `Stopped` when
-    /// `progress` said so.
+    /// `progress` requests it.
     pub fn run(
         &self,
         seed: Seed,

@@ -38,7 +38,7 @@ pub struct Key {
     pub range: Option<String>,
     /// Whether its table is refused without it.
     pub required: bool,
-    /// Value where it is left out, as TOML; `None` where the meaning says what happens then.
+    /// Value where it is left out, as TOML; `None` where the meaning states the default.
     pub default: Option<String>,
     /// What it is.
     pub meaning: String,

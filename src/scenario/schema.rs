@@ -79,15 +79,15 @@ mod tests {
 
     #[test]
     fn links_of_a_doc_comment_become_words() {
-        let comment = "One, unless\n[`passes`](Self::passes) tells; see [`Scenario::window`] [s].";
+        let comment = "One, unless\n[`passes`](Self::passes) is set; see [`Scenario::window`] [s].";
         assert_eq!(
             plain(comment),
-            "One, unless `passes` tells; see `Scenario::window` [s]."
+            "One, unless `passes` is set; see `Scenario::window` [s]."
         );
     }
 
     #[test]
-    fn the_schema_knows_no_null_and_what_each_key_is() {
+    fn the_schema_has_no_null_and_describes_each_key() {
         let schema = json_schema();
         let text = schema.to_string();
         assert!(!text.contains("null"), "{schema:#}");

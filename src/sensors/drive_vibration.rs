@@ -8,7 +8,7 @@
 //! part `ξ` of unit root mean square, white noise behind a low pass of first order at 100 Hz. Forces of unbalance and of
 //! tooth errors grow with the square of the speed. On a rig such vibration is there on every ground, on the reference
 //! too; with it the paper's region of sand (61) can be met, and by a wheel alone it cannot: in a window of LEIS (48) and
-//! (52)-(54) make `κ_A` and `κ_mv` the same number, of which (61) asks both to lie on either side of 0.5.
+//! (52)-(54) make `κ_A` and `κ_mv` the same number, which (61) requires to lie on either side of 0.5.
 //!
 //! # Size
 //! Of a rig it is measured: `lugwheel inspect` sizes it from lifted runs (load 0 N), in which half of the broadband part's

@@ -36,7 +36,7 @@ pub(super) struct GroundForce {
 }
 
 impl GroundForce {
-    /// The ground of `terrain` under a wheel that rolls on its stones as `on_bed` says.
+    /// The ground of `terrain` under a wheel that rolls on its stones by `on_bed`.
     pub fn new(terrain: &Terrain, wheel: &Wheel, on_bed: OnBed) -> Self {
         let layers =
             (0..terrain.stretches().len()).map(|number| Layer::new(terrain, number, wheel, on_bed));

@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn ideal_soil_knows_no_rate() {
+    fn ideal_soil_is_rate_independent() {
         for rate in [0.0, 1e-9, 1e-3, 10.0] {
             assert_eq!(Departures::NONE.rate_factor(rate), 1.0);
         }

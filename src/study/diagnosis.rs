@@ -4,10 +4,10 @@
 //! campaign has what a rig would have written: channels, load, speed, slip and wheel as commanded, name of
 //! the ground. It is diagnosed as `lugwheel diagnose` would, against the scenario that the file names;
 //! without one, against the scenario of its runs with the keys of `[set]`, without its effects: no
-//! swept key is told but load, speed, slip, duration and wheel, which runs tell themselves.
+//! swept key is withheld but load, speed, slip, duration and wheel, which runs state themselves.
 //!
 //! Swept magnitudes of an effect (`effect.slip_sinkage`, `effect.gain_error.drawbar_pull`; the neutral
-//! one is a campaign without it) thus tell from where on it is named, swept values of a parameter
+//! one is a campaign without it) thus show from where on it is named, swept values of a parameter
 //! which errors are read as `parameter`. Repeats and conditions of a rig have nothing in common:
 //! `random_numbers = "independent"`.
 //!

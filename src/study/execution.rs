@@ -332,7 +332,7 @@ impl Options {
         if self.resume || self.shard.is_some() {
             Before::ThisStudy
         } else {
-            Before::Nobody
+            Before::NoStudy
         }
     }
 
@@ -440,7 +440,7 @@ impl Work<'_> {
             Ok(Ok(traced)) => Ok(Ok(traced)),
             Ok(Err(NoRows::Stopped)) => Err(Halt::Stopped),
             Ok(Err(NoRows::Failed(reason))) => Ok(Err(reason)),
-            Err(panic) => Ok(Err(format!("it panicked: {}", said(&*panic)))),
+            Err(panic) => Ok(Err(format!("it panicked: {}", panic_message(&*panic)))),
         }
     }
 
@@ -476,10 +476,10 @@ impl Work<'_> {
 }
 
 /// The message of a panic.
-pub(super) fn said(panic: &(dyn Any + Send)) -> &str {
+pub(super) fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("without a word")
+        .unwrap_or("no message")
 }
 
 /// The shards put together.

@@ -19,8 +19,8 @@ pub(super) struct Folder {
 /// Who may have written into a folder before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Before {
-    /// Nobody.
-    Nobody,
+    /// No study.
+    NoStudy,
     /// This study.
     ThisStudy,
 }
@@ -35,7 +35,7 @@ impl Folder {
         let origin = folder.origin(study);
         let empty =
             whole_file::is_vacant(path).map_err(|source| file_error("read", path, source))?;
-        if !empty && before == Before::Nobody {
+        if !empty && before == Before::NoStudy {
             let folder = path.to_owned();
             return Err(StudyError::NotEmpty { folder });
         }

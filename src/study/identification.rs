@@ -183,7 +183,7 @@ impl IdentificationTable {
 }
 
 impl Plan {
-    /// What one rim meets does not predict another: the model knows neither's width apart from the
+    /// The parameters of one rim do not predict another: the model does not separate the width from the
     /// soil's modulus.
     fn check_reference(
         &self,

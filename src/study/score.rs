@@ -220,7 +220,7 @@ fn map(rows: &[Row], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<P
     parts
 }
 
-/// The answers of the baseline to windows at values new to it, and at values it knows.
+/// The answers of the baseline to windows at new and at known values.
 fn baselines(
     recognition: &Recognition,
     rows: &[Row],

@@ -99,7 +99,7 @@ pub enum JobState {
     Waiting(String),
     /// On a node.
     Running,
-    /// Ended on somebody's request.
+    /// Ended on request.
     Cancelled,
     /// Ended otherwise, as Slurm calls it.
     Ended(String),
@@ -172,7 +172,7 @@ pub enum SlurmError {
         /// Name of the jobs.
         name: String,
     },
-    /// Somebody cancelled jobs.
+    /// Jobs were cancelled.
     #[error(
         "jobs were cancelled before {missing} shards of runs were whole; --resume submits the rest"
     )]
@@ -211,7 +211,7 @@ impl Study {
         let before = if submission.resume {
             Before::ThisStudy
         } else {
-            Before::Nobody
+            Before::NoStudy
         };
         // First, so that no folder is created where there is no Slurm.
         let largest_task = queue.largest_task()?;

@@ -44,7 +44,7 @@ impl Motion {
         };
         let rim = trace.channel("wheel_angle").map(|angle| {
             let radius = trace.attributes.wheel_radius;
-            // A rover wheel's, where nobody knows it.
+            // A rover wheel's, where it is unknown.
             let radius = if radius > 0.0 { radius } else { 0.1 };
             let angle = turned(angle);
             let angle = Channel {

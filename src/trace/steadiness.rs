@@ -22,7 +22,7 @@
 //!
 //! **What counts.** A value drifts where this is significant at [`LEVEL`], and where the drift over the
 //! stretch exceeds both [`LIMIT`] of the mean and the least change that matters to that quantity: a
-//! significant drift of 0.01 N harms nobody. A stretch of fewer than [`PASSES`] lug passes that shows no drift is
+//! significant drift of 0.01 N is harmless. A stretch of fewer than [`PASSES`] lug passes that shows no drift is
 //! too short to call steady; in one of hardly more than a single pass, a drift may be the lugs' rhythm.
 //!
 //! A line through block means was tried instead: with less than ten lug passes, which is most runs at

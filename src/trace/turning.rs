@@ -1,7 +1,7 @@
 //! How far a wheel has turned, by an angle that starts again.
 //!
 //! An encoder of one turn reads the angle modulo 2π, a counter modulo its range `R`: its register's, or
-//! that at which somebody's program sets it to zero. In a record that rolled over, readings fill `R` but
+//! that at which a program sets it to zero. In a record that rolled over, readings fill `R` but
 //! for a step, and each roll-over is a step of nearly `R` against the turning:
 //!
 //! ```text

@@ -21,7 +21,7 @@
 //! # Relative to the line between contacts
 //! The line between the heights at which a lug takes the wheel over and gives it away takes the
 //! slope out. Above it the lug lifts the wheel by `(r + l)(1 - cos(C_f α/2))`, but for a factor
-//! `cos β`: `C_f²` times the reference's, where the lug carried it through `C_f α`. Of this (55) says
+//! `cos β`: `C_f²` times the reference's, where the lug carried it through `C_f α`. By (55) this is
 //! `C_f <= 2`, that no lug carries the wheel for longer than it would with every second one missing.
 //!
 //! # Off a bump, and lugs few or low
@@ -39,7 +39,7 @@
 //! over the reference's ([`amplitude_bound_off_a_bump`]); edges a quarter turn from straight down
 //! carry nothing. The reference of an olig-lugged wheel is `l`, as it stands on its rim between
 //! lugs: 9.5 times that with 6 lugs of 15 mm on a rim of 140 mm. On a multi-lugged wheel it is
-//! `(1 - cos(3α/2))/(1 - cos(α/2))`, nearly 9: (55) asks for more than that every lug touches.
+//! `(1 - cos(3α/2))/(1 - cos(α/2))`, nearly 9: (55) is stricter than contact of every lug.
 //!
 //! # Acceleration
 //! For the acceleration, to which (55) and (56) are applied, the bound is never reached on fixed

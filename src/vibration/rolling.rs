@@ -1,8 +1,8 @@
 //! A rigid wheel that rolls over hard ground of any shape without slipping (Eq. 11-41).
 //!
 //! The paper writes one set of equations for ground that all lugs touch (ALCT, Eq. 11-25) and one
-//! for ground that some miss (SLCT, Eq. 26-41). Both say the same: the wheel turns about the point
-//! that carries it, until another point of its outline asks for a higher axle; that point carries
+//! for ground that some miss (SLCT, Eq. 26-41). Both describe the same motion: the wheel turns about the point
+//! that carries it, until another point of its outline requires a higher axle; that point carries
 //! it from then on. Here this is done with the outline itself, which needs no printed counter, and
 //! the counters follow. Corrected: (11), (18), (24), (30)-(32), (39), (40) with one datum; (12)
 //! with the rim's rolling; (14), (15), (20), (29), (31), (36)-(39) as geometry has them.

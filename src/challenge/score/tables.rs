@@ -129,7 +129,7 @@ pub(super) fn isolability(cases: &[Judged]) -> Matrix {
 }
 
 /// Mean probability [-] that answers (columns) have where something else (rows) is true.
-pub(super) fn told(cases: &[Judged]) -> Matrix {
+pub(super) fn posterior(cases: &[Judged]) -> Matrix {
     let effects = effects(cases);
     let rows = named(&effects, &["nothing"], &[Verdict::Unknown.name()]);
     let columns = rows.clone();

@@ -5,8 +5,8 @@ use crate::cli::{interrupt, program};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How cases are put to the diagnosis: in a process of its own each, which is told nothing but what
-/// a user would tell it.
+/// How cases are put to the diagnosis: in a process of its own each, with only the information that a
+/// user has.
 #[derive(Debug)]
 pub struct Asking<'a> {
     /// Folder of the trial.
@@ -23,7 +23,7 @@ impl Asking<'_> {
     /// The JSON of the diagnosis.
     ///
     /// # Errors
-    /// `Failed` with the last words of the diagnosis, `Stopped` when somebody asked for it.
+    /// `Failed` with the last message of the diagnosis, `Stopped` on request.
     pub fn ask(&self, question: &Question) -> Result<String, Unanswered> {
         let failed = |error: &dyn std::fmt::Display| Unanswered::Failed(error.to_string());
         let program = program::file().map_err(|error| failed(&error))?;
@@ -35,10 +35,10 @@ impl Asking<'_> {
         if interrupt::is_requested() {
             return Err(Unanswered::Stopped);
         }
-        let said = String::from_utf8_lossy(&answered.stderr);
+        let stderr = String::from_utf8_lossy(&answered.stderr);
         let reason = format!(
             "diagnose: {}, {}",
-            said.trim().replace('\n', "; "),
+            stderr.trim().replace('\n', "; "),
             answered.status
         );
         Err(Unanswered::Failed(reason))

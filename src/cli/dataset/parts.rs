@@ -157,7 +157,7 @@ impl Parts {
     pub fn remove(&self) -> anyhow::Result<()> {
         remove_parts(&self.folder)?;
         output::remove_file(&self.folder.join(ORIGIN))?;
-        // A folder in which somebody put a file of their own stays.
+        // A folder with other files stays.
         let _ = fs::remove_dir(&self.folder);
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! A rig that is not its scenario, and what the diagnosis says of it.
+//! A rig that differs from its scenario, and its diagnosis.
 
 use super::small_study::{SmallStudy, shipped};
 use crate::cli::diagnose::Diagnose;
@@ -89,13 +89,13 @@ pub fn section(summary: &Summary) -> Section {
             .any(|set| set.iter().any(|it| it == name));
     let judged = match right {
         true => "It was found.",
-        false => "It was not named: so few and short runs do not always tell.",
+        false => "It was not named: so few and short runs do not always suffice.",
     };
     let section = Section::new("Where do a rig and its simulation differ, and why?")
         .answer(summary.answer.clone())
         .prose(format!(
             "Six runs of 3 s at three conditions stand for a rig. Its sand has {name} = {magnitude}, {what}; the \
-             scenario it is held against has not, and the diagnosis was not told. {judged} It tried {} of the \
+             scenario it is compared with has not, and the diagnosis had no information on it. {judged} It tried {} of the \
              catalogue's effects, and recalibrated the scenario's parameters before it blamed anything else. Its own \
              page is {}.",
             TRIED.len(),

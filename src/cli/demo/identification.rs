@@ -36,20 +36,20 @@ impl Identified {
     pub fn answer(&self) -> Option<String> {
         let (_, parameters) = self.score.groups.first()?.parameters()?;
         let mut found = parameters.iter();
-        let told = found.find(|told| told.parameter == Parameter::FrictionAngle)?;
-        let [low, high] = told.ci95;
+        let parameter = found.find(|it| it.parameter == Parameter::FrictionAngle)?;
+        let [low, high] = parameter.ci95;
         Some(format!(
             "From pull, load, torque and sinkage of a smooth wheel the sand's friction angle comes out as {}° [{}, {}]; it is {}°.",
-            four_digits(told.value),
+            four_digits(parameter.value),
             four_digits(low?),
             four_digits(high?),
-            four_digits(told.own?)
+            four_digits(parameter.own?)
         ))
     }
 
     /// The section of the page.
     pub fn section(&self) -> Section {
-        let section = Section::new("What do the loads say of the sand?");
+        let section = Section::new("Which parameters does the sand have?");
         let section = match self.answer() {
             Some(answer) => section.answer(answer),
             None => section,

@@ -1,4 +1,4 @@
-//! The classes of the demo's windows, told from their vibration.
+//! The classes of the demo's windows, recognised from their vibration.
 
 use super::Finding;
 use crate::cli::interrupt;
@@ -80,21 +80,21 @@ impl Recognition {
         Ok(())
     }
 
-    /// How many windows the first method told right, in a sentence.
+    /// How many windows the first method recognised, in a sentence.
     pub fn answer(&self) -> String {
         let [ours, papers] = self.confusions.map(|confusion| right(&confusion));
         format!(
-            "From {WINDOW} s of vibration the class of the ground is told right in {ours} windows, by the paper's regions in {papers}."
+            "From {WINDOW} s of vibration the class of the ground is recognised in {ours} windows, by the paper's regions in {papers}."
         )
     }
 
     /// The section of the page.
     pub fn section(&self) -> Section {
-        let section = Section::new("Can the ground be told from vibration alone?")
+        let section = Section::new("Can the ground be recognised from vibration alone?")
             .answer(self.answer())
             .prose(
                 "ALCT: all lugs contact the surface, as on slate. SLCT: some do, as on gravel. LEIS: lugs enter soil, as \
-                 in sand. UWTIC: it cannot be told. Nothing was trained: lugwheel recognize goes lug by lug (improved) or \
+                 in sand. UWTIC: the class is unknown. Nothing was trained: lugwheel recognize goes lug by lug (improved) or \
                  by the regions that the paper sets to four features (paper), each taken over the same wheel on flat hard \
                  ground. Intervals of shares are Wilson's, of 95 %.",
             )

@@ -59,9 +59,9 @@ impl SmallStudy {
             shard: None,
         };
         let each = self.simulated() / self.study.run_count() as f64;
-        let heard = AtomicU64::new(0);
+        let reported = AtomicU64::new(0);
         let outcome = self.study.execute(&options, &|now: study::Progress| {
-            let before = heard.fetch_max(now.done, Ordering::Relaxed);
+            let before = reported.fetch_max(now.done, Ordering::Relaxed);
             progress.advance(now.done.saturating_sub(before) as f64 * each);
             match interrupt::is_requested() {
                 true => ControlFlow::Break(()),

@@ -14,11 +14,11 @@ use crate::report::page::{self, Cell, Column, Figure, Page, Section, Table};
 use crate::report::{RunView, side_by_side};
 use std::path::Path;
 
-/// What the page tells.
-pub struct Told<'a> {
+/// Results of the demo.
+pub struct Results<'a> {
     /// Every ground.
     pub findings: &'a [Finding],
-    /// Classes told from vibration.
+    /// Classes recognised from vibration.
     pub recognition: &'a Recognition,
     /// Parameters found from loads.
     pub identified: &'a Identified,
@@ -35,14 +35,14 @@ pub struct Told<'a> {
 }
 
 /// The page of the demo: data, what is recognised and identified in them, how to go on.
-pub fn tell(told: &Told) -> Page {
-    let Told {
+pub fn story(results: &Results) -> Page {
+    let Results {
         findings,
         recognition,
         identified,
         ..
-    } = *told;
-    let (_, _, diagnosed) = told.rig;
+    } = *results;
+    let (_, _, diagnosed) = results.rig;
     let answers = std::iter::once(recognition.answer())
         .chain(identified.answer())
         .chain([diagnosed.answer.clone()]);
@@ -66,7 +66,7 @@ pub fn tell(told: &Told) -> Page {
             records(findings),
             next_steps(findings),
         ],
-        provenance: provenance(told),
+        provenance: provenance(results),
     }
 }
 
@@ -96,7 +96,7 @@ fn look(findings: &[Finding]) -> Section {
     let scenario = &findings[0].scenario;
     let (driven, duration) = (scenario.driven(), scenario.duration);
     Section::new("What does a ground look like from the wheel?")
-        .answer(told(
+        .answer(spread_of(
             findings,
             "acceleration_y_rms",
             "Vertical acceleration of the axle, rms",
@@ -130,7 +130,7 @@ fn motion(findings: &[Finding]) -> Section {
 }
 
 fn loads(findings: &[Finding]) -> Section {
-    let quantities = || QUANTITIES.iter().filter(|quantity| is_told(quantity));
+    let quantities = || QUANTITIES.iter().filter(|quantity| is_shown(quantity));
     let columns = quantities().map(|quantity| Column::new(quantity.name, quantity.shown_unit));
     let row = |finding: &Finding| {
         let cells = quantities().map(|quantity| {
@@ -144,7 +144,7 @@ fn loads(findings: &[Finding]) -> Section {
             .collect()
     };
     Section::new("How much does the wheel pull there, and how deep does it sink?")
-        .answer(told(findings, "drawbar_pull", "Drawbar pull"))
+        .answer(spread_of(findings, "drawbar_pull", "Drawbar pull"))
         .table(Table {
             caption: format!(
                 "Steady values, from the middle half of each run: mean of {RUNS} runs [least, greatest]"
@@ -157,7 +157,7 @@ fn loads(findings: &[Finding]) -> Section {
 }
 
 /// Whether a quantity is an outcome here: load and slip are commanded.
-fn is_told(quantity: &Quantity) -> bool {
+fn is_shown(quantity: &Quantity) -> bool {
     !matches!(quantity.key, "normal_force" | "slip_ratio")
 }
 
@@ -172,7 +172,7 @@ fn lugs(findings: &[Finding]) -> Section {
             .chain(cells)
             .collect()
     };
-    let told = findings.iter().map(|finding| {
+    let classes = findings.iter().map(|finding| {
         let counts = classes(&finding.outcomes);
         let counts: Vec<String> = counts.iter().map(|(c, n)| format!("{n} {c}")).collect();
         format!("{} on {}", counts.join(" and "), finding.name)
@@ -181,7 +181,7 @@ fn lugs(findings: &[Finding]) -> Section {
     Section::new("How do the lugs really meet the ground?")
         .answer(format!(
             "Runs of each class: {}.",
-            told.collect::<Vec<_>>().join(", ")
+            classes.collect::<Vec<_>>().join(", ")
         ))
         .prose(
             "This is the truth as the simulation saw it, lug by lug, and the label that a \
@@ -276,7 +276,7 @@ fn next_steps(findings: &[Finding]) -> Section {
                     "see another run",
                     format!("lugwheel plot {file} --run run_000001"),
                 ),
-                row("tell classes", format!("lugwheel recognize {file}")),
+                row("recognise classes", format!("lugwheel recognize {file}")),
                 row(
                     "sweep a key",
                     "lugwheel study scenarios/studies/sweep_slip.toml".to_owned(),
@@ -286,25 +286,28 @@ fn next_steps(findings: &[Finding]) -> Section {
         })
 }
 
-fn provenance(told: &Told) -> page::Provenance {
-    let Told {
+fn provenance(results: &Results) -> page::Provenance {
+    let Results {
         findings,
         loads,
         seed,
         ..
-    } = *told;
+    } = *results;
     let files = findings.iter().map(|finding| {
         let scenario = quoted(&finding.scenario_file);
         let runs = quoted(&finding.run_file);
         format!("lugwheel dataset {scenario} --runs {RUNS} --seed {seed} --out {runs}")
     });
-    let again = format!("lugwheel demo --seed {seed} --out {}", quoted(told.folder));
+    let again = format!(
+        "lugwheel demo --seed {seed} --out {}",
+        quoted(results.folder)
+    );
     let reference = quoted(&findings[0].run_file);
     let recognize = findings[1..].iter().map(|finding| {
         let runs = quoted(&finding.run_file);
         format!("lugwheel recognize {runs} --reference {reference} --window {WINDOW}")
     });
-    let (rig, diagnosis, _) = told.rig;
+    let (rig, diagnosis, _) = results.rig;
     let studies = [loads, rig].map(|study| {
         let [file, folder] = [&study.file, &study.folder].map(|path| quoted(path));
         format!("lugwheel study {file} --out {folder} --resume")
@@ -324,7 +327,7 @@ fn provenance(told: &Told) -> page::Provenance {
             ),
         ),
         ("physics rate", rates.join(", ")),
-        ("computing", format!("{:.0} s", told.computing_s)),
+        ("computing", format!("{:.0} s", results.computing_s)),
     ];
     let ours = ours.map(|(name, value)| (name.to_owned(), value));
     page::Provenance {
@@ -340,7 +343,7 @@ fn provenance(told: &Told) -> page::Provenance {
 }
 
 /// A quantity on each ground, in a sentence that begins with `what`.
-fn told(findings: &[Finding], key: &str, what: &str) -> String {
+fn spread_of(findings: &[Finding], key: &str, what: &str) -> String {
     let values = findings.iter().filter_map(|finding| {
         let (quantity, spread) = spread(finding, key)?;
         let (mean, unit) = (quantity.shown(spread.mean), quantity.shown_unit);

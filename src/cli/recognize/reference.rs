@@ -21,7 +21,7 @@ pub struct Chosen {
 /// interpolated.
 const APART: f64 = 1.1;
 
-/// The reference from the runs of a file, all on REF where they say.
+/// The reference from the runs of a file, all on REF where they state their ground.
 ///
 /// # Errors
 /// `Unfit` where a run is on other ground, or cannot be used; those of reading the file.

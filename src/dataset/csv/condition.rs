@@ -265,7 +265,7 @@ impl Condition<'_> {
     }
 }
 
-/// A number, or that nobody knows it.
+/// A number, or `unknown`.
 fn known(number: Option<f64>) -> f64 {
     number.unwrap_or(f64::NAN)
 }

@@ -87,7 +87,7 @@ impl SlipOrigin {
         if counted == rim {
             return Ok(None);
         }
-        // What nobody knows stays so.
+        // Unknown values stay unknown.
         let by_rim = |slip: f64| {
             if slip.is_nan() {
                 slip

@@ -102,7 +102,7 @@ pub(super) fn attach<'a>(
 /// The type of `CLASS`: a text that ends with NUL, which HDF5 demands of a scale.
 fn terminated_text() -> Result<Datatype> {
     let kind = Datatype::from_type::<FixedAscii<SCALE_SIZE>>()?;
-    // SAFETY: `kind` is an open type of fixed-length text that nobody else has, and the lock is that of all calls.
+    // SAFETY: `kind` is an open type of fixed-length text of this function alone, and the lock is that of all calls.
     #[expect(
         unsafe_code,
         reason = "the safe interface has only texts padded with NUL"

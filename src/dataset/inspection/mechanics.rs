@@ -35,10 +35,10 @@ use crate::soil::contact::entry_angle;
 use crate::terrain::class::TerrainLabel;
 use crate::trace::RunAttributes;
 
-/// Error of a force's or torque's gain [-] that nobody notices.
+/// Error of a force's or torque's gain [-] that remains unnoticed.
 const GAIN: f64 = 0.05;
 
-/// Zero error of the sinkage [m] that nobody notices.
+/// Zero error of the sinkage [m] that remains unnoticed.
 const SINKAGE_ZERO: f64 = 0.3e-3;
 
 /// Height of the soil that a wheel pushes up before it, over the sinkage [-].
@@ -50,7 +50,7 @@ const STEP: f64 = 0.005;
 /// Entry angle [°] beyond which no rover wheel drives; the axle would be level with the ground at 90°.
 const STEEPEST: f64 = 60.0;
 
-/// Slip [-] above which a wheel is driven though nobody measured its torque.
+/// Slip [-] above which a wheel is driven though its torque is not measured.
 const DRIVING_SLIP: f64 = 0.05;
 
 /// Torque over radius and load [-] below which a unit that makes it so small explains nothing.
@@ -271,7 +271,7 @@ impl Loads {
     }
 }
 
-/// Tangent of the largest entry angle [-] that the sinkage allows; that of the steepest where nobody measured it.
+/// Tangent of the largest entry angle [-] that the sinkage allows; that of the steepest where it is not measured.
 fn entry(subject: &Subject<'_>) -> f64 {
     let RunAttributes {
         wheel_radius,

@@ -15,7 +15,7 @@ const BLOCKS: usize = 8;
 /// Standard uncertainties [-] beyond which a mean is doubtless of its sign.
 pub(super) const SIGMAS: f64 = 3.0;
 
-/// Zero error of pull and torque at the rim, over the load [-], that nobody notices.
+/// Zero error of pull and torque at the rim, over the load [-], that remains unnoticed.
 pub(super) const ZERO: f64 = 0.03;
 
 /// Way [m] over a stone or two.
@@ -252,7 +252,7 @@ impl<'t> Subject<'t> {
         shown.unwrap_or(self.trace.attributes.slip_ratio)
     }
 
-    /// 1 forward, also where nobody knows the speed; -1 in reverse.
+    /// 1 forward, also where the speed is unknown; -1 in reverse.
     pub(super) fn direction(&self) -> f64 {
         let speed = self.trace.attributes.speed;
         let speed = if speed.is_finite() {

@@ -55,7 +55,7 @@ fn check_counter(subject: &Subject<'_>, doubts: &mut Doubts) {
 /// Reports an angle too coarse for the wheel's speed.
 fn check_resolution(subject: &Subject<'_>, doubts: &mut Doubts) {
     if subject.is_turning_unresolved() && !subject.is_rest() {
-        let seen = "is read too seldom or in too large steps to tell how fast the wheel turns; what needs that is \
+        let seen = "is read too seldom or in too large steps to determine how fast the wheel turns; what needs that is \
                     left out";
         doubts.channel("wheel_angle", Severity::Info, seen, "");
     }

@@ -23,7 +23,7 @@ pub enum Caveat {
         /// As in the scenario.
         scenario: TerrainLabel,
     },
-    /// A number that no run tells, and whence it was taken.
+    /// A number that is not stated, and its source.
     Taken {
         /// What was missing.
         what: &'static str,

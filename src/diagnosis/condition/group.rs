@@ -103,7 +103,7 @@ impl Group {
         let carried = scenario.rig.carry(attributes.load, first.clearance);
         carried.map_err(|error| words(&error))?;
         command(scenario.rig.drive_mut(), &attributes, first.turning)?;
-        // Runs of which nobody stated a slope are driven on the scenario's.
+        // Runs without a stated slope are driven on the scenario's.
         if attributes.slope_deg != 0.0 {
             *scenario.rig.slope_deg_mut() = attributes.slope_deg;
         }
@@ -145,7 +145,7 @@ pub(super) fn without_broken(group: Group) -> (Group, Vec<Caveat>) {
     (Group { records, ..group }, caveats)
 }
 
-/// Commands what was commanded: slip, or the turning speed where slip does not tell it.
+/// Commands what was commanded: slip, or the turning speed where slip does not determine it.
 fn command(
     drive: &mut Drive,
     attributes: &RunAttributes,
@@ -157,7 +157,7 @@ fn command(
         (drive.slip, drive.wheel_speed) = (Some(slip), None);
         return Ok(());
     }
-    let turning = turning.ok_or("at slip 1 nothing but a measured wheel_angle tells its speed")?;
+    let turning = turning.ok_or("at slip 1 only a measured wheel_angle determines the speed")?;
     (drive.slip, drive.wheel_speed) = (None, Some(turning));
     Ok(())
 }

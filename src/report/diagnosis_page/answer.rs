@@ -1,22 +1,22 @@
 //! The answer in a sentence, what it rests on, and what to measure next.
 
-use super::ToldDiagnosis;
+use super::DiagnosisReport;
 use super::words::{self, listed, p_value, percent};
 use crate::diagnosis::{Answer, Diagnosis, Suspect, Verdict};
 use crate::report::page::Section;
 use crate::table::four_digits;
 
 /// The answer with its probability.
-pub fn sentence(told: &ToldDiagnosis) -> String {
-    let Diagnosis { verdict, .. } = told.diagnosis;
+pub fn sentence(report: &DiagnosisReport) -> String {
+    let Diagnosis { verdict, .. } = report.diagnosis;
     match verdict.verdict {
         Answer::None => format!(
             "Nothing is missing and nothing is off: {} explains these runs as it came (probability {}).",
-            told.name,
+            report.name,
             percent(verdict.probability(Answer::None))
         ),
         Answer::Parameter => parameter(verdict),
-        Answer::Effect | Answer::Effects => effects(told.diagnosis),
+        Answer::Effect | Answer::Effects => effects(report.diagnosis),
         Answer::Unknown => {
             let place = verdict.located.first().map_or(String::new(), |strongest| {
                 format!(
@@ -116,7 +116,7 @@ fn undecided(verdict: &Verdict) -> String {
         None => String::new(),
     };
     let likely = likeliest(verdict, &[Answer::Undecided]);
-    format!("These runs do not tell what differs.{likely}{next}")
+    format!("These runs do not identify what differs.{likely}{next}")
 }
 
 /// The three likeliest explanations but these, where any has one per cent.
@@ -170,18 +170,18 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             ),
         ),
     ];
-    let told = |name: &str, text: &String| (name.to_owned(), text.clone());
+    let fact = |name: &str, text: &String| (name.to_owned(), text.clone());
     facts.extend(
         verdict
             .reasons
             .iter()
-            .map(|it| told("less sure because", it)),
+            .map(|it| fact("less certain because", it)),
     );
-    facts.extend(caveats.iter().map(|it| told("keep in mind", it)));
+    facts.extend(caveats.iter().map(|it| fact("caveat", it)));
     Section::new("What does the answer rest on?").facts(facts)
 }
 
-/// Which run would tell most.
+/// The most informative next run.
 pub fn next_run(diagnosis: &Diagnosis) -> Section {
     let verdict = &diagnosis.verdict;
     let section = Section::new("What to measure next?");
@@ -204,7 +204,7 @@ pub fn next_run(diagnosis: &Diagnosis) -> Section {
              every answer surer."
         }
         _ => {
-            "The answer leaves nothing open that another run would have to tell. A repeat at a condition \
+            "No further run is needed to discriminate between the causes. A repeat at a condition \
              that was not measured yet would check it."
         }
     };

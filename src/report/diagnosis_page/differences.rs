@@ -1,14 +1,14 @@
 //! Where measured and simulated runs differ.
 
-use super::ToldDiagnosis;
+use super::DiagnosisReport;
 use super::{units, words};
 use crate::gap::{Colour, Entry, GapMap};
 use crate::report::gap_map;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 
 /// The map as shipped, and what recalibration leaves.
-pub fn section(told: &ToldDiagnosis) -> Section {
-    let diagnosis = told.diagnosis;
+pub fn section(report: &DiagnosisReport) -> Section {
+    let diagnosis = report.diagnosis;
     let map = GapMap {
         global: diagnosis.global.clone(),
         entries: diagnosis.map.clone(),
@@ -24,7 +24,7 @@ pub fn section(told: &ToldDiagnosis) -> Section {
              standard error; vermilion is a gap, green is shown to be small, grey is undecided. The strip \
              below it has one part a condition.",
         );
-    let title = format!("{} against {} as shipped", told.measured, told.name);
+    let title = format!("{} against {} as shipped", report.measured, report.name);
     let section = match map.entries.is_empty() {
         true => section.prose("There is nothing that both sides have."),
         false => section.figure(Figure::new(
@@ -32,7 +32,7 @@ pub fn section(told: &ToldDiagnosis) -> Section {
             "The gap map, before any recalibration.",
         )),
     };
-    let located = located(told);
+    let located = located(report);
     if located.rows.is_empty() {
         return section.prose("Once parameters are recalibrated, no statistic stands out.");
     }
@@ -63,8 +63,8 @@ fn signed(z: f64) -> String {
 }
 
 /// Strongest cells after recalibration, beside their difference as shipped.
-fn located(told: &ToldDiagnosis) -> Table {
-    let diagnosis = told.diagnosis;
+fn located(report: &DiagnosisReport) -> Table {
+    let diagnosis = report.diagnosis;
     let rows = diagnosis.verdict.located.iter().map(|located| {
         let entry = diagnosis
             .map

@@ -1,6 +1,6 @@
-//! Effects that may explain the gap, and which of them these runs can tell apart.
+//! Effects that may explain the gap, and which of them these runs can discriminate.
 
-use super::ToldDiagnosis;
+use super::DiagnosisReport;
 use super::words;
 use crate::diagnosis::{ALIKE, Diagnosis, Screened, Suspect};
 use crate::effects::Bound;
@@ -25,7 +25,7 @@ pub fn suspects(diagnosis: &Diagnosis) -> Section {
     let section = section
         .prose(
             "The probability of an effect counts all explanations that have it; its magnitude is that of the \
-             likeliest of them, where it is there. Where runs cannot tell effects apart, any of them may be \
+             likeliest of them, where it is there. Where runs cannot discriminate between effects, any of them may be \
              the cause. What is absorbed is the share of what the effect shows that recalibrated parameters \
              can mimic; the detection limit is the magnitude that shows itself with three standard deviations.",
         )
@@ -38,7 +38,7 @@ pub fn suspects(diagnosis: &Diagnosis) -> Section {
                 Column::new("unit", ""),
                 Column::new("absorbed by parameters", "%"),
                 Column::new("detection limit", ""),
-                Column::new("cannot be told from", ""),
+                Column::new("cannot be distinguished from", ""),
             ],
             rows: estimates.collect(),
         });
@@ -96,13 +96,13 @@ fn meaning(suspect: &Suspect) -> Option<Vec<Cell>> {
     ])
 }
 
-/// Cosines of all signatures, and the sets that cannot be told apart; none without effects.
-pub fn isolability(told: &ToldDiagnosis) -> Option<Section> {
+/// Cosines of all signatures, and the sets that cannot be distinguished; none without effects.
+pub fn isolability(report: &DiagnosisReport) -> Option<Section> {
     let Diagnosis {
         screen,
         isolability,
         ..
-    } = told.diagnosis;
+    } = report.diagnosis;
     if screen.is_empty() {
         return None;
     }
@@ -118,7 +118,7 @@ pub fn isolability(told: &ToldDiagnosis) -> Option<Section> {
     };
     let cosines: Vec<Vec<f64>> = shown.iter().map(row).collect();
     let alike = ALIKE;
-    let section = Section::new("Which effects can these runs tell apart?")
+    let section = Section::new("Which effects can these runs discriminate?")
         .answer(answer(screen, names.len()))
         .figure(Figure::new(
             isolability_map(&names, &cosines, alike),
@@ -134,7 +134,7 @@ fn answer(screen: &[Screened], shown: usize) -> String {
         .filter(|it| it.detectable.is_some() && it.equivalent.is_empty())
         .count();
     format!(
-        "Of {} effects tried {shown} show themselves here, and {alone} of them can be told from every other.",
+        "Of {} effects tried {shown} show themselves here, and {alone} of them can be distinguished from every other.",
         screen.len()
     )
 }
@@ -154,9 +154,10 @@ fn sets(screen: &[Screened]) -> Table {
         ]
     });
     Table {
-        caption: "Effects that these runs cannot tell apart, with the cosines of what they show"
-            .to_owned(),
-        columns: Column::named(["effect", "cannot be told from"]),
+        caption:
+            "Effects that these runs cannot discriminate, with the cosines of their signatures"
+                .to_owned(),
+        columns: Column::named(["effect", "cannot be distinguished from"]),
         rows: rows.collect(),
     }
 }

@@ -1,6 +1,6 @@
 //! What the gap does to forces, features, class and terrain.
 
-use super::ToldDiagnosis;
+use super::DiagnosisReport;
 use super::units::shown;
 use super::words;
 use crate::diagnosis::{EndResults, Step};
@@ -8,8 +8,8 @@ use crate::gap::stages::{Stage, Stages};
 use crate::report::page::{Cell, Column, Section, Table};
 
 /// Errors of end results by step, and which part of the measurements brings them.
-pub fn section(told: &ToldDiagnosis) -> Option<Section> {
-    let steps = &told.diagnosis.end_results;
+pub fn section(report: &DiagnosisReport) -> Option<Section> {
+    let steps = &report.diagnosis.end_results;
     let shipped = steps.first()?;
     let rows = rows(shipped, steps);
     if rows.is_empty() {
@@ -21,15 +21,15 @@ pub fn section(told: &ToldDiagnosis) -> Option<Section> {
         .prose(
             "Who simulates wants forces, the class of the contact or the soil's parameters, not statistics. These \
              are the errors of such results, parameters and magnitudes fitted to all conditions: root mean square \
-             errors of steady means, distance of the features' logarithms, share of windows told otherwise, and \
-             distance of the terrain identified from both sides, in units of what would say nothing useful.",
+             errors of steady means, distance of the features' logarithms, share of windows with another class, and \
+             distance of the terrain identified from both sides, in units of an uninformative interval.",
         )
         .table(Table {
             caption: "Errors of end results, means over conditions".to_owned(),
             columns,
             rows,
         });
-    let shares = shares(told);
+    let shares = shares(report);
     Some(match shares.is_empty() {
         true => section,
         false => section
@@ -73,7 +73,7 @@ fn rows(shipped: &EndResults, steps: &[EndResults]) -> Vec<Vec<Cell>> {
         }));
     }
     if shipped.class.is_some() {
-        rows.push(row("windows told otherwise".to_owned(), "%", &|step| {
+        rows.push(row("windows with another class".to_owned(), "%", &|step| {
             step.class.map(|share| 100.0 * share)
         }));
     }
@@ -85,13 +85,15 @@ fn rows(shipped: &EndResults, steps: &[EndResults]) -> Vec<Vec<Cell>> {
     rows
 }
 
-fn shares(told: &ToldDiagnosis) -> Vec<Vec<Cell>> {
-    let vibration = told.traces.map_or_else(Vec::new, |traces| traces.stages());
+fn shares(report: &DiagnosisReport) -> Vec<Vec<Cell>> {
+    let vibration = report
+        .traces
+        .map_or_else(Vec::new, |traces| traces.stages());
     let of_vibration = vibration.iter().flat_map(|(step, stages)| {
         let features = of_stages("features", *step, &stages.features);
         [features, of_stages("class", *step, &stages.class)]
     });
-    let terrain = told.diagnosis.end_results.iter();
+    let terrain = report.diagnosis.end_results.iter();
     let of_terrain = terrain.filter_map(|it| {
         let stages = it.terrain.as_ref()?;
         Some(of_stages("terrain", it.step, stages))
@@ -111,7 +113,7 @@ fn of_stages(result: &str, of: Step, stages: &Stages) -> Vec<Vec<Cell>> {
     shares.collect()
 }
 
-/// A simulator as a reader says it.
+/// Name of a simulator for readers.
 pub fn step(step: Step) -> &'static str {
     match step {
         Step::AsShipped => "as shipped",

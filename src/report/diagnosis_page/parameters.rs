@@ -1,6 +1,6 @@
 //! What recalibration moved.
 
-use super::ToldDiagnosis;
+use super::DiagnosisReport;
 use super::words;
 use crate::diagnosis::parameter::{Coordinate, Parameter};
 use crate::diagnosis::{Recalibrated, Verdict};
@@ -14,15 +14,15 @@ const NORMAL_95: f64 = 1.959964;
 const SAME: f64 = 1.0e-9;
 
 /// Values in the scenario and recalibrated.
-pub fn section(told: &ToldDiagnosis) -> Section {
-    let verdict = &told.diagnosis.verdict;
+pub fn section(report: &DiagnosisReport) -> Section {
+    let verdict = &report.diagnosis.verdict;
     let section = Section::new("What did recalibration move?");
     if verdict.recalibration.is_empty() {
         return section.prose("The scenario has no parameter that recalibration may move.");
     }
     let rows = verdict.recalibration.iter().filter_map(|alone| {
         let parameter = Parameter::find(&alone.name)?;
-        Some(row(told.scenario, parameter, alone, verdict))
+        Some(row(report.scenario, parameter, alone, verdict))
     });
     section
         .answer(answer(verdict))
@@ -77,7 +77,7 @@ fn row(
     let values = parameter.values(scenario);
     let unit = words::unit(parameter.unit);
     let [low, high] = [-NORMAL_95, NORMAL_95].map(|side| alone.offset + side * alone.deviation);
-    let told = [alone.offset, low, high].map(four_digits);
+    let numbers = [alone.offset, low, high].map(four_digits);
     vec![
         Cell::Code(parameter.name.to_owned()),
         Cell::text(parameter.title),
@@ -85,7 +85,7 @@ fn row(
         in_scenario(&values),
         moved(parameter, &values, alone),
         Cell::Written(
-            format!("{} [{}, {}]", told[0], told[1], told[2]),
+            format!("{} [{}, {}]", numbers[0], numbers[1], numbers[2]),
             alone.offset,
         ),
         explained.map_or(Cell::Missing, |it| moved(parameter, &values, it)),
@@ -113,9 +113,9 @@ fn in_scenario(values: &[f64]) -> Cell {
 }
 
 /// Where a parameter is after recalibration: its value, a factor or a shift.
-fn moved(parameter: &Parameter, values: &[f64], told: &Recalibrated) -> Cell {
+fn moved(parameter: &Parameter, values: &[f64], recalibrated: &Recalibrated) -> Cell {
     let offsets = [0.0, -NORMAL_95, NORMAL_95].map(|side| {
-        let offset: f64 = told.offset + side * told.deviation;
+        let offset: f64 = recalibrated.offset + side * recalibrated.deviation;
         offset * parameter.sd
     });
     let [value, low, high] = match (parameter.coordinate, one_value(values)) {
@@ -129,8 +129,8 @@ fn moved(parameter: &Parameter, values: &[f64], told: &Recalibrated) -> Cell {
         (Coordinate::Logarithm, None) => "×",
         (Coordinate::Plain, None) => "shift ",
     };
-    let [told, low, high] = [value, low, high].map(four_digits);
-    Cell::Written(format!("{sign}{told} [{low}, {high}]"), value)
+    let [shown, low, high] = [value, low, high].map(four_digits);
+    Cell::Written(format!("{sign}{shown} [{low}, {high}]"), value)
 }
 
 #[cfg(test)]

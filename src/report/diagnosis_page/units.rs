@@ -90,7 +90,7 @@ pub fn of_level(level: f64) -> f64 {
 struct Shown {
     unit: String,
     factor: f64,
-    /// Whether it is told in decibels of the unit.
+    /// Whether it is shown in decibels of the unit.
     is_level: bool,
 }
 
@@ -131,18 +131,18 @@ fn difference(diagnosis: &Diagnosis, row: &InUnits, shown: &Shown) -> Cell {
         return Cell::Missing;
     };
     let half = half_width(entry);
-    let told = [
+    let values = [
         entry.difference,
         entry.difference - half,
         entry.difference + half,
     ];
     match shown.is_level {
         true => {
-            let [value, low, high] = told.map(of_level);
+            let [value, low, high] = values.map(of_level);
             Cell::Written(format!("×{value:.3} [{low:.3}, {high:.3}]"), value)
         }
         false => {
-            let [value, low, high] = told.map(|x| shown.factor * x);
+            let [value, low, high] = values.map(|x| shown.factor * x);
             Cell::Estimate(value, [low, high])
         }
     }

@@ -1,4 +1,4 @@
-//! Names of a diagnosis as a reader says them.
+//! Names of a diagnosis for readers.
 
 use crate::effects::{self, Effect};
 use crate::gap::{Cell, Statistic};
@@ -82,7 +82,7 @@ pub fn statistic(statistic: Statistic) -> String {
         OrderSine(order) => return format!("sine part at order {order} of the wheel's turn"),
         Band(_) => return third(&short, "band_", "level in the third octave at"),
         Line(_) => return third(&short, "line_", "strongest line about"),
-        ClassShare(class) => return format!("share of windows told to be {class}"),
+        ClassShare(class) => return format!("share of windows recognised as {class}"),
         Identified(_) => return format!("identified {short}"),
         _ => return short.replace('_', " "),
     };
@@ -105,8 +105,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_probability_is_told_as_certain() {
-        let told = [0.0, 1e-9, 0.034, 0.5, 0.957, 0.9999, 1.0].map(percent);
+    fn no_probability_is_shown_as_certain() {
+        let described = [0.0, 1e-9, 0.034, 0.5, 0.957, 0.9999, 1.0].map(percent);
         let expected = [
             "0.0 %",
             "less than 0.1 %",
@@ -116,23 +116,23 @@ mod tests {
             "more than 99.9 %",
             "100.0 %",
         ];
-        assert_eq!(told, expected);
+        assert_eq!(described, expected);
         assert_eq!(percent(f64::NAN), "–");
     }
 
     #[test]
     fn a_cell_reads_as_a_sentence_would_name_it() {
-        let told = |channel: &str, statistic| cell(&Cell::new(channel, statistic));
+        let described = |channel: &str, statistic| cell(&Cell::new(channel, statistic));
         assert_eq!(
-            told("acceleration_y", Statistic::OrderLevel(28)),
+            described("acceleration_y", Statistic::OrderLevel(28)),
             "vertical acceleration: amplitude at order 28 of the wheel's turn"
         );
         assert_eq!(
-            told("drawbar_pull~sinkage", Statistic::Coherence),
+            described("drawbar_pull~sinkage", Statistic::Coherence),
             "drawbar pull with sinkage: coherence"
         );
         assert_eq!(
-            told("normal_force", Statistic::Band(18)),
+            described("normal_force", Statistic::Band(18)),
             "normal force: level in the third octave at 63 Hz"
         );
     }

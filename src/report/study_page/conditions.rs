@@ -27,11 +27,11 @@ pub fn answer(conditions: &[Condition]) -> String {
     if pulls.is_empty() {
         return "No run recorded a drawbar pull.".to_owned();
     }
-    let told: Vec<String> = pulls
+    let pulls: Vec<String> = pulls
         .into_iter()
         .map(|(scenario, pulls)| of_scenario(scenario, pulls))
         .collect();
-    format!("Drawbar pull: {}.", told.join("; "))
+    format!("Drawbar pull: {}.", pulls.join("; "))
 }
 
 /// The range of the pull in one scenario.
@@ -85,14 +85,14 @@ fn written(mean: &Mean) -> String {
 
 /// A table of the means of every condition.
 pub fn section(study: &Study, conditions: &[Condition]) -> Section {
-    let told: Vec<usize> = (0..QUANTITIES.len())
+    let shown: Vec<usize> = (0..QUANTITIES.len())
         .filter(|&i| {
             conditions
                 .iter()
                 .any(|condition| condition.means[i].is_some())
         })
         .collect();
-    let quantities = told.iter().map(|&i| &QUANTITIES[i]);
+    let quantities = shown.iter().map(|&i| &QUANTITIES[i]);
     let quantities = quantities.map(|quantity| Column::new(quantity.name, quantity.unit));
     let keys = study.keys().map(|key| Column::new(key, ""));
     let is_any_unsteady = conditions.iter().any(|c| !c.unsteady.is_empty());
@@ -106,7 +106,7 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
         let mut cells = vec![Cell::text(&condition.scenario)];
         cells.extend(condition.values.iter().map(|value| Cell::toml(value)));
         cells.push(Cell::Count(condition.runs as u64));
-        cells.extend(told.iter().map(|&i| mean_cell(condition.means[i])));
+        cells.extend(shown.iter().map(|&i| mean_cell(condition.means[i])));
         cells.extend(is_any_unsteady.then(|| unsteady_cell(&condition.unsteady)));
         cells
     };

@@ -69,7 +69,7 @@ pub fn section(score: &DiagnosisScore) -> Section {
         .figure(figure)
         .table(answers(score));
     let without = score.without_answer().map(|campaign| {
-        let reason = campaign.told.reason.as_deref().unwrap_or_default();
+        let reason = campaign.result.reason.as_deref().unwrap_or_default();
         vec![Cell::Text(campaign.place()), Cell::text(reason)]
     });
     section.table(Table {
@@ -141,7 +141,7 @@ fn row(campaign: &CampaignScore) -> Vec<Cell> {
     let finding = campaign.finding();
     let mut cells = vec![Cell::text(&campaign.scenario)];
     cells.extend(campaign.shared.iter().map(|(_, value)| Cell::toml(value)));
-    cells.push(Cell::Count(campaign.told.runs as u64));
+    cells.push(Cell::Count(campaign.result.runs as u64));
     cells.push(Cell::Text(campaign.truth.to_string()));
     cells.push(Cell::Text(campaign.answer()));
     cells.push(number(campaign.probability_of_truth()));
@@ -179,7 +179,7 @@ fn number(value: Option<f64>) -> Cell {
 mod tests {
     use super::*;
     use crate::diagnosis::Answer;
-    use crate::study::diagnosis::score::Told;
+    use crate::study::diagnosis::score::CampaignResult;
 
     /// A campaign with slip sinkage of a magnitude, which is named or read as parameters.
     fn campaign(magnitude: &str, is_named: bool) -> CampaignScore {
@@ -189,7 +189,7 @@ mod tests {
         } else {
             Vec::new()
         };
-        let told = [("none", 0.25), ("parameter", 0.5), ("undecided", 0.125)];
+        let known = [("none", 0.25), ("parameter", 0.5), ("undecided", 0.125)];
         CampaignScore {
             campaign: 0,
             scenario: "sand".to_owned(),
@@ -198,7 +198,7 @@ mod tests {
                 "0.0" => Truth::None,
                 _ => Truth::Effects(vec![name]),
             },
-            told: Told {
+            result: CampaignResult {
                 runs: 8,
                 reason: None,
                 finding: Some(Finding {
@@ -208,7 +208,7 @@ mod tests {
                         Answer::Parameter
                     },
                     named,
-                    probabilities: told.map(|(name, p)| (name.to_owned(), p)).into(),
+                    probabilities: known.map(|(name, p)| (name.to_owned(), p)).into(),
                     effects: Vec::new(),
                     gap: None,
                     closed: None,
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn an_effect_is_named_from_where_all_larger_ones_are() {
-        let told = |campaigns: Vec<CampaignScore>| answer(&DiagnosisScore { campaigns });
+        let answer_of = |campaigns: Vec<CampaignScore>| answer(&DiagnosisScore { campaigns });
         let some = vec![
             campaign("0.0", false),
             campaign("0.1", true),
@@ -228,11 +228,11 @@ mod tests {
             campaign("0.8", true),
         ];
         assert_eq!(
-            told(some),
+            answer_of(some),
             "3 of 5 campaigns are read as what they are. slip_sinkage is named from 0.4 on."
         );
         let none = vec![campaign("0.1", true), campaign("0.2", false)];
-        let text = told(none);
+        let text = answer_of(none);
         assert!(
             text.ends_with("slip_sinkage is not named at its largest magnitude."),
             "{text}"

@@ -15,7 +15,7 @@ use crate::terrain::class::{TerrainLabel, Wtic};
 
 /// The force errors by the model of the class recognised, beside those published.
 pub fn answer(score: &IdentificationScore) -> String {
-    let told = score.grounds.iter().filter_map(|ground| {
+    let errors = score.grounds.iter().filter_map(|ground| {
         let by_class = |model: &&ModelScore| model.choice == Choice::Recognized && model.groups > 0;
         let model = ground.models.iter().find(by_class)?;
         let published = score.published.map(|published| {
@@ -26,8 +26,8 @@ pub fn answer(score: &IdentificationScore) -> String {
         let published = published.unwrap_or_default();
         Some(format!("{errors} % on {}{published}", ground.scenario))
     });
-    let told: Vec<String> = told.collect();
-    if told.is_empty() {
+    let errors: Vec<String> = errors.collect();
+    if errors.is_empty() {
         return "No model could be fitted.".to_owned();
     }
     let groups = || score.groups.iter();
@@ -40,7 +40,7 @@ pub fn answer(score: &IdentificationScore) -> String {
     };
     format!(
         "By the model of the class recognised, pull, load and torque of a condition come back within {}.{drifting}",
-        told.join("; ")
+        errors.join("; ")
     )
 }
 
@@ -150,8 +150,8 @@ fn errors(accuracy: &Accuracy) -> [Cell; 3] {
 }
 
 fn covered(accuracy: &Accuracy, force: Force) -> Cell {
-    let told = |share: &Share| Cell::Written(format!("{:.0}", 100.0 * share.value), share.value);
-    accuracy.covered.get(&force).map_or(Cell::Missing, told)
+    let cell = |share: &Share| Cell::Written(format!("{:.0}", 100.0 * share.value), share.value);
+    accuracy.covered.get(&force).map_or(Cell::Missing, cell)
 }
 
 fn percent_cell(value: Option<f64>) -> Cell {
@@ -182,7 +182,7 @@ fn parameters(score: &IdentificationScore) -> Section {
     }
 }
 
-/// Keys beyond which a fit is told by its number: their values would fill the table.
+/// Number of keys above which a fit is named by its number: their values would fill the table.
 const KEYS: usize = 2;
 
 fn numbered(score: &IdentificationScore) -> bool {
@@ -220,8 +220,8 @@ pub fn parameter_drawing(score: &IdentificationScore) -> String {
         Some(IdentifiedGround {
             name: group.label.to_string(),
             label: group.label,
-            parameters: parameters.iter().map(|told| told.identified).collect(),
-            own: parameters.iter().map(|told| told.own).collect(),
+            parameters: parameters.iter().map(|it| it.identified).collect(),
+            own: parameters.iter().map(|it| it.own).collect(),
         })
     };
     let grounds: Vec<IdentifiedGround> = score.references().filter_map(ground).collect();
@@ -236,15 +236,15 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
     let rows = score.groups.iter().enumerate().flat_map(|(number, group)| {
         let fit = fit_cell(numbered, number, group);
         let (class, parameters) = group.parameters().unwrap_or((Wtic::Uwtic, &[]));
-        let row = move |told: &ParameterScore| {
+        let row = move |score: &ParameterScore| {
             let mut cells = vec![fit.clone()];
             cells.push(Cell::text(class.as_str()));
-            cells.push(Cell::text(told.parameter.name()));
-            cells.push(Cell::text(told.unit));
-            cells.push(value(told));
-            cells.push(told.own.map_or(Cell::Missing, Cell::Number));
+            cells.push(Cell::text(score.parameter.name()));
+            cells.push(Cell::text(score.unit));
+            cells.push(value(score));
+            cells.push(score.own.map_or(Cell::Missing, Cell::Number));
             if is_beside {
-                let published = table_6_value(group.label, told.parameter);
+                let published = table_6_value(group.label, score.parameter);
                 cells.push(published.map_or(Cell::Missing, Cell::Number));
             }
             cells
@@ -320,22 +320,22 @@ fn rate_cell(drift: &DriftScore) -> Cell {
     Cell::Written(format!("{mean}{range}"), drift.rate)
 }
 
-fn value(told: &ParameterScore) -> Cell {
-    let text = four_digits(told.value);
-    match (told.identifiable, told.ci95) {
-        (false, _) if told.identified.standing == Standing::NotIdentifiable => {
-            Cell::Written(format!("({text})"), told.value)
+fn value(score: &ParameterScore) -> Cell {
+    let text = four_digits(score.value);
+    match (score.identifiable, score.ci95) {
+        (false, _) if score.identified.standing == Standing::NotIdentifiable => {
+            Cell::Written(format!("({text})"), score.value)
         }
-        (false, _) => Cell::Written(format!("{text}, set"), told.value),
+        (false, _) => Cell::Written(format!("{text}, set"), score.value),
         (true, [Some(low), Some(high)]) if low == high => {
-            Cell::Written(format!("{text}, set"), told.value)
+            Cell::Written(format!("{text}, set"), score.value)
         }
         (true, [low, high]) => {
             let ends = [
                 low.unwrap_or(f64::NEG_INFINITY),
                 high.unwrap_or(f64::INFINITY),
             ];
-            Cell::Estimate(told.value, ends)
+            Cell::Estimate(score.value, ends)
         }
     }
 }
@@ -386,16 +386,16 @@ fn predictions(score: &IdentificationScore) -> Option<Section> {
         return None;
     }
     let key = score.predictions[0].shared.first();
-    let row = |told: &PredictionScore| {
-        let beyond: Vec<&str> = told.beyond.iter().map(|force| force.name()).collect();
-        let first = told.shared.first().map(|(_, value)| value.as_str());
+    let row = |score: &PredictionScore| {
+        let beyond: Vec<&str> = score.beyond.iter().map(|force| force.name()).collect();
+        let first = score.shared.first().map(|(_, value)| value.as_str());
         let mut cells = vec![
-            Cell::text(&told.scenario),
+            Cell::text(&score.scenario),
             first.map_or(Cell::Missing, Cell::toml),
-            Cell::text(told.class.as_str()),
+            Cell::text(score.class.as_str()),
         ];
-        cells.extend(errors(&told.accuracy));
-        cells.extend(Force::ALL.map(|force| covered(&told.accuracy, force)));
+        cells.extend(errors(&score.accuracy));
+        cells.extend(Force::ALL.map(|force| covered(&score.accuracy, force)));
         cells.push(Cell::Text(beyond.join(", ")));
         cells
     };
@@ -417,9 +417,9 @@ fn predictions(score: &IdentificationScore) -> Option<Section> {
 }
 
 fn carried(score: &IdentificationScore) -> Option<Section> {
-    let row = |told: &CarriedScore| {
-        let mut cells = vec![Cell::text(&told.from), Cell::text(&told.to)];
-        cells.extend(errors(&told.accuracy));
+    let row = |score: &CarriedScore| {
+        let mut cells = vec![Cell::text(&score.from), Cell::text(&score.to)];
+        cells.extend(errors(&score.accuracy));
         cells
     };
     let forces = Force::ALL.map(|force| Column::new(format!("error, {}", short(force)), "%"));

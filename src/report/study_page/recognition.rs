@@ -20,12 +20,12 @@ pub fn answer(score: &RecognitionScore) -> String {
     let methods = labelled.filter_map(|s| right(&s.method, &s.all));
     let published = score.published.iter();
     let published = published.filter_map(|counted| right("published", counted));
-    let told: Vec<String> = methods.chain(published).collect();
-    match told.is_empty() {
+    let shares: Vec<String> = methods.chain(published).collect();
+    match shares.is_empty() {
         true => "No ground stands for one class.".to_owned(),
         false => format!(
-            "Windows told by the class their ground stands for: {}.",
-            told.join("; ")
+            "Windows recognised as the class of their ground: {}.",
+            shares.join("; ")
         ),
     }
 }
@@ -50,7 +50,7 @@ fn methods(score: &RecognitionScore) -> Section {
     let section = Section::new("How often is the class recognised?")
         .prose(
             "Answers are counted against the class that the ground stands for, as the paper does; against \
-             how lugs and ground really met, which the simulation knows; and on the windows in which both \
+             the contacts of lugs and ground in the simulation; and on the windows in which both \
              are one. Shares have Wilson's 95 % interval, which takes windows for independent.",
         );
     let labelled: Vec<&MethodScore> = of_label(score).collect();
@@ -214,7 +214,8 @@ fn features(score: &RecognitionScore) -> Option<Section> {
     if points.is_empty() {
         return None;
     }
-    let mut section = Section::new("What do the features say?").table(spreads(&score.features));
+    let mut section = Section::new("How do the features lie to the paper's limits?")
+        .table(spreads(&score.features));
     section = section.table(slopes(&score.features));
     section = section.figure(Figure::new(
         feature_values(&points),
@@ -268,14 +269,14 @@ fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
     let has = |of: &&FeaturesOfScenario| of.features.iter().any(|spread| spread.slope.is_some());
     let row = |of: &FeaturesOfScenario| {
         let slopes = of.features.iter().map(|spread| {
-            let told = |Slope {
+            let cell = |Slope {
                             value,
                             ci95: [low, high],
                         }: Slope| {
                 let text = format!("{value:+.2} [{low:+.2}, {high:+.2}]");
                 Cell::Written(text.replace('-', "−"), value)
             };
-            spread.slope.map_or(Cell::Missing, told)
+            spread.slope.map_or(Cell::Missing, cell)
         });
         std::iter::once(Cell::text(&of.scenario))
             .chain(slopes)

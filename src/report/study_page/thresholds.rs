@@ -13,7 +13,7 @@ pub fn answer(score: &ThresholdScore) -> String {
         equations.push(statement.equation);
         is_first
     });
-    let told = first.map(|statement| {
+    let shares = first.map(|statement| {
         let violations = statement.parts[0].tally.violations;
         let [value, low, high] =
             [violations.value, violations.ci95[0], violations.ci95[1]].map(|s| 100.0 * s);
@@ -22,12 +22,12 @@ pub fn answer(score: &ThresholdScore) -> String {
             statement.equation, statement.quantity
         )
     });
-    let told: Vec<String> = told.collect();
+    let shares: Vec<String> = shares.collect();
     format!(
         "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged \
          wheels: {}.",
         score.all_touched,
-        told.join("; ")
+        shares.join("; ")
     )
 }
 
@@ -108,14 +108,14 @@ fn by_sweep(statement: &Statement) -> impl Iterator<Item = Vec<Cell>> {
 
 /// What every limit is about; one of wheels of few lugs has a row of its own where it differs.
 fn meanings(score: &ThresholdScore) -> Vec<Vec<Cell>> {
-    let mut told: Vec<[&str; 3]> = Vec::new();
+    let mut known: Vec<[&str; 3]> = Vec::new();
     for statement in &score.statements {
         let meaning = [&*statement.name, &*statement.quantity, statement.limit];
-        if !told.contains(&meaning) {
-            told.push(meaning);
+        if !known.contains(&meaning) {
+            known.push(meaning);
         }
     }
-    let rows = told.into_iter();
+    let rows = known.into_iter();
     rows.map(|meaning| meaning.map(Cell::text).to_vec())
         .collect()
 }

@@ -10,7 +10,7 @@ pub(super) enum Number {
     Whole,
 }
 
-/// What the schema says of a key.
+/// A key in the schema.
 #[derive(Clone, Copy)]
 pub(super) struct Part<'s> {
     schema: &'s Value,

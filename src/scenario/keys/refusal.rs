@@ -1,4 +1,4 @@
-//! What the checks of a scenario say of a value that is none.
+//! Messages of the checks of a scenario for invalid values.
 
 use super::joined;
 use super::part::Number;

@@ -2,13 +2,13 @@
 
 use super::Plan;
 use super::campaign;
-use super::score::{CampaignScore, DiagnosisScore, Finding, Told};
+use super::score::{CampaignResult, CampaignScore, DiagnosisScore, Finding};
 use super::truth;
 use crate::diagnosis::condition::LONGEST;
 use crate::diagnosis::inference::BaseRates;
 use crate::diagnosis::rigs::Origin;
 use crate::diagnosis::{self, Investigation, InvestigationError, Settings};
-use crate::study::execution::said;
+use crate::study::execution::panic_message;
 use crate::study::folder::Folder;
 use crate::study::group::{self, Group};
 use crate::study::shard::{self, Shard, opened, sealed};
@@ -20,23 +20,23 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// The folder of simulated statistics.
 const BANK: &str = "bank";
 
-/// The folder of what is told of each campaign.
+/// The folder of the results of each campaign.
 const ANSWERS: &str = "diagnoses";
 
-/// Hears how far the diagnoses are; a `Break` stops them.
-pub(in crate::study) type Hear<'h> = &'h (dyn Fn(Diagnosing) -> ControlFlow<()> + Sync);
+/// Callback with the progress of the diagnoses; a `Break` stops them.
+pub(in crate::study) type OnProgress<'h> = &'h (dyn Fn(Diagnosing) -> ControlFlow<()> + Sync);
 
 impl Study {
-    /// Diagnoses every campaign that has no answer in the folder, where the study asks for it, on the
+    /// Diagnoses every campaign that has no answer in the folder, where the study has a `[diagnosis]`, on the
     /// threads of the pool that this is called in. No shard is missing.
     ///
     /// # Errors
     /// `StoppedDiagnosing`; `Dataset` where the runs of a shard cannot be read; `File` and `Diagnosis`
-    /// where the file system refuses. A campaign that cannot be diagnosed is none: its reason is told.
+    /// where the file system refuses. A campaign that cannot be diagnosed is no error: its reason is stored.
     pub(in crate::study) fn diagnose(
         &self,
         folder: &Folder,
-        hear: Hear,
+        on_progress: OnProgress,
     ) -> Result<Option<DiagnosisScore>, StudyError> {
         let Some(plan) = &self.diagnosis else {
             return Ok(None);
@@ -50,7 +50,7 @@ impl Study {
             folder,
             shards: &shards,
             campaigns: groups.len(),
-            hear,
+            on_progress,
         };
         let numbered = groups.iter().enumerate();
         let campaigns = numbered.map(|(number, group)| asking.score(number, group));
@@ -65,7 +65,7 @@ struct Asking<'s> {
     folder: &'s Folder,
     shards: &'s [Shard],
     campaigns: usize,
-    hear: Hear<'s>,
+    on_progress: OnProgress<'s>,
 }
 
 impl Asking<'_> {
@@ -77,44 +77,48 @@ impl Asking<'_> {
             scenario: group.scenario.clone(),
             shared: group.shared.clone(),
             truth: truth::of(&runs, against),
-            told: self.told(number, group)?,
+            result: self.result(number, group)?,
         })
     }
 
-    /// What is told of a campaign: what is in the folder, or else what comes of it now. Either way it is
+    /// The result of a campaign: that in the folder, or else a new one. Either way it is
     /// read from its text, so that both are the same.
-    fn told(&self, number: usize, group: &Group) -> Result<Told, StudyError> {
+    fn result(&self, number: usize, group: &Group) -> Result<CampaignResult, StudyError> {
         let name = format!("{ANSWERS}/{number:05}.toml");
         let heading = format!(
             "# lugwheel campaign {number}, study {}\n",
             self.folder.fingerprint()
         );
-        let read = |text: &str| toml::from_str::<Told>(opened(&heading, text)?).ok();
+        let read = |text: &str| toml::from_str::<CampaignResult>(opened(&heading, text)?).ok();
         let known = std::fs::read_to_string(self.folder.path_of(&name));
-        if let Some(told) = known.ok().as_deref().and_then(read) {
-            return Ok(told);
+        if let Some(result) = known.ok().as_deref().and_then(read) {
+            return Ok(result);
         }
-        let told = self.ask(number, group)?;
-        let text = toml::to_string(&told).expect("it holds tables, numbers and names only");
+        let result = self.ask(number, group)?;
+        let text = toml::to_string(&result).expect("it holds tables, numbers and names only");
         let text = sealed(&heading, &text);
         self.folder.write(&name, text.as_bytes())?;
         Ok(read(&text).expect("it was written above"))
     }
 
-    fn ask(&self, number: usize, group: &Group) -> Result<Told, StudyError> {
+    fn ask(&self, number: usize, group: &Group) -> Result<CampaignResult, StudyError> {
         let at = (self.folder, self.shards);
         let measured = campaign::measured(self.study, at, group)?;
         let runs = measured.len();
         let against = AssertUnwindSafe(|| self.finding(number, group, measured));
-        let found = catch_unwind(against)
-            .unwrap_or_else(|panic| Err(Halt::Failed(format!("it panicked: {}", said(&*panic)))));
+        let found = catch_unwind(against).unwrap_or_else(|panic| {
+            Err(Halt::Failed(format!(
+                "it panicked: {}",
+                panic_message(&*panic)
+            )))
+        });
         match found {
-            Ok(finding) => Ok(Told {
+            Ok(finding) => Ok(CampaignResult {
                 runs,
                 reason: None,
                 finding: Some(finding),
             }),
-            Err(Halt::Failed(reason)) => Ok(Told {
+            Err(Halt::Failed(reason)) => Ok(CampaignResult {
                 runs,
                 reason: Some(reason),
                 finding: None,
@@ -147,15 +151,15 @@ impl Asking<'_> {
         let investigation = Investigation::new(&measured, against, &settings, origin)?;
         // Its statistics are taken.
         drop(measured);
-        let hear = |now: diagnosis::Progress| {
-            (self.hear)(Diagnosing {
+        let on_progress = |now: diagnosis::Progress| {
+            (self.on_progress)(Diagnosing {
                 campaign: number,
                 campaigns: self.campaigns,
                 done: now.done,
                 total: now.total,
             })
         };
-        let (diagnosis, _) = investigation.run(&hear)?;
+        let (diagnosis, _) = investigation.run(&on_progress)?;
         Ok(Finding::of(&diagnosis))
     }
 }

@@ -9,8 +9,7 @@ use crate::study::{Study, traces};
 use crate::trace::Trace;
 use std::ops::Range;
 
-/// The runs of a group that did not fail, in the order of their numbers, without all that no rig
-/// knows.
+/// The runs of a group that did not fail, in the order of their numbers, without ground truth.
 pub(super) fn measured(
     study: &Study,
     (folder, shards): (&Folder, &[Shard]),

@@ -47,7 +47,7 @@ impl DiagnosisScore {
 fn cells(campaign: &CampaignScore) -> Vec<String> {
     let mut cells = vec![campaign.campaign.to_string(), campaign.scenario.clone()];
     cells.extend(campaign.shared.iter().map(|(_, value)| bare(value)));
-    cells.push(campaign.told.runs.to_string());
+    cells.push(campaign.result.runs.to_string());
     cells.push(campaign.truth.to_string());
     let finding = campaign.finding();
     let text = |of: fn(&Finding) -> String| finding.map_or_else(String::new, of);
@@ -62,7 +62,7 @@ fn cells(campaign: &CampaignScore) -> Vec<String> {
     );
     cells.extend(likeliest(finding));
     cells.extend(distances(finding));
-    cells.push(campaign.told.reason.clone().unwrap_or_default());
+    cells.push(campaign.result.reason.clone().unwrap_or_default());
     cells
 }
 
@@ -104,8 +104,8 @@ mod tests {
     fn every_row_has_a_cell_for_every_column_with_and_without_an_answer() {
         let answered = campaign(Truth::None, Answer::None, &[]);
         let mut other = answered.clone();
-        other.told.finding = None;
-        other.told.reason = Some("1 s of driving, which is too little".to_owned());
+        other.result.finding = None;
+        other.result.reason = Some("1 s of driving, which is too little".to_owned());
         let campaigns = vec![answered, other];
         let text = DiagnosisScore { campaigns }.to_csv();
         let mut reader = csv::Reader::from_reader(text.as_bytes());

@@ -8,7 +8,7 @@
 //! | `scenario`, every swept key not joined | its runs |
 //! | `runs` | runs that did not fail |
 //! | `truth` | what the runs have beyond what they were held against: `none`, `parameter`, effects joined by `and`, `other` |
-//! | `verdict`, `named` | the answer; effects that cannot be told apart are joined by `or`, several by `and` |
+//! | `verdict`, `named` | the answer; effects that cannot be distinguished are joined by `or`, several by `and` |
 //! | `right` | whether that is the truth: `true` or `false` |
 //! | `p_true` | probability [-] of the truth; of an effect, that it is there, alone or with another |
 //! | `p_none`, `p_parameter`, `p_unknown`, `p_undecided` | probabilities [-] |
@@ -44,7 +44,7 @@ pub struct CampaignScore {
     pub truth: Truth,
     /// What came of it.
     #[serde(flatten)]
-    pub told: Told,
+    pub result: CampaignResult,
 }
 
 /// What runs have that they are not known to have.
@@ -80,7 +80,7 @@ impl Serialize for Truth {
 
 /// What came of a campaign: an answer, or the reason why there is none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Told {
+pub struct CampaignResult {
     /// Runs that did not fail.
     pub runs: usize,
     /// Why there is no answer.
@@ -96,7 +96,7 @@ pub struct Told {
 pub struct Finding {
     /// What explains the runs.
     pub verdict: Answer,
-    /// The effect or effects of the verdict, each with those that the runs cannot tell from it.
+    /// The effect or effects of the verdict, each with those that the runs cannot distinguish from it.
     pub named: Vec<Vec<String>>,
     /// Probability [-] of `none`, `parameter`, `unknown`, `undecided`, each effect and each pair
     /// (`e+f`); they sum to one.
@@ -128,18 +128,18 @@ impl DiagnosisScore {
     /// Campaigns without an answer.
     pub fn without_answer(&self) -> impl Iterator<Item = &CampaignScore> {
         let all = self.campaigns.iter();
-        all.filter(|campaign| campaign.told.finding.is_none())
+        all.filter(|campaign| campaign.result.finding.is_none())
     }
 }
 
 impl CampaignScore {
     /// The answer, where there is one.
     pub fn finding(&self) -> Option<&Finding> {
-        self.told.finding.as_ref()
+        self.result.finding.as_ref()
     }
 
     /// Whether the answer is the truth: with effects, whether it names them, or what the runs cannot
-    /// tell from them, and no others. None without an answer.
+    /// distinguish from them, and no others. None without an answer.
     pub fn is_right(&self) -> Option<bool> {
         let Finding { verdict, named, .. } = self.finding()?;
         Some(match &self.truth {
@@ -219,7 +219,7 @@ impl Finding {
         }
     }
 
-    /// What is named: effects that cannot be told apart joined by `or`, several by `and`; empty where
+    /// What is named: effects that cannot be distinguished joined by `or`, several by `and`; empty where
     /// nothing is.
     pub fn named(&self) -> String {
         let sets = self.named.iter().map(|set| set.join(" or "));
@@ -251,7 +251,7 @@ pub(super) mod tests {
             scenario: "sand".to_owned(),
             shared: vec![("effect.slip_sinkage".to_owned(), "0.4".to_owned())],
             truth,
-            told: Told {
+            result: CampaignResult {
                 runs: 6,
                 reason: None,
                 finding: Some(Finding {

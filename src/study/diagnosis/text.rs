@@ -43,7 +43,7 @@ impl fmt::Display for DiagnosisScore {
             writeln!(f, "\nNo answer:")?;
         }
         without.try_for_each(|campaign| {
-            let reason = campaign.told.reason.as_deref().unwrap_or_default();
+            let reason = campaign.result.reason.as_deref().unwrap_or_default();
             writeln!(f, "  {}: {reason}", campaign.place())
         })
     }
@@ -81,7 +81,7 @@ fn cells(campaign: &CampaignScore) -> Vec<Cell> {
     });
     [
         campaign.place(),
-        campaign.told.runs.to_string(),
+        campaign.result.runs.to_string(),
         campaign.truth.to_string(),
         campaign.answer(),
         p.map_or_else(String::new, percent),
@@ -117,14 +117,15 @@ mod tests {
         let truth = Truth::Effects(vec!["slip_sinkage".to_owned()]);
         let answered = campaign(truth, Answer::Effect, &[&["slip_sinkage", "slope"]]);
         let mut other = answered.clone();
-        other.told.finding = None;
-        other.told.reason = Some("too little driving".to_owned());
+        other.result.finding = None;
+        other.result.reason = Some("too little driving".to_owned());
         let campaigns = vec![answered, other];
         let text = DiagnosisScore { campaigns }.to_string();
         assert!(text.starts_with("2 campaigns, 1 answered rightly, 1 without an answer."));
         let row = text.lines().find(|line| line.contains("[0.250, inf]"));
-        let told = "sand, effect.slip_sinkage = 0.4  6     slip_sinkage  slip_sinkage or slope  75";
-        assert!(row.unwrap().trim_start().starts_with(told), "{text}");
+        let expected =
+            "sand, effect.slip_sinkage = 0.4  6     slip_sinkage  slip_sinkage or slope  75";
+        assert!(row.unwrap().trim_start().starts_with(expected), "{text}");
         assert!(text.ends_with("sand, effect.slip_sinkage = 0.4: too little driving\n"));
     }
 }

@@ -6,7 +6,7 @@ use crate::effects::Application;
 use crate::scenario::Scenario;
 
 /// How the scenario of runs differs from what they are held against, load, speed and slip aside, which
-/// the runs tell.
+/// the runs state.
 pub(super) fn of(runs: &Scenario, against: &Scenario) -> Truth {
     let is_withheld = |effect: &&Application| {
         effect.magnitude() != effect.seat().neutral && !against.effects.contains(effect)
@@ -25,9 +25,9 @@ pub(super) fn of(runs: &Scenario, against: &Scenario) -> Truth {
     }
     let mut rig = runs.rig;
     *rig.load_mut() = against.rig.load();
-    let (drive, told) = (rig.drive_mut(), against.rig.drive());
-    drive.forward_speed = told.forward_speed;
-    (drive.slip, drive.wheel_speed) = (told.slip, told.wheel_speed);
+    let (drive, stated) = (rig.drive_mut(), against.rig.drive());
+    drive.forward_speed = stated.forward_speed;
+    (drive.slip, drive.wheel_speed) = (stated.slip, stated.wheel_speed);
     let same = rig == against.rig
         && runs.wheel == against.wheel
         && runs.terrain == against.terrain

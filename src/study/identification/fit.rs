@@ -184,7 +184,7 @@ fn is_above(load: &SteadyLoad) -> bool {
     load.sinkage < RIGID_SINKAGE
 }
 
-/// A load as the model of a class takes it: where it knows no lugs, a rim above the ground has the sinkage of hard
+/// A load as the model of a class takes it: without lugs, a rim above the ground has the sinkage of hard
 /// ground, exactly.
 fn as_taken(load: &SteadyLoad, class: Wtic, law: &Law) -> SteadyLoad {
     let lugs_reach = matches!(law, Law::Own(own) if own.lugs.is_some());

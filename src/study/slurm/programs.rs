@@ -11,8 +11,8 @@ pub struct Programs;
 impl Queue for Programs {
     fn submit(&self, options: &[String], script: &str) -> Result<u32, SlurmError> {
         const PROGRAM: &str = "sbatch";
-        let said = call(PROGRAM, options, script)?;
-        job_number(&said).ok_or_else(|| refused(PROGRAM, format!("no number of a job: {said}")))
+        let output = call(PROGRAM, options, script)?;
+        job_number(&output).ok_or_else(|| refused(PROGRAM, format!("no number of a job: {output}")))
     }
 
     fn jobs(&self, name: &str) -> Result<Vec<Job>, SlurmError> {
@@ -24,15 +24,15 @@ impl Queue for Programs {
             "--format=%F|%K|%T|%r",
             &name,
         ];
-        let said = call("squeue", &options.map(str::to_owned), "")?;
-        Ok(said.lines().filter_map(job).collect())
+        let output = call("squeue", &options.map(str::to_owned), "")?;
+        Ok(output.lines().filter_map(job).collect())
     }
 
     fn largest_task(&self) -> Result<u32, SlurmError> {
         const PROGRAM: &str = "scontrol";
         let options = ["show", "config"].map(str::to_owned);
-        let said = call(PROGRAM, &options, "")?;
-        largest_task(&said)
+        let output = call(PROGRAM, &options, "")?;
+        largest_task(&output)
             .ok_or_else(|| refused(PROGRAM, "the configuration has no MaxArraySize".to_owned()))
     }
 }
@@ -79,8 +79,8 @@ fn refused(program: &'static str, reason: String) -> SlurmError {
 }
 
 /// The job number in the output of `sbatch --parsable`; the name of a cluster may follow.
-fn job_number(said: &str) -> Option<u32> {
-    said.trim().split(';').next()?.parse().ok()
+fn job_number(output: &str) -> Option<u32> {
+    output.trim().split(';').next()?.parse().ok()
 }
 
 /// A job in a line of `squeue`.
@@ -110,8 +110,8 @@ fn state(name: &str, reason: &str) -> JobState {
 }
 
 /// The largest task number in the output of `scontrol show config`.
-fn largest_task(said: &str) -> Option<u32> {
-    let values = said.lines().filter_map(|line| line.split_once('='));
+fn largest_task(output: &str) -> Option<u32> {
+    let values = output.lines().filter_map(|line| line.split_once('='));
     let mut sizes = values.filter(|(key, _)| key.trim() == "MaxArraySize");
     let size: u32 = sizes.next()?.1.trim().parse().ok()?;
     Some(size.saturating_sub(1))
@@ -154,8 +154,8 @@ mod tests {
 
     #[test]
     fn the_tasks_of_an_array_end_one_below_its_size() {
-        let said = "Configuration data\nMaxArraySize            = 1001\nMaxDBDMsgs = 20008\n";
-        assert_eq!(largest_task(said), Some(1000));
+        let output = "Configuration data\nMaxArraySize            = 1001\nMaxDBDMsgs = 20008\n";
+        assert_eq!(largest_task(output), Some(1000));
         assert_eq!(largest_task("MaxJobCount = 10000"), None);
     }
 }

@@ -72,7 +72,7 @@ impl fmt::Display for Statement {
     }
 }
 
-/// A table whose `first` columns say of which windows a tally is.
+/// A table of tallies, whose `first` columns name their windows.
 fn text<const N: usize>(first: [&str; N], rows: Vec<Vec<Cell>>) -> String {
     let numbers = [
         "n",
