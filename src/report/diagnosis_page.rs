@@ -92,7 +92,7 @@ pub fn diagnosis_page(report: &DiagnosisReport) -> Page {
 /// Traces, spectra and curves, before and after.
 fn looks(report: &DiagnosisReport) -> Section {
     let named = report.named();
-    let mut section = Section::new("What do the runs look like, before and after?");
+    let mut section = Section::new("Measured and simulated runs");
     if named.is_empty() {
         section = section.prose(
             "The answer names no effect: the runs are simulated as shipped and recalibrated only.",

@@ -156,7 +156,7 @@ pub struct Code {
     pub is_folded: bool,
 }
 
-/// What was run, and how to run it again.
+/// Provenance and reproduction.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {
     /// Name and value: version, seed, scenario, machine.
@@ -172,7 +172,7 @@ impl Provenance {
         if *self == Self::default() {
             return None;
         }
-        let mut section = Section::new("What was run, and how to run it again");
+        let mut section = Section::new("Provenance and reproduction");
         if !self.facts.is_empty() {
             section = section.facts(self.facts.clone());
         }

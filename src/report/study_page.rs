@@ -108,7 +108,7 @@ fn looks(stills: &[(String, Trace)]) -> Option<Section> {
         Some(Figure::new(svg, caption))
     };
     let figures: Vec<Figure> = stills.iter().filter_map(figure).collect();
-    let section = Section::new("What does a run look like?");
+    let section = Section::new("Example runs");
     (!figures.is_empty()).then(|| figures.into_iter().fold(section, Section::figure))
 }
 
@@ -126,7 +126,7 @@ fn failures(outcome: &Outcome) -> Option<Section> {
         rows: rows.collect(),
     };
     let answer = format!("{} A failed run counts nowhere above.", failed(outcome)?);
-    let section = Section::new("Which runs failed, and why?");
+    let section = Section::new("Failed runs");
     Some(section.answer(answer).table(table))
 }
 

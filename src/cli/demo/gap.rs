@@ -91,7 +91,7 @@ pub fn section(summary: &Summary) -> Section {
         true => "It was found.",
         false => "It was not named: so few and short runs do not always suffice.",
     };
-    let section = Section::new("Where do a rig and its simulation differ, and why?")
+    let section = Section::new("Diagnosis of a rig against its simulation")
         .answer(summary.answer.clone())
         .prose(format!(
             "Six runs of 3 s at three conditions stand for a rig. Its sand has {name} = {magnitude}, {what}; the \

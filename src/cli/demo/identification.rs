@@ -49,7 +49,7 @@ impl Identified {
 
     /// The section of the page.
     pub fn section(&self) -> Section {
-        let section = Section::new("Which parameters does the sand have?");
+        let section = Section::new("Identification of the sand");
         let section = match self.answer() {
             Some(answer) => section.answer(answer),
             None => section,

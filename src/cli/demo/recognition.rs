@@ -90,7 +90,7 @@ impl Recognition {
 
     /// The section of the page.
     pub fn section(&self) -> Section {
-        let section = Section::new("Can the ground be recognised from vibration alone?")
+        let section = Section::new("Recognition of the ground from vibration")
             .answer(self.answer())
             .prose(
                 "ALCT: all lugs contact the surface, as on slate. SLCT: some do, as on gravel. LEIS: lugs enter soil, as \

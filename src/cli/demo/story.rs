@@ -95,7 +95,7 @@ fn look(findings: &[Finding]) -> Section {
         .collect();
     let scenario = &findings[0].scenario;
     let (driven, duration) = (scenario.driven(), scenario.duration);
-    Section::new("What does a ground look like from the wheel?")
+    Section::new("Vibration by ground")
         .answer(spread_of(
             findings,
             "acceleration_y_rms",
@@ -114,7 +114,7 @@ fn look(findings: &[Finding]) -> Section {
 }
 
 fn motion(findings: &[Finding]) -> Section {
-    let section = Section::new("How does the wheel move there?").prose(
+    let section = Section::new("Motion of the wheel").prose(
         "The first run on each ground. Press play, or put the slider where something happens. Coloured lugs bear \
          load; the arrows are the ground's normal force, the drawbar pull and the driving torque.",
     );
@@ -143,7 +143,7 @@ fn loads(findings: &[Finding]) -> Section {
             .chain(cells)
             .collect()
     };
-    Section::new("How much does the wheel pull there, and how deep does it sink?")
+    Section::new("Drawbar pull and sinkage")
         .answer(spread_of(findings, "drawbar_pull", "Drawbar pull"))
         .table(Table {
             caption: format!(
@@ -178,7 +178,7 @@ fn lugs(findings: &[Finding]) -> Section {
         format!("{} on {}", counts.join(" and "), finding.name)
     });
     let columns = CLASSES.iter().map(|class| Column::new(*class, ""));
-    Section::new("How do the lugs really meet the ground?")
+    Section::new("Contacts of the lugs")
         .answer(format!(
             "Runs of each class: {}.",
             classes.collect::<Vec<_>>().join(", ")
@@ -225,7 +225,7 @@ fn soundness(findings: &[Finding]) -> Section {
         columns: columns.to_vec(),
         rows,
     };
-    Section::new("Are the files sound?")
+    Section::new("Inspection of the files")
         .answer(answer)
         .prose(
             "Each file was read back and checked for gaps, clipped and constant channels, units and \
@@ -240,7 +240,7 @@ fn records(findings: &[Finding]) -> Section {
         let file = finding.run_file.display();
         Figure::new(svg.clone(), format!("{id} of {file}, on {}.", finding.name))
     };
-    let section = Section::new("What did a run record?").prose(
+    let section = Section::new("Channels of a run").prose(
         "The first run on each ground in full; the drawings of all runs are in the folder figures \
          beside this page.",
     );
@@ -253,7 +253,7 @@ fn next_steps(findings: &[Finding]) -> Section {
     let file = quoted(&last.run_file);
     let row = |what: &str, command: String| vec![Cell::text(what), Cell::Code(command)];
     let columns = ["to", "command"].map(|name| Column::new(name, ""));
-    Section::new("How do I go on?")
+    Section::new("Next steps")
         .answer("Change a scenario, simulate, and look again.")
         .prose(
             "A scenario is a text file with units in its comments; every key can also be set on the \

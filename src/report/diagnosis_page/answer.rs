@@ -178,13 +178,13 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             .map(|it| fact("less certain because", it)),
     );
     facts.extend(caveats.iter().map(|it| fact("caveat", it)));
-    Section::new("What does the answer rest on?").facts(facts)
+    Section::new("Basis of the answer").facts(facts)
 }
 
 /// The most informative next run.
 pub fn next_run(diagnosis: &Diagnosis) -> Section {
     let verdict = &diagnosis.verdict;
-    let section = Section::new("What to measure next?");
+    let section = Section::new("Recommended next run");
     if let Some(next) = &verdict.next_run {
         let [first, second] = &next.between;
         let [without, with] = next.separation.map(|it| format!("{it:.2}"));

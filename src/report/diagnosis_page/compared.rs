@@ -13,7 +13,7 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
             Cell::Count(condition.cells as u64),
         ]
     });
-    Section::new("What was compared?")
+    Section::new("Compared conditions and statistics")
         .prose(format!(
             "Learned from: {} random rigs of this layout, {:.0} s of driving; their parameters and effects differ as \
              those of real rigs may.",

@@ -14,7 +14,7 @@ pub fn section(report: &DiagnosisReport) -> Section {
         entries: diagnosis.map.clone(),
         caveats: Vec::new(),
     };
-    let section = Section::new("Where do they differ?")
+    let section = Section::new("Gap map")
         .answer(answer(&map))
         .prose(
             "A row is a channel, a column what a statistic looks at: samples as such (time), what is locked to \

@@ -13,7 +13,7 @@ const LISTED: usize = 12;
 /// Probabilities, and what is known of the likeliest effects.
 pub fn suspects(diagnosis: &Diagnosis) -> Section {
     let verdict = &diagnosis.verdict;
-    let section = Section::new("Which effects may explain it?").figure(Figure::new(
+    let section = Section::new("Candidate effects").figure(Figure::new(
         probability_bars(&verdict.probabilities),
         "Probability of every explanation; they sum to one. An effect may be alone or with another.",
     ));
@@ -118,7 +118,7 @@ pub fn isolability(report: &DiagnosisReport) -> Option<Section> {
     };
     let cosines: Vec<Vec<f64>> = shown.iter().map(row).collect();
     let alike = ALIKE;
-    let section = Section::new("Which effects can these runs discriminate?")
+    let section = Section::new("Isolability of the effects")
         .answer(answer(screen, names.len()))
         .figure(Figure::new(
             isolability_map(&names, &cosines, alike),

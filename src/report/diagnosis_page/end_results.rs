@@ -17,7 +17,7 @@ pub fn section(report: &DiagnosisReport) -> Option<Section> {
     }
     let mut columns = Column::named(["result", "unit"]);
     columns.extend(steps.iter().map(|it| Column::new(step(it.step), "")));
-    let section = Section::new("What does the gap do to forces, class and terrain?")
+    let section = Section::new("Effect of the gap on forces, class and terrain")
         .prose(
             "Who simulates wants forces, the class of the contact or the soil's parameters, not statistics. These \
              are the errors of such results, parameters and magnitudes fitted to all conditions: root mean square \

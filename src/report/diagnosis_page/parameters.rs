@@ -16,7 +16,7 @@ const SAME: f64 = 1.0e-9;
 /// Values in the scenario and recalibrated.
 pub fn section(report: &DiagnosisReport) -> Section {
     let verdict = &report.diagnosis.verdict;
-    let section = Section::new("What did recalibration move?");
+    let section = Section::new("Recalibrated parameters");
     if verdict.recalibration.is_empty() {
         return section.prose("The scenario has no parameter that recalibration may move.");
     }

@@ -8,7 +8,7 @@ use crate::report::page::{Cell, Column, Figure, Section, Table};
 
 /// The waterfall and its numbers.
 pub fn section(diagnosis: &Diagnosis) -> Section {
-    let section = Section::new("How far does the gap close?");
+    let section = Section::new("Shrinkage of the gap");
     let Some(gaps) = &diagnosis.gap else {
         return section.prose("The variants of the scenario could not be simulated.");
     };

@@ -52,7 +52,7 @@ pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
         cells.push(difference(diagnosis, row, &shown));
         cells
     });
-    let section = Section::new("How large is the gap in plain units?")
+    let section = Section::new("Gap in physical units")
         .prose(
             "Means over the runs of a condition; parameters and magnitudes are fitted to all conditions here. \
              The difference has its 95 % interval, from the spread of replicates and of repeats; of a standard \

@@ -122,7 +122,7 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     } else {
         ""
     };
-    let section = Section::new("What did every condition give?")
+    let section = Section::new("Means of every condition")
         .prose(format!(
             "Means over the middle half of each run; a click on a header sorts.{tested}"
         ))

@@ -25,7 +25,7 @@ pub fn answer(set: &DataSet) -> String {
 
 /// Balance, splits and features.
 pub fn section(set: &DataSet) -> Section {
-    let section = Section::new("What is in the data set?")
+    let section = Section::new("Contents of the data set")
         .prose(
             "True classes, from how lugs and ground met. dataset.h5 holds the data, dataset.windows.csv a row a \
              window with its features and its part in every split, dataset.datasheet.md what a stranger has \

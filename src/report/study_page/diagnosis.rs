@@ -59,7 +59,7 @@ pub fn section(score: &DiagnosisScore) -> Section {
         "Probability of what is so and of all else, campaign by campaign; at the right the answer, bold where it is \
          right.",
     );
-    let section = Section::new("What would a diagnosis make of the runs?")
+    let section = Section::new("Diagnosis of the campaigns")
         .answer(answer(score))
         .prose(
             "A campaign is diagnosed as if a rig had written its runs. The probability of an effect is that it is \
@@ -250,6 +250,6 @@ mod tests {
             campaigns: vec![campaign("0.0", false), campaign("0.8", true)],
         };
         let section = format!("{:?}", section(&score));
-        assert!(section.contains("What would a diagnosis make of the runs?"));
+        assert!(section.contains("Diagnosis of the campaigns"));
     }
 }

@@ -55,7 +55,7 @@ fn percent(value: Option<f64>) -> String {
 /// Errors, parameters, force curves, predictions.
 pub fn sections(score: &IdentificationScore) -> Vec<Section> {
     let mut sections = vec![
-        Section::new("How well do the forces come back?")
+        Section::new("Force errors")
             .prose(
                 "Errors are the mean size of the error over the mean size of the force: on the rows fitted, on the \
                  means of a condition's rows, and on rows left out of the fit in turn. Scatter is what the rows' own \
@@ -161,7 +161,7 @@ fn percent_cell(value: Option<f64>) -> Cell {
 }
 
 fn parameters(score: &IdentificationScore) -> Section {
-    let section = Section::new("Which parameters does the ground have?")
+    let section = Section::new("Identified parameters")
         .prose(
             "By the model of the class recognised, or of the label's class where none was. A rim stands for the wheel \
              in every model: what lugs do is in the parameters, so that an interval need not hold the soil's own \
@@ -377,7 +377,7 @@ fn curves(score: &IdentificationScore) -> Option<Section> {
         ))
     });
     let figures: Vec<Figure> = figures.collect();
-    let section = Section::new("Do the forces follow the slip?");
+    let section = Section::new("Forces against slip");
     (!figures.is_empty()).then(|| figures.into_iter().fold(section, Section::figure))
 }
 
@@ -404,7 +404,7 @@ fn predictions(score: &IdentificationScore) -> Option<Section> {
     });
     let first = ["scenario", key.map_or("at", |(key, _)| key), "model"];
     Some(
-        Section::new("How far do the parameters predict?").table(Table {
+        Section::new("Prediction at other conditions").table(Table {
             caption: "Forces predicted by the parameters from the reference condition".to_owned(),
             columns: Column::named(first)
                 .into_iter()
@@ -431,6 +431,6 @@ fn carried(score: &IdentificationScore) -> Option<Section> {
             .collect(),
         rows: score.carried.iter().map(row).collect(),
     };
-    let section = Section::new("What is it worth to identify anew on new ground?");
+    let section = Section::new("Transfer of parameters to another ground");
     (!table.rows.is_empty()).then(|| section.table(table))
 }

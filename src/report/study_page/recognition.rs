@@ -47,7 +47,7 @@ pub fn sections(score: &RecognitionScore) -> Vec<Section> {
 }
 
 fn methods(score: &RecognitionScore) -> Section {
-    let section = Section::new("How often is the class recognised?")
+    let section = Section::new("Accuracy of the recognition")
         .prose(
             "Answers are counted against the class that the ground stands for, as the paper does; against \
              the contacts of lugs and ground in the simulation; and on the windows in which both \
@@ -165,7 +165,7 @@ fn map(score: &RecognitionScore) -> Section {
         cells
     };
     let names = methods.iter().map(|score| score.method.as_str());
-    let section = Section::new("Where is it recognised?").table(Table {
+    let section = Section::new("Accuracy by scenario and swept key").table(Table {
         caption: "Right answers by scenario and by swept key, the ground's class taken for true"
             .to_owned(),
         columns: Column::named(["by", "value", "windows"].into_iter().chain(names)),
@@ -214,8 +214,8 @@ fn features(score: &RecognitionScore) -> Option<Section> {
     if points.is_empty() {
         return None;
     }
-    let mut section = Section::new("How do the features lie to the paper's limits?")
-        .table(spreads(&score.features));
+    let mut section =
+        Section::new("Features and the paper's regions").table(spreads(&score.features));
     section = section.table(slopes(&score.features));
     section = section.figure(Figure::new(
         feature_values(&points),

@@ -46,11 +46,11 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
         );
         Figure::new(threshold_figure(statement, &score.axes), caption)
     });
-    let drawn = Section::new("How do the windows lie to the paper's limits?").prose(
+    let drawn = Section::new("Windows relative to the paper's limits").prose(
         "Every window over its limit, multi-lugged wheels; the folder of the study has the figures of the other \
          limits and wheels.",
     );
-    let swept = Section::new("On what does it depend?").table(Table {
+    let swept = Section::new("Dependence on the swept keys").table(Table {
         caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
         columns: columns(["name", "by", "value"]),
         rows: shown(score).flat_map(by_sweep).collect(),
@@ -60,7 +60,7 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
 
 /// A row every limit.
 fn validity(score: &ThresholdScore) -> Section {
-    Section::new("Do the limits hold?")
+    Section::new("Validity of the limits")
         .prose(format!(
             "{} of {} windows are truly ALCT: nine in ten lugs or more touched. They are held to the limits; to \
              those of displacements where nine in ten touch also without slip. 99 % / limit is the 99 % quantile of \
