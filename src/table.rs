@@ -68,9 +68,12 @@ impl Table {
         let mut text = String::new();
         for line in &lines {
             let cells = line.iter().zip(&widths).zip(&is_number);
-            let cells = cells.map(|((cell, &width), is_number)| match is_number {
-                true => format!("{cell:>width$}"),
-                false => format!("{cell:<width$}"),
+            let cells = cells.map(|((cell, &width), is_number)| {
+                if *is_number {
+                    format!("{cell:>width$}")
+                } else {
+                    format!("{cell:<width$}")
+                }
             });
             let cells = cells.collect::<Vec<_>>().join("  ");
             text.push_str(&format!("{:indent$}{}\n", "", cells.trim_end()));

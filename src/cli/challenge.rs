@@ -277,9 +277,10 @@ fn pool(threads: usize) -> anyhow::Result<ThreadPool> {
 }
 
 fn go_on() -> ControlFlow<()> {
-    match interrupt::is_requested() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
+    if interrupt::is_requested() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 

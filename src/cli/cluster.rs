@@ -71,9 +71,10 @@ impl Cluster {
         let mut on_progress = |news: News| {
             let is_look = matches!(news, News::Standing(_) | News::Silence(_));
             report(news, study, progress);
-            match is_look {
-                true => wait((begun.elapsed() / 20).clamp(PAUSE[0], PAUSE[1])),
-                false => ControlFlow::Continue(()),
+            if is_look {
+                wait((begun.elapsed() / 20).clamp(PAUSE[0], PAUSE[1]))
+            } else {
+                ControlFlow::Continue(())
             }
         };
         match study.execute_on(&Programs, &submission, &mut on_progress) {

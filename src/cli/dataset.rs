@@ -187,9 +187,10 @@ impl Dataset {
         seen: &mut Seen,
     ) -> anyhow::Result<Vec<Outcome>> {
         let provenance = Provenance::simulated(scenario.text(), self.scenario.seed());
-        let mut file = match self.features {
-            true => None,
-            false => Some(RunFileWriter::create(out, &provenance)?),
+        let mut file = if self.features {
+            None
+        } else {
+            Some(RunFileWriter::create(out, &provenance)?)
         };
         let mut outcomes = Vec::new();
         for run in 0..self.runs {

@@ -318,9 +318,10 @@ impl Diagnose {
                 Stage::Validation => "validation",
             };
             progress.reach_next(stage, now.done, now.total);
-            match interrupt::is_requested() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
+            if interrupt::is_requested() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
             }
         };
         let pool = rayon::ThreadPoolBuilder::new()
@@ -363,18 +364,20 @@ impl fmt::Display for EstimateSummary {
 fn duration(text: &str) -> Result<f64, String> {
     let known = text.parse::<jiff::SignedDuration>();
     let known = known.map_err(|_| "give a duration, for example 10min or 1h30min".to_owned())?;
-    match known.is_positive() {
-        true => Ok(known.as_secs_f64()),
-        false => Err("it has to be above 0".to_owned()),
+    if known.is_positive() {
+        Ok(known.as_secs_f64())
+    } else {
+        Err("it has to be above 0".to_owned())
     }
 }
 
 /// A factor that is not negative.
 fn factor(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "give a number".to_owned())?;
-    match value >= 0.0 && value.is_finite() {
-        true => Ok(value),
-        false => Err("it has to be 0 or above".to_owned()),
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err("it has to be 0 or above".to_owned())
     }
 }
 

@@ -204,9 +204,10 @@ pub fn with_ending(asked: &Path) -> PathBuf {
 /// TOML files in the folder of a file that is not there.
 fn files_beside(asked: &Path) -> Vec<PathBuf> {
     let parent = asked.parent().unwrap_or(Path::new(""));
-    let folder = match parent == Path::new("") {
-        true => Path::new("."),
-        false => parent,
+    let folder = if parent == Path::new("") {
+        Path::new(".")
+    } else {
+        parent
     };
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let paths = entries.map(|entry| parent.join(entry.file_name()));

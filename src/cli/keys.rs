@@ -50,9 +50,10 @@ impl Keys {
             return output.print(&Listed(tables));
         };
         let starting = chosen(&tables, |key| key.path.starts_with(prefix));
-        let found = match starting.is_empty() {
-            true => chosen(&tables, |key| key.path.contains(prefix)),
-            false => starting,
+        let found = if starting.is_empty() {
+            chosen(&tables, |key| key.path.contains(prefix))
+        } else {
+            starting
         };
         if found.is_empty() {
             let near = nearest(&tables, prefix);

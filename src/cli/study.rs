@@ -295,9 +295,12 @@ fn stills(study: &Study) -> Vec<(String, Trace)> {
         let duration = format!("duration={}", scenario.duration.min(LOOK));
         // Some windows do not fit in so short a run.
         let shortened = scenario.with(&duration).unwrap_or(scenario);
-        let go_on = &mut |_| match interrupt::is_requested() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        let go_on = &mut |_| {
+            if interrupt::is_requested() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         };
         let trace = shortened.run(study.seed, run.stream, go_on).ok()?;
         Some(((*name).to_owned(), trace))
@@ -391,9 +394,10 @@ fn not_steady(unsteady: &Unsteady, runs: u64) -> String {
     let mut parts = Vec::new();
     if let Some(rates) = rates {
         let [least, greatest] = rates.map(four_digits);
-        let range = match least == greatest {
-            true => least,
-            false => format!("{least} to {greatest}"),
+        let range = if least == greatest {
+            least
+        } else {
+            format!("{least} to {greatest}")
         };
         parts.push(format!(
             "not steady in {drifting} of {runs} runs (changes by {range} {unit})"

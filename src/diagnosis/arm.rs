@@ -135,9 +135,10 @@ impl fmt::Display for Arm {
             Form::Other => format!("{effect}{OTHER}"),
         });
         let words: Vec<String> = offsets.chain(effects).collect();
-        match words.is_empty() {
-            true => f.write_str(AS_SHIPPED),
-            false => f.write_str(&words.join(" ")),
+        if words.is_empty() {
+            f.write_str(AS_SHIPPED)
+        } else {
+            f.write_str(&words.join(" "))
         }
     }
 }
@@ -195,9 +196,10 @@ mod tests {
             let name = [effect.name, seat.channel].join(".");
             let magnitude = low + share * (high - low);
             let own = Application::new(name.trim_end_matches('.'), magnitude).unwrap();
-            match other {
-                true => own.in_form(Form::Other).unwrap_or(own),
-                false => own,
+            if other {
+                own.in_form(Form::Other).unwrap_or(own)
+            } else {
+                own
             }
         })
     }

@@ -32,9 +32,10 @@ impl Candidate {
     /// seat's range.
     pub fn magnitude(&self, size: f64) -> f64 {
         let [low, _, high] = self.seat.levels;
-        let magnitude = match low * high > 0.0 {
-            true => low * libm::pow(high / low, size),
-            false => low + size * (high - low),
+        let magnitude = if low * high > 0.0 {
+            low * libm::pow(high / low, size)
+        } else {
+            low + size * (high - low)
         };
         let [least, largest] = self.seat.range;
         magnitude.clamp(least, largest)
@@ -45,9 +46,10 @@ impl Candidate {
     pub fn growth(&self) -> f64 {
         let [low, _, high] = self.seat.levels;
         let neutral = self.seat.neutral;
-        match neutral.is_finite() {
-            true => ((high - neutral) / (low - neutral)).abs(),
-            false => (low / high).abs(),
+        if neutral.is_finite() {
+            ((high - neutral) / (low - neutral)).abs()
+        } else {
+            (low / high).abs()
         }
     }
 

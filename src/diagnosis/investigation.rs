@@ -304,9 +304,10 @@ impl<'a> Investigation<'a> {
         let tried: Vec<Candidate> = tried.copied().collect();
         // Rigs of all effects serve where a few are left out, and then every time.
         let excluded = all.len() - tried.len();
-        let of_rigs = match excluded as f64 > FEW * all.len() as f64 {
-            true => tried.clone(),
-            false => all,
+        let of_rigs = if excluded as f64 > FEW * all.len() as f64 {
+            tried.clone()
+        } else {
+            all
         };
         let driven = driven(&cases.cases, &of_rigs);
         let rigs = (settings.budget / driven) as usize;

@@ -101,9 +101,10 @@ impl Layout {
                 name: mean.name.clone(),
                 has_sd: mean.sd.is_finite(),
                 n: mean.n,
-                error: match mean.sd > 0.0 && mean.sd.is_finite() {
-                    true => mean.sd / libm::sqrt(mean.n.max(1) as f64),
-                    false => usual_uncertainty(mean),
+                error: if mean.sd > 0.0 && mean.sd.is_finite() {
+                    mean.sd / libm::sqrt(mean.n.max(1) as f64)
+                } else {
+                    usual_uncertainty(mean)
                 },
             })
             .collect();
@@ -310,9 +311,10 @@ fn low_passed(samples: &[f64], place: f64, ratio: f64) -> f64 {
         sum += weight * sample;
         weights += weight;
     }
-    match weights.abs() > 0.0 {
-        true => sum / weights,
-        false => at(samples, place),
+    if weights.abs() > 0.0 {
+        sum / weights
+    } else {
+        at(samples, place)
     }
 }
 

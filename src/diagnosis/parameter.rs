@@ -125,9 +125,12 @@ pub const PARAMETERS: &[Parameter] = &[
         coordinate: Coordinate::Logarithm,
         sd: 0.2,
         source: Source::Guess("0.5 to 0.75 of metal on dry stone"),
-        places: |scenario| match meets_stone(&mut scenario.terrain) {
-            true => vec![&mut scenario.wheel.friction],
-            false => Vec::new(),
+        places: |scenario| {
+            if meets_stone(&mut scenario.terrain) {
+                vec![&mut scenario.wheel.friction]
+            } else {
+                Vec::new()
+            }
         },
     },
     Parameter {

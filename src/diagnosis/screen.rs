@@ -57,9 +57,12 @@ pub fn screen(
 fn detectable(candidate: &Candidate, by_size: &[[f64; 2]]) -> Option<f64> {
     let neutral = candidate.seat.neutral;
     let [first, last] = [by_size.first()?, by_size.last()?];
-    let departure = |size: f64| match neutral.is_finite() {
-        true => (candidate.magnitude(size) - neutral).abs(),
-        false => candidate.magnitude(size),
+    let departure = |size: f64| {
+        if neutral.is_finite() {
+            (candidate.magnitude(size) - neutral).abs()
+        } else {
+            candidate.magnitude(size)
+        }
     };
     let in_proportion = |[size, deviations]: [f64; 2]| {
         let factor = SHOWS / deviations.max(f64::MIN_POSITIVE);

@@ -206,9 +206,10 @@ impl Grounds<'_> {
             return (Answer::Undecided, Vec::new());
         }
         if nothing >= NAMED {
-            let answer = match judgement.none > judgement.parameter {
-                true => Answer::None,
-                false => Answer::Parameter,
+            let answer = if judgement.none > judgement.parameter {
+                Answer::None
+            } else {
+                Answer::Parameter
             };
             return (answer, Vec::new());
         }

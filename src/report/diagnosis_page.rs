@@ -129,9 +129,10 @@ fn provenance(report: &DiagnosisReport) -> Provenance {
     let DiagnosisReport {
         settings, scenario, ..
     } = *report;
-    let without = match settings.without.is_empty() {
-        true => "none".to_owned(),
-        false => settings.without.join(", "),
+    let without = if settings.without.is_empty() {
+        "none".to_owned()
+    } else {
+        settings.without.join(", ")
     };
     let own = [
         ("seed of the simulations", settings.seed.0.to_string()),

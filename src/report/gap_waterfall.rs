@@ -39,11 +39,10 @@ pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String
     let mut canvas = Canvas::new([WIDTH, PANEL.bottom() + 76.0], title);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
     let whisker = interval(gaps, closed);
-    let note = match whisker.is_empty() {
-        true => "Floor: what a perfect model scores.",
-        false => {
-            "Floor: what a perfect model scores. Whisker: 95 % interval of what the effect closes."
-        }
+    let note = if whisker.is_empty() {
+        "Floor: what a perfect model scores."
+    } else {
+        "Floor: what a perfect model scores. Whisker: 95 % interval of what the effect closes."
     };
     canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, note);
     let ends: Vec<f64> = steps.iter().flat_map(|step| [step.from, step.to]).collect();
@@ -130,9 +129,10 @@ fn draw_step(canvas: &mut Canvas, panel: &Panel, place: f64, step: &Step) {
     let corners = [[left, from], [right, from], [right, to], [left, to]];
     canvas.polygon(&corners, step.fill, Stroke::solid(INK, 1.0));
     let middle = panel.x.pixel(place + 0.5);
-    let value = match step.is_total {
-        true => four_digits(step.to),
-        false => signed(step.to - step.from),
+    let value = if step.is_total {
+        four_digits(step.to)
+    } else {
+        signed(step.to - step.from)
     };
     let number = Font {
         colour: INK,
@@ -181,9 +181,10 @@ fn draw_whisker(canvas: &mut Canvas, panel: &Panel, ends: &[f64]) {
 
 fn signed(value: f64) -> String {
     let text = four_digits(value);
-    match value > 0.0 {
-        true => format!("+{text}"),
-        false => text,
+    if value > 0.0 {
+        format!("+{text}")
+    } else {
+        text
     }
 }
 

@@ -123,10 +123,7 @@ fn draw_name(canvas: &mut Canvas, name: &str, number: usize, y: f64) {
 }
 
 fn draw_field(canvas: &mut Canvas, area: &Area, cosine: f64) {
-    let colour = match cosine < 0.0 {
-        true => PALETTE[1],
-        false => PALETTE[0],
-    };
+    let colour = if cosine < 0.0 { PALETTE[1] } else { PALETTE[0] };
     // Small cosines are common and mean nothing: the square keeps them pale.
     let depth = (cosine * cosine).min(1.0);
     if depth > 0.01 {

@@ -99,9 +99,10 @@ fn draw_series(canvas: &mut Canvas, panel: &Panel, classes: &[Power], series: &S
         }
         let count = format!("{}", score.n);
         // Away from the other series, and beside the middle of the interval, where no line runs.
-        let (away, anchor) = match beside < 0.0 {
-            true => (-5.0, Anchor::End),
-            false => (5.0, Anchor::Start),
+        let (away, anchor) = if beside < 0.0 {
+            (-5.0, Anchor::End)
+        } else {
+            (5.0, Anchor::Start)
         };
         let middle = score.ci95.map_or(value, |[low, high]| 0.5 * (low + high));
         let at = [x + away, panel.y.pixel(middle) + 5.0];

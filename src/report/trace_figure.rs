@@ -322,14 +322,16 @@ impl Sheet {
             y: Axis::decades([low.max(1e-5 * high), high], [area.bottom(), area.top]),
         };
         let compact = self.layout.is_compact();
-        let header = match compact {
-            true => "Amplitude of a_{y} [m/s²]",
-            false => "Order spectrum of the acceleration: amplitude [m/s²]",
+        let header = if compact {
+            "Amplitude of a_{y} [m/s²]"
+        } else {
+            "Order spectrum of the acceleration: amplitude [m/s²]"
         };
         draw_spectrum(&mut self.canvas, &panel, header, spectrum, &shown);
-        let name = match compact {
-            true => format!("order per {} [-]", turned(spectrum)),
-            false => spectrum_footer(spectrum, area.width),
+        let name = if compact {
+            format!("order per {} [-]", turned(spectrum))
+        } else {
+            spectrum_footer(spectrum, area.width)
         };
         panel.draw_footer(&mut self.canvas, &name);
         self.below += Panel::FOOTER;
@@ -377,9 +379,10 @@ struct Shown<'a> {
 
 impl Shown<'_> {
     fn header(&self) -> String {
-        match self.compact {
-            true => self.group.short_header(),
-            false => self.group.header(),
+        if self.compact {
+            self.group.short_header()
+        } else {
+            self.group.header()
         }
     }
 }

@@ -87,9 +87,10 @@ pub fn section(summary: &Summary) -> Section {
             .named
             .iter()
             .any(|set| set.iter().any(|it| it == name));
-    let judged = match right {
-        true => "It was found.",
-        false => "It was not named: so few and short runs do not always suffice.",
+    let judged = if right {
+        "It was found."
+    } else {
+        "It was not named: so few and short runs do not always suffice."
     };
     let section = Section::new("Diagnosis of a rig against its simulation")
         .answer(summary.answer.clone())

@@ -63,9 +63,10 @@ impl SmallStudy {
         let outcome = self.study.execute(&options, &|now: study::Progress| {
             let before = reported.fetch_max(now.done, Ordering::Relaxed);
             progress.advance(now.done.saturating_sub(before) as f64 * each);
-            match interrupt::is_requested() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
+            if interrupt::is_requested() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
             }
         });
         match outcome {

@@ -41,9 +41,10 @@ impl Inputs {
             measured, scenario, ..
         } = self;
         let hash = |input: &Input| format!("{}, SHA-256 {}", input.file, input.sha256);
-        let runs = match self.runs.is_empty() {
-            true => "all".to_owned(),
-            false => self.runs.join(", "),
+        let runs = if self.runs.is_empty() {
+            "all".to_owned()
+        } else {
+            self.runs.join(", ")
         };
         let facts = [
             ("program", format!("lugwheel {}", self.version)),
@@ -155,9 +156,10 @@ impl Summary {
             closed_with,
             ..
         } = &self.diagnosis;
-        let added = match closed_with.is_empty() {
-            true => "no effect".to_owned(),
-            false => closed_with.join(" and "),
+        let added = if closed_with.is_empty() {
+            "no effect".to_owned()
+        } else {
+            closed_with.join(" and ")
         };
         if let Some(gap) = gap {
             writeln!(
@@ -192,9 +194,10 @@ impl Summary {
             ..
         } = &self.diagnosis;
         let differ = map.iter().filter(|entry| entry.colour == Colour::Gap);
-        let located = match verdict.located.is_empty() {
-            true => "none stands out",
-            false => "the strongest are",
+        let located = if verdict.located.is_empty() {
+            "none stands out"
+        } else {
+            "the strongest are"
         };
         writeln!(
             f,

@@ -30,9 +30,10 @@ impl Slips {
             stated.is_finite() && trace.steady_mean("slip_ratio").is_some()
         });
         let wrong = both.clone().filter(|trace| has_wrong_slip(trace));
-        match 2 * wrong.count() > both.count() {
-            true => Self::Stated,
-            false => Self::Measured,
+        if 2 * wrong.count() > both.count() {
+            Self::Stated
+        } else {
+            Self::Measured
         }
     }
 

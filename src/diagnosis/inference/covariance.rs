@@ -93,9 +93,10 @@ impl Scatter {
         let deviations: Vec<f64> = variances.iter().map(|it| libm::sqrt(*it)).collect();
         for i in 0..columns.len() {
             for j in 0..columns.len() {
-                correlations[(i, j)] = match variances[i].min(variances[j]) > LEAST {
-                    true => correlations[(i, j)] / (deviations[i] * deviations[j]),
-                    false => 0.0,
+                correlations[(i, j)] = if variances[i].min(variances[j]) > LEAST {
+                    correlations[(i, j)] / (deviations[i] * deviations[j])
+                } else {
+                    0.0
                 };
             }
         }

@@ -66,9 +66,10 @@ impl Scale {
     /// A value of a used column.
     pub fn value(&self, used: usize, value: f64) -> f64 {
         let departure = (value - self.centres[used]) / self.scatters[used];
-        match departure.is_finite() {
-            true => LINEAR * libm::asinh(departure / LINEAR),
-            false => 0.0,
+        if departure.is_finite() {
+            LINEAR * libm::asinh(departure / LINEAR)
+        } else {
+            0.0
         }
     }
 

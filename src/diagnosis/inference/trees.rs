@@ -136,9 +136,10 @@ fn leaf(nodes: &[Node], value: impl Fn(usize) -> f32) -> usize {
         match nodes[place] {
             Node::Leaf { class } => return class as usize,
             Node::Cut { column, at, above } => {
-                place = match value(column as usize) > at {
-                    true => above as usize,
-                    false => place + 1,
+                place = if value(column as usize) > at {
+                    above as usize
+                } else {
+                    place + 1
                 };
             }
         }

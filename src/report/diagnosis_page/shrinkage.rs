@@ -12,9 +12,10 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
     let Some(gaps) = &diagnosis.gap else {
         return section.prose("The variants of the scenario could not be simulated.");
     };
-    let added = match diagnosis.closed_with.is_empty() {
-        true => "no effect".to_owned(),
-        false => listed(&diagnosis.closed_with, "and"),
+    let added = if diagnosis.closed_with.is_empty() {
+        "no effect".to_owned()
+    } else {
+        listed(&diagnosis.closed_with, "and")
     };
     section
         .answer(answer(diagnosis.closed, &added))

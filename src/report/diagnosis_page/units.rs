@@ -98,9 +98,10 @@ impl Shown {
     fn of(row: &InUnits) -> Self {
         let measure = row.cell.statistic.measure();
         let is_level = matches!(measure, Measure::Level | Measure::Share);
-        let own = match is_level {
-            true => crate::trace::unit_of(&row.cell.channel).unwrap_or(""),
-            false => &row.unit,
+        let own = if is_level {
+            crate::trace::unit_of(&row.cell.channel).unwrap_or("")
+        } else {
+            &row.unit
         };
         let (unit, factor) = shown(own);
         Self {
@@ -112,9 +113,10 @@ impl Shown {
 
     /// A value in the unit shown.
     fn of_value(&self, value: f64) -> f64 {
-        match self.is_level {
-            true => self.factor * of_level(value),
-            false => self.factor * value,
+        if self.is_level {
+            self.factor * of_level(value)
+        } else {
+            self.factor * value
         }
     }
 
@@ -136,15 +138,12 @@ fn difference(diagnosis: &Diagnosis, row: &InUnits, shown: &Shown) -> Cell {
         entry.difference - half,
         entry.difference + half,
     ];
-    match shown.is_level {
-        true => {
-            let [value, low, high] = values.map(of_level);
-            Cell::Written(format!("×{value:.3} [{low:.3}, {high:.3}]"), value)
-        }
-        false => {
-            let [value, low, high] = values.map(|x| shown.factor * x);
-            Cell::Estimate(value, [low, high])
-        }
+    if shown.is_level {
+        let [value, low, high] = values.map(of_level);
+        Cell::Written(format!("×{value:.3} [{low:.3}, {high:.3}]"), value)
+    } else {
+        let [value, low, high] = values.map(|x| shown.factor * x);
+        Cell::Estimate(value, [low, high])
     }
 }
 

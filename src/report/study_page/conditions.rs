@@ -70,9 +70,10 @@ fn mark(condition: &Condition) -> String {
 fn rates(unsteady: &Unsteady) -> Option<String> {
     let unit = &unsteady.unit;
     let [least, greatest] = unsteady.rates?.map(four_digits);
-    Some(match least == greatest {
-        true => format!("changes by {least} {unit}"),
-        false => format!("changes by {least} to {greatest} {unit}"),
+    Some(if least == greatest {
+        format!("changes by {least} {unit}")
+    } else {
+        format!("changes by {least} to {greatest} {unit}")
     })
 }
 

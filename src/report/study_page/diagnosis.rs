@@ -98,9 +98,12 @@ fn bar(campaign: &CampaignScore) -> CampaignBar {
 /// counts once.
 fn probabilities(campaign: &CampaignScore, finding: &Finding) -> [f64; 6] {
     let truth = campaign.probability_of_truth().unwrap_or_default();
-    let of = |answer: Answer, is_truth: bool| match is_truth {
-        true => 0.0,
-        false => finding.probability(answer.name()).unwrap_or_default(),
+    let of = |answer: Answer, is_truth: bool| {
+        if is_truth {
+            0.0
+        } else {
+            finding.probability(answer.name()).unwrap_or_default()
+        }
     };
     let parameter = of(Answer::Parameter, campaign.truth == Truth::Parameter);
     let none = of(Answer::None, campaign.truth == Truth::None);

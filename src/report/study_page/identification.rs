@@ -119,9 +119,10 @@ fn model_name(ground: &GroundScore, model: &ModelScore) -> String {
         Choice::Always(of) => format!("{of} (wrong here)"),
     };
     // Else its errors would be read beside those of other fits.
-    match model.groups < ground.groups {
-        true => format!("{name}: {} of {} fits", model.groups, ground.groups),
-        false => name,
+    if model.groups < ground.groups {
+        format!("{name}: {} of {} fits", model.groups, ground.groups)
+    } else {
+        name
     }
 }
 
@@ -176,9 +177,10 @@ fn parameters(score: &IdentificationScore) -> Section {
         Some(table) => section.table(table),
         None => section,
     };
-    match numbered(score) {
-        true => section.table(fits(score)),
-        false => section,
+    if numbered(score) {
+        section.table(fits(score))
+    } else {
+        section
     }
 }
 
@@ -273,9 +275,10 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
 
 /// The name of a fit, or its number.
 fn fit_cell(numbered: bool, number: usize, group: &GroupScore) -> Cell {
-    match numbered {
-        true => Cell::Count(number as u64 + 1),
-        false => Cell::Text(place(&group.scenario, &group.shared)),
+    if numbered {
+        Cell::Count(number as u64 + 1)
+    } else {
+        Cell::Text(place(&group.scenario, &group.shared))
     }
 }
 

@@ -81,9 +81,10 @@ fn validity(score: &ThresholdScore) -> Section {
 
 /// All windows of a limit.
 fn of_all(statement: &Statement) -> Vec<Cell> {
-    let wheels = match statement.multi_lugged {
-        true => "multi-lugged",
-        false => "olig-lugged",
+    let wheels = if statement.multi_lugged {
+        "multi-lugged"
+    } else {
+        "olig-lugged"
     };
     let first = [&statement.name, statement.equation, wheels].map(Cell::text);
     let tally = tally(&statement.parts[0].tally);

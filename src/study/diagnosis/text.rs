@@ -64,9 +64,10 @@ impl CampaignScore {
         let Some(finding) = self.finding() else {
             return "no answer".to_owned();
         };
-        match finding.named.is_empty() {
-            true => finding.verdict().to_owned(),
-            false => finding.named(),
+        if finding.named.is_empty() {
+            finding.verdict().to_owned()
+        } else {
+            finding.named()
         }
     }
 }
