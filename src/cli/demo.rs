@@ -21,6 +21,7 @@ use crate::learning::run_id;
 use crate::quantity::Seed;
 use crate::report::{page, trace_figure};
 use crate::scenario::Scenario;
+use crate::table::{Cell, Column, Table};
 use crate::trace::Trace;
 use clap::Args;
 use serde::Serialize;
@@ -308,6 +309,38 @@ impl GroundSummary {
     }
 }
 
+impl Summary {
+    /// A column a ground.
+    fn table(&self) -> Table {
+        let row = |name: &str, unit: &str, of: &dyn Fn(&GroundSummary) -> String| {
+            let values = self.grounds.iter().map(|ground| Cell::Text(of(ground)));
+            let first = [name, unit].map(Cell::text).into_iter();
+            first.chain(values).collect::<Vec<_>>()
+        };
+        let classes = row("true class of the runs", "", &|ground| {
+            let counts = ground.classes.iter().map(|(c, n)| format!("{n} {c}"));
+            counts.collect::<Vec<_>>().join(", ")
+        });
+        let quantities = QUANTITIES.iter().map(|quantity| {
+            row(quantity.name, quantity.shown_unit, &|ground| {
+                let spread = ground.steady.get(quantity.key);
+                spread.map_or("-".to_owned(), |s| quantity.shown(s.mean))
+            })
+        });
+        let findings = row("findings of inspect", "", &|it| it.findings.to_string());
+        let names = self.grounds.iter().map(|ground| ground.ground);
+        Table {
+            columns: Column::named(["", ""].into_iter().chain(names)),
+            rows: [classes]
+                .into_iter()
+                .chain(quantities)
+                .chain([findings])
+                .collect(),
+            ..Table::default()
+        }
+    }
+}
+
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -315,28 +348,8 @@ impl fmt::Display for Summary {
             "{} runs on each ground, seed {}, in {:.0} s; means of the steady state\n",
             self.runs_per_ground, self.seed, self.computing_s
         )?;
-        write!(f, "{:<34}", "")?;
-        for ground in &self.grounds {
-            write!(f, "{:>17}", ground.ground)?;
-        }
-        write!(f, "\n{:<34}", "true class of the runs")?;
-        for GroundSummary { classes, .. } in &self.grounds {
-            let counts: Vec<String> = classes.iter().map(|(c, n)| format!("{n} {c}")).collect();
-            write!(f, "{:>17}", counts.join(", "))?;
-        }
-        for quantity in &QUANTITIES {
-            write!(f, "\n{:<28}{:>6}", quantity.name, quantity.shown_unit)?;
-            for ground in &self.grounds {
-                let spread = ground.steady.get(quantity.key);
-                let shown = spread.map_or("-".to_owned(), |s| quantity.shown(s.mean));
-                write!(f, "{shown:>17}")?;
-            }
-        }
-        write!(f, "\n{:<34}", "findings of inspect")?;
-        for ground in &self.grounds {
-            write!(f, "{:>17}", ground.findings)?;
-        }
-        write!(f, "\n\n{}", self.recognition)?;
+        f.write_str(&self.table().to_text(0))?;
+        write!(f, "\n{}", self.recognition)?;
         if let Some(identification) = &self.identification {
             write!(f, "\n{identification}")?;
         }

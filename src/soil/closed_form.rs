@@ -139,11 +139,6 @@ impl<T: Real> RimContact<T> {
         }
     }
 
-    /// Shear displacement `j(θ_m)` [m] at the peak, the rim being the shear surface.
-    pub fn shear_displacement(&self) -> T {
-        self.displacement().at(self.angles.peak)
-    }
-
     /// Part of the shear strength mobilised at the peak, `E` [-] (Eq. 66); see [`mobilised`].
     ///
     /// `K = 0` leaves of `j` its direction only, which is that within the contact even where the

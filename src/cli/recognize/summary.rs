@@ -7,6 +7,7 @@ use crate::recognition::alignment::{Alignment, LugOffset};
 use crate::recognition::confusion::{CLASSES, Confusion};
 use crate::recognition::known::{Source, known_class};
 use crate::recognition::{Method, Recognized, Recognizer};
+use crate::table::{Cell, Column, Table};
 use crate::terrain::class::Wtic;
 use crate::trace::Trace;
 use serde::{Serialize, Serializer};
@@ -46,6 +47,27 @@ struct Window {
     /// Where lugs were found to strike.
     #[serde(skip_serializing_if = "Option::is_none")]
     lug_offset: Option<LugOffset>,
+}
+
+impl Window {
+    /// Its row of the table.
+    fn row(&self) -> Vec<Cell> {
+        let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
+        // 0 has no sign.
+        let feature = |p: f64| number((p * 100.0).round() / 100.0 + 0.0);
+        let features = self.p.map(|p| p.map(feature));
+        let mut cells = vec![
+            Cell::text(&self.run),
+            number(self.start_s),
+            number(self.end_s),
+            Cell::text(self.class.as_str()),
+            number(self.confidence),
+            Cell::text(self.truth.map_or("-", Wtic::as_str)),
+        ];
+        cells.extend(features.unwrap_or([const { Cell::Missing }; 4]));
+        cells.push(Cell::text(&self.reason));
+        cells
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -214,11 +236,11 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}, method {}", self.file, self.method.as_str())?;
         writeln!(f, "reference: {}\n", self.reference)?;
-        self.write_windows(f)?;
+        f.write_str(&self.windows().to_text(0))?;
         for Skipped { run, reason } in &self.skipped {
             writeln!(f, "{run}: not recognised: {reason}")?;
         }
-        self.write_runs(f)?;
+        write!(f, "\n{}", self.runs().to_text(0))?;
         self.write_alignments(f)?;
         self.score.fmt(f)?;
         for figure in &self.figures {
@@ -229,62 +251,32 @@ impl fmt::Display for Summary {
 }
 
 impl Summary {
-    /// Width of the column of ids.
-    fn id_width(&self) -> usize {
-        let widths = self.windows.iter().map(|window| window.run.chars().count());
-        widths.max().unwrap_or(0).max(3)
-    }
-
-    fn write_windows(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let width = self.id_width();
-        writeln!(
-            f,
-            "{:<width$}{:>9}{:>9}  {:<6}{:>10}  {:<6}{:>7}{:>7}{:>7}{:>7}  reason",
-            "run", "start/s", "end/s", "class", "confidence", "true", "p1", "p2", "p3", "p4"
-        )?;
-        for window in &self.windows {
-            let truth = window.truth.map_or("-", Wtic::as_str);
-            write!(
-                f,
-                "{:<width$}{:>9.2}{:>9.2}  {:<6}{:>10.2}  {truth:<6}",
-                window.run,
-                window.start_s,
-                window.end_s,
-                window.class.as_str(),
-                window.confidence,
-            )?;
-            match window.p {
-                // 0 has no sign.
-                Some(p) => p
-                    .map(|p| (p * 100.0).round() / 100.0 + 0.0)
-                    .iter()
-                    .try_for_each(|p| write!(f, "{p:>7.2}"))?,
-                None => write!(f, "{:>7}{:>7}{:>7}{:>7}", "-", "-", "-", "-")?,
-            }
-            writeln!(f, "  {}", window.reason)?;
+    fn windows(&self) -> Table {
+        let columns = ["run", "start/s", "end/s", "class", "confidence", "true"];
+        let features = ["p1", "p2", "p3", "p4", "reason"];
+        Table {
+            columns: Column::named(columns.into_iter().chain(features)),
+            rows: self.windows.iter().map(Window::row).collect(),
+            ..Table::default()
         }
-        Ok(())
     }
 
-    fn write_runs(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let width = self.id_width().max("windows of".len());
-        write!(f, "\n{:<width$}", "windows of")?;
-        write_class_names(f)?;
-        writeln!(f)?;
+    /// Windows of each class by run, and of all runs.
+    fn runs(&self) -> Table {
+        let row = |name: &str, counts: [usize; 4]| {
+            let counts = counts.map(|count| Cell::Count(count as u64));
+            [Cell::text(name)].into_iter().chain(counts).collect()
+        };
         let runs = self.per_run();
-        let mut all = [0; 4];
-        for (run, counts) in &runs {
-            write!(f, "{run:<width$}")?;
-            counts.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
-            writeln!(f)?;
-            all = std::array::from_fn(|i| all[i] + counts[i]);
+        let all = std::array::from_fn(|i| runs.iter().map(|(_, counts)| counts[i]).sum());
+        let all = (runs.len() > 1).then(|| row("all runs", all));
+        let rows = runs.iter().map(|(run, counts)| row(run, *counts));
+        let classes = CLASSES.map(|class| class.as_str());
+        Table {
+            columns: Column::named(["windows of"].into_iter().chain(classes)),
+            rows: rows.chain(all).collect(),
+            ..Table::default()
         }
-        if runs.len() > 1 {
-            write!(f, "{:<width$}", "all runs")?;
-            all.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
-            writeln!(f)?;
-        }
-        Ok(())
     }
 
     /// Where a lug points straight down, by run.
@@ -321,28 +313,28 @@ fn windows(count: u64) -> String {
     }
 }
 
-fn write_class_names(f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    let mut names = CLASSES.iter();
-    names.try_for_each(|class| write!(f, "{:>8}", class.as_str()))
-}
-
 impl fmt::Display for Score {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(accuracy) = self.confusion.accuracy() else {
             return writeln!(f, "\nno class is known to count answers against");
         };
-        write!(f, "\n{:<10}", "true class")?;
-        write_class_names(f)?;
-        writeln!(f, "   answered rightly (95 % interval)")?;
-        for (class, counts) in CLASSES.iter().zip(&self.confusion.counts) {
-            let Some(recall) = self.confusion.recall(*class) else {
-                continue;
-            };
-            write!(f, "{:<10}", class.as_str())?;
-            counts.iter().try_for_each(|n| write!(f, "{n:>8}"))?;
+        let rows = CLASSES.iter().zip(&self.confusion.counts);
+        let rows = rows.filter_map(|(class, counts)| {
+            let recall = self.confusion.recall(*class)?;
             let [low, high] = recall.ci95;
-            writeln!(f, "   {:.3} ({low:.3} to {high:.3})", recall.value)?;
-        }
+            let recall = format!("{:.3} ({low:.3} to {high:.3})", recall.value);
+            let counts = counts.map(Cell::Count);
+            let cells = [Cell::text(class.as_str())].into_iter().chain(counts);
+            Some(cells.chain([Cell::Text(recall)]).collect())
+        });
+        let classes = CLASSES.map(|class| class.as_str());
+        let columns = ["true class"].into_iter().chain(classes);
+        let table = Table {
+            columns: Column::named(columns.chain(["answered rightly (95 % interval)"])),
+            rows: rows.collect(),
+            ..Table::default()
+        };
+        write!(f, "\n{}", table.to_text(0))?;
         let [low, high] = accuracy.ci95;
         writeln!(
             f,
