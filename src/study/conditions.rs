@@ -1,10 +1,9 @@
 //! What the runs of a condition have in common: means of their steady values, from `runs.csv`.
 
 use super::Study;
-use super::table::bare;
+use super::table::{Stored, StoredRow, bare};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use std::collections::HashMap;
 
 /// A steady value of a run, as a reader wants it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +35,20 @@ impl Quantity {
             tested: Some([steadiness, drift]),
             ..self
         }
+    }
+
+    /// Its mean over the runs of a condition.
+    fn mean(&self, rows: &[StoredRow]) -> Option<Mean> {
+        let values = rows.iter().filter_map(|row| row.number(self.column));
+        let values: Vec<f64> = values.map(|value| self.factor * value).collect();
+        Mean::of(&values)
+    }
+
+    /// In how many runs of a condition it is not steady.
+    fn unsteady(&self, rows: &[StoredRow]) -> Option<Unsteady> {
+        let [state, rate] = self.tested?;
+        let states = rows.iter();
+        Unsteady::of(self, states.map(|row| (row.text(state), row.number(rate))))
     }
 
     /// Unit of its rate of change as shown.
@@ -185,41 +198,24 @@ fn together(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> 
 impl Study {
     /// The conditions in their order, from the table of the runs.
     pub(super) fn conditions(&self, runs: &str) -> Vec<Condition> {
-        let mut reader = csv::Reader::from_reader(runs.as_bytes());
-        let header = reader.headers().cloned().unwrap_or_default();
-        let places: HashMap<&str, usize> = header.iter().zip(0..).collect();
-        let columns = QUANTITIES.map(|quantity| (places[quantity.column], quantity.factor));
-        let tested = QUANTITIES.iter().filter_map(|quantity| {
-            let [state, rate] = quantity.tested?;
-            Some((quantity, [*places.get(state)?, *places.get(rate)?]))
-        });
-        let tested: Vec<(&Quantity, [usize; 2])> = tested.collect();
-        let (number, failure) = (places["condition"], places["failure"]);
-        let records: Vec<csv::StringRecord> = reader.records().flatten().collect();
-        let of_one = records.chunk_by(|a, b| a[number] == b[number]);
-        let condition = |(condition, rows): (u64, &[csv::StringRecord])| {
+        let table = Stored::read(runs);
+        let rows: Vec<StoredRow> = table.rows().collect();
+        let of_one = rows.chunk_by(|a, b| a.text("condition") == b.text("condition"));
+        let condition = |(condition, rows): (u64, &[StoredRow])| {
             let (named, entries) = self.condition(condition);
             let entries = self.sweeps.iter().zip(entries);
             let values = entries.flat_map(|(sweep, entry)| &sweep.rows[entry]);
-            let sound = rows.iter().filter(|row| row[failure].is_empty()).count();
+            let sound = rows.iter().filter(|row| row.text("failure").is_empty());
+            let sound = sound.count();
             Condition {
                 scenario: named.name.clone(),
                 values: values.map(|value| bare(value)).collect(),
                 runs: sound,
                 failed: rows.len() - sound,
-                means: columns.map(|(column, factor)| {
-                    let values = rows.iter().filter_map(|row| row[column].parse().ok());
-                    let values: Vec<f64> = values.map(|value: f64| factor * value).collect();
-                    Mean::of(&values)
-                }),
-                unsteady: tested
+                means: QUANTITIES.map(|quantity| quantity.mean(rows)),
+                unsteady: QUANTITIES
                     .iter()
-                    .filter_map(|(quantity, [state, rate])| {
-                        let states = rows
-                            .iter()
-                            .map(|row| (&row[*state], row[*rate].parse().ok()));
-                        Unsteady::of(quantity, states)
-                    })
+                    .filter_map(|it| it.unsteady(rows))
                     .collect(),
             }
         };

@@ -4,6 +4,8 @@ use super::{Run, Study};
 pub(super) use crate::dataset::records::{cell, line};
 use crate::scenario::experiment::ExperimentError;
 use crate::trace::Trace;
+use csv::StringRecord;
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 
 /// Rows of cells.
@@ -61,4 +63,65 @@ pub(super) fn condition_cells(study: &Study, run: &Run) -> Vec<String> {
 /// A TOML value without the quotes of a text.
 pub(super) fn bare(value: &str) -> String {
     value.trim_matches('"').to_owned()
+}
+
+/// A table that this program wrote, read from its text.
+pub(super) struct Stored {
+    places: HashMap<String, usize>,
+    records: Vec<StringRecord>,
+}
+
+/// A row of a [`Stored`] table. A column that the table lacks is a fault of the program.
+#[derive(Clone, Copy)]
+pub(super) struct StoredRow<'t> {
+    table: &'t Stored,
+    record: &'t StringRecord,
+}
+
+impl Stored {
+    pub(super) fn read(text: &str) -> Self {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let header = reader.headers().cloned().unwrap_or_default();
+        let places = header.iter().map(str::to_owned).zip(0..);
+        Self {
+            places: places.collect(),
+            records: reader.records().flatten().collect(),
+        }
+    }
+
+    pub(super) fn rows(&self) -> impl ExactSizeIterator<Item = StoredRow<'_>> {
+        let row = |record| StoredRow {
+            table: self,
+            record,
+        };
+        self.records.iter().map(row)
+    }
+}
+
+impl<'t> StoredRow<'t> {
+    pub(super) fn text(&self, column: &str) -> &'t str {
+        let place = self.table.places.get(column);
+        let place = *place.unwrap_or_else(|| panic!("the table has no column {column}"));
+        &self.record[place]
+    }
+
+    /// A number; none where the cell is empty.
+    pub(super) fn number(&self, column: &str) -> Option<f64> {
+        self.text(column).parse().ok()
+    }
+
+    /// Numbers of several columns; none where one of the cells is empty.
+    pub(super) fn numbers<const N: usize>(&self, columns: [&str; N]) -> Option<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for (number, column) in numbers.iter_mut().zip(columns) {
+            *number = self.number(column)?;
+        }
+        Some(numbers)
+    }
+
+    /// A whole number, which every row has.
+    pub(super) fn count(&self, column: &str) -> u64 {
+        let count = self.text(column).parse();
+        count.unwrap_or_else(|_| panic!("column {column} has a whole number in every row"))
+    }
 }

@@ -24,7 +24,6 @@
 //! touched exceed the limit, and how tight it is.
 
 mod displacement;
-mod reading;
 mod statement;
 pub mod tally;
 mod text;

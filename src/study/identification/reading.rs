@@ -3,7 +3,7 @@
 use super::steady::{DRIFTS, INTERVAL, VALUES, answered_column};
 use crate::identification::{Drift, SteadyLoad, SteadyRow, Uncertainty};
 use crate::recognition::confusion::CLASSES;
-use csv::StringRecord;
+use crate::study::table::{Stored, StoredRow};
 
 /// A steady interval of a run, or a run without one.
 #[derive(Debug, Clone)]
@@ -17,79 +17,55 @@ pub(super) struct Row {
     pub steady: Result<SteadyRow, String>,
 }
 
-/// Reads a table that this program wrote: its columns are there.
+/// The rows of the table of the steady intervals.
 pub(super) fn rows(text: &str) -> Vec<Row> {
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader.headers().cloned().unwrap_or_default();
-    let place = |column: &str| {
-        let found = header.iter().position(|name| name == column);
-        found.expect("the table of the steady intervals has this column")
+    let row = |row: StoredRow| Row {
+        run: row.count("run"),
+        condition: row.count("condition"),
+        repeat: row.count("repeat") as u32,
+        answers: CLASSES.map(|class| row.count(&answered_column(class))),
+        steady: match row.text("reason") {
+            "" => Ok(steady(&row)),
+            reason => Err(reason.to_owned()),
+        },
     };
-    let numbers = ["run", "condition", "repeat"].map(place);
-    let answers = CLASSES.map(|class| place(&answered_column(class)));
-    let values = VALUES.map(|pair| pair.map(place));
-    let interval = INTERVAL.map(place);
-    let drifts = DRIFTS.map(place);
-    let reason = place("reason");
-    let row = |record: StringRecord| {
-        let count = |at: usize| record[at].parse::<u64>().expect("it was counted");
-        let [run, condition, repeat] = numbers.map(count);
-        let steady = if record[reason].is_empty() {
-            Ok(SteadyRow {
-                load: load(&record, values),
-                interval: interval.map(|at| number(&record, at)),
-                drifts: found_drifts(&record, drifts),
-            })
-        } else {
-            Err(record[reason].to_owned())
-        };
-        Row {
-            run,
-            condition,
-            repeat: repeat as u32,
-            answers: answers.map(count),
-            steady,
-        }
-    };
-    reader.records().flatten().map(row).collect()
+    Stored::read(text).rows().map(row).collect()
 }
 
-/// An empty cell is no number.
-fn number(record: &StringRecord, at: usize) -> f64 {
-    record[at].parse().unwrap_or(f64::NAN)
-}
-
-/// The rates that are there.
-fn found_drifts(record: &StringRecord, places: [usize; 4]) -> Vec<Drift> {
-    let drifts = Drift::CHANNELS.into_iter().zip(places);
-    drifts
-        .filter_map(|(channel, at)| {
-            let rate = record[at].parse().ok()?;
-            Some(Drift { channel, rate })
-        })
-        .collect()
-}
-
-fn load(record: &StringRecord, places: [[usize; 2]; 5]) -> SteadyLoad {
-    let number = |at: usize| number(record, at);
-    let [slip, sinkage, drawbar_pull, load, driving_torque] = places.map(|[at, _]| number(at));
-    let deviations = places.map(|[_, at]| number(at));
-    let uncertainty = deviations.iter().all(|sd| sd.is_finite()).then(|| {
-        let [slip, sinkage, drawbar_pull, load, driving_torque] = deviations;
-        Uncertainty {
+fn steady(row: &StoredRow) -> SteadyRow {
+    // An empty cell is no number.
+    let number = |column: &str| row.number(column).unwrap_or(f64::NAN);
+    let drifts = Drift::CHANNELS.into_iter().zip(DRIFTS);
+    let drifts = drifts.filter_map(|(channel, column)| {
+        let rate = row.number(column)?;
+        Some(Drift { channel, rate })
+    });
+    let [slip, sinkage, drawbar_pull, load, driving_torque] =
+        VALUES.map(|[value, _]| number(value));
+    SteadyRow {
+        load: SteadyLoad {
             slip,
             sinkage,
             drawbar_pull,
             load,
             driving_torque,
-        }
-    });
-    SteadyLoad {
+            uncertainty: uncertainty(row),
+        },
+        interval: INTERVAL.map(number),
+        drifts: drifts.collect(),
+    }
+}
+
+/// None where one of them is not known.
+fn uncertainty(row: &StoredRow) -> Option<Uncertainty> {
+    let deviations = row.numbers(VALUES.map(|[_, deviation]| deviation))?;
+    let [slip, sinkage, drawbar_pull, load, driving_torque] = deviations;
+    let are_finite = deviations.iter().all(|it| it.is_finite());
+    are_finite.then_some(Uncertainty {
         slip,
         sinkage,
         drawbar_pull,
         load,
         driving_torque,
-        uncertainty,
-    }
+    })
 }

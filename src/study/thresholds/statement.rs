@@ -1,9 +1,10 @@
 //! The statements of (55) to (58), tested on the windows of a study.
 
-use super::reading::{Window, Windows};
 use super::tally::{Bounded, Empirical, Tally};
 use super::{Thresholds, acceleration_columns};
+use crate::study::table::{Stored, StoredRow};
 use crate::study::{Axis, Study};
+use crate::terrain::class::Wtic;
 use crate::trace::truth::MOST;
 use crate::vibration::bounds::mean_square_bound_of_jumps;
 use serde::Serialize;
@@ -102,7 +103,7 @@ enum Bound {
 }
 
 impl Bound {
-    fn of(self, window: &Window) -> Option<f64> {
+    fn of(self, window: &StoredRow) -> Option<f64> {
         let amplitude = window.number("bound_kappa_a");
         match self {
             Self::Amplitude => amplitude,
@@ -250,11 +251,21 @@ fn of_acceleration(bandwidth: f64) -> Vec<Limit> {
     ]
 }
 
+/// Whether the rim clears flat ground between the lugs.
+fn is_multi_lugged(window: &StoredRow) -> bool {
+    window.text("multi_lugged") == "true"
+}
+
+/// Whether all lugs touched in truth and none entered.
+fn is_alct(window: &StoredRow) -> bool {
+    window.text("truth") == Wtic::Alct.as_str()
+}
+
 impl Limit {
     /// The statement for one kind of wheel; `None` where the limit is not for it, or no window is.
     fn put_to(
         &self,
-        windows: &Windows,
+        windows: &Stored,
         study: &Study,
         axes: &[Axis],
         multi: bool,
@@ -263,8 +274,8 @@ impl Limit {
             return None;
         }
         let of_kind = windows
-            .windows()
-            .filter(|window| window.is_multi_lugged() == multi);
+            .rows()
+            .filter(|window| is_multi_lugged(window) == multi);
         let points: Vec<Point> = of_kind
             .filter_map(|window| self.point(&window, study))
             .collect();
@@ -287,9 +298,9 @@ impl Limit {
 
     /// A window on which every lug touched: in truth, and for displacements also where the wheel
     /// is rolled without slip.
-    fn point(&self, window: &Window, study: &Study) -> Option<Point> {
+    fn point(&self, window: &StoredRow, study: &Study) -> Option<Point> {
         let rolled = || window.number("rolled_touched_share") >= Some(MOST);
-        if !window.is_alct() || self.of == Of::Displacement && !rolled() {
+        if !is_alct(window) || self.of == Of::Displacement && !rolled() {
             return None;
         }
         let value = match &self.value {
@@ -336,7 +347,7 @@ impl Study {
         windows: Option<&str>,
     ) -> Option<ThresholdScore> {
         let Thresholds { bandwidths } = self.thresholds.as_ref()?;
-        let windows = Windows::read(windows?);
+        let windows = Stored::read(windows?);
         let axes = self.axes();
         let accelerations = bandwidths.iter().flat_map(|b| of_acceleration(*b));
         let limits: Vec<Limit> = of_displacement().into_iter().chain(accelerations).collect();
@@ -345,8 +356,8 @@ impl Study {
             limits.iter().filter_map(put).collect::<Vec<Statement>>()
         });
         Some(ThresholdScore {
-            windows: windows.len(),
-            all_touched: windows.windows().filter(Window::is_alct).count(),
+            windows: windows.rows().len(),
+            all_touched: windows.rows().filter(is_alct).count(),
             statements: statements.collect(),
             axes,
         })
