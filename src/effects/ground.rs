@@ -80,17 +80,12 @@ const DUST_COVER: Effect = Effect {
     title: "dust lies on hard ground",
     edits: "contact.dust",
     stage: Stage::Physics,
-    seats: &[Seat {
-        channel: "",
-        unit: "m",
-        neutral: 0.0,
-        range: [0.0, 0.002],
-        levels: [1.0e-5, 5.0e-5, 3.0e-4],
-        prior: Prior::LogNormal {
-            median: 5.0e-5,
-            factor: 3.0,
-        },
-    }],
+    seats: &[Seat::new(
+        "m",
+        [0.0, 0.002],
+        [1.0e-5, 5.0e-5, 3.0e-4],
+        Prior::log_normal(5.0e-5, 3.0),
+    )],
     signature: Signature {
         channels: &["drawbar_pull", "driving_torque"],
         bound: Bound::Condition,
@@ -121,17 +116,12 @@ const GRAVEL_EMBEDDING: Effect = Effect {
     title: "stones lie in fines that drag on them",
     edits: "stones.drag",
     stage: Stage::Physics,
-    seats: &[Seat {
-        channel: "",
-        unit: "1/s",
-        neutral: 0.0,
-        range: [0.0, 2000.0],
-        levels: [30.0, 150.0, 600.0],
-        prior: Prior::LogNormal {
-            median: 150.0,
-            factor: 3.0,
-        },
-    }],
+    seats: &[Seat::new(
+        "1/s",
+        [0.0, 2000.0],
+        [30.0, 150.0, 600.0],
+        Prior::log_normal(150.0, 3.0),
+    )],
     signature: Signature {
         channels: &["acceleration_y", "drawbar_pull", "driving_torque"],
         bound: Bound::Condition,
@@ -158,14 +148,12 @@ const SLOPE: Effect = Effect {
     title: "the track rises in the direction of travel",
     edits: "rig.slope_deg, added",
     stage: Stage::Physics,
-    seats: &[Seat {
-        channel: "",
-        unit: "°",
-        neutral: 0.0,
-        range: [-30.0, 30.0],
-        levels: [0.3, 1.5, 5.0],
-        prior: Prior::Normal { mean: 0.0, sd: 1.5 },
-    }],
+    seats: &[Seat::new(
+        "°",
+        [-30.0, 30.0],
+        [0.3, 1.5, 5.0],
+        Prior::normal(1.5),
+    )],
     signature: Signature {
         channels: &["drawbar_pull", "normal_force"],
         bound: Bound::Condition,

@@ -40,6 +40,23 @@ pub enum Prior {
     },
 }
 
+impl Prior {
+    /// About 0, either way.
+    pub(super) const fn normal(sd: f64) -> Self {
+        Self::Normal { mean: 0.0, sd }
+    }
+
+    /// From 0 up.
+    pub(super) const fn half_normal(scale: f64) -> Self {
+        Self::HalfNormal { scale }
+    }
+
+    /// Above 0.
+    pub(super) const fn log_normal(median: f64, factor: f64) -> Self {
+        Self::LogNormal { median, factor }
+    }
+}
+
 impl fmt::Display for Prior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

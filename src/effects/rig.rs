@@ -20,10 +20,7 @@ const RIG_RESONANCE: Effect = Effect {
         "m/N",
         [0.0, 1.0e-4],
         [1.0e-7, 5.0e-7, 3.0e-6],
-        Prior::LogNormal {
-            median: 5.0e-7,
-            factor: 3.0,
-        },
+        Prior::log_normal(5.0e-7, 3.0),
     )],
     signature: Signature {
         channels: &["acceleration_y", "normal_force"],
@@ -66,10 +63,7 @@ const RAIL_FRICTION: Effect = Effect {
         "N",
         [0.0, 50.0],
         [0.5, 2.0, 6.0],
-        Prior::LogNormal {
-            median: 1.5,
-            factor: 2.2,
-        },
+        Prior::log_normal(1.5, 2.2),
     )],
     signature: Signature {
         channels: &["normal_force", "sinkage", "acceleration_y"],
@@ -158,10 +152,7 @@ const LOAD_TRANSFER: Effect = Effect {
         "-",
         [-0.5, 0.5],
         [0.01, 0.03, 0.1],
-        Prior::Normal {
-            mean: 0.0,
-            sd: 0.05,
-        },
+        Prior::normal(0.05),
     )],
     signature: Signature {
         channels: &["normal_force", "acceleration_y", "sinkage"],

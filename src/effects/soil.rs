@@ -46,29 +46,17 @@ fn soils(terrain: &mut TerrainSpec) -> Vec<&mut Soil> {
     }
 }
 
-/// A seat without a channel whose neutral value is 0.
-const fn seat(unit: &'static str, most: f64, levels: [f64; 3], prior: Prior) -> Seat {
-    Seat {
-        channel: "",
-        unit,
-        neutral: 0.0,
-        range: [0.0, most],
-        levels,
-        prior,
-    }
-}
-
-/// A prior whose logarithm is normal.
-const fn log_normal(median: f64, factor: f64) -> Prior {
-    Prior::LogNormal { median, factor }
-}
-
 const SLIP_SINKAGE: Effect = Effect {
     name: "slip_sinkage",
     title: "slip makes the wheel sink deeper than by the soil's n_1",
     edits: "soil.sinkage_exponent_slip, added",
     stage: Stage::Physics,
-    seats: &[seat("-", 2.0, [0.3, 0.8, 1.3], log_normal(0.8, 1.65))],
+    seats: &[Seat::new(
+        "-",
+        [0.0, 2.0],
+        [0.3, 0.8, 1.3],
+        Prior::log_normal(0.8, 1.65),
+    )],
     signature: Signature {
         channels: &["sinkage", "driving_torque", "drawbar_pull"],
         bound: Bound::Condition,
@@ -104,11 +92,11 @@ const LUG_ACTION: Effect = Effect {
     title: "lugs cut and push soil: higher than stated, or 30 of them on a wheel stated to be smooth",
     edits: "wheel.lugs.height, added",
     stage: Stage::Physics,
-    seats: &[seat(
+    seats: &[Seat::new(
         "m",
-        0.03,
+        [0.0, 0.03],
         [0.003, 0.006, 0.010],
-        log_normal(0.006, 1.7),
+        Prior::log_normal(0.006, 1.7),
     )],
     signature: Signature {
         channels: &["drawbar_pull", "driving_torque", "normal_force"],
@@ -152,7 +140,12 @@ const BULLDOZING: Effect = Effect {
     title: "the wheel pushes soil ahead of it",
     edits: "soil.departures.front_pressure",
     stage: Stage::Physics,
-    seats: &[seat("-", 5.0, [0.5, 1.0, 2.5], log_normal(1.0, 1.8))],
+    seats: &[Seat::new(
+        "-",
+        [0.0, 5.0],
+        [0.5, 1.0, 2.5],
+        Prior::log_normal(1.0, 1.8),
+    )],
     signature: Signature {
         channels: &["drawbar_pull"],
         bound: Bound::Condition,
@@ -189,7 +182,12 @@ const MULTIPASS: Effect = Effect {
     title: "former wheels have compacted the track",
     edits: "soil.departures.compaction; one wheel has passed, or more where the scenario states earlier ones",
     stage: Stage::Physics,
-    seats: &[seat("-", 5.0, [0.15, 0.5, 1.5], log_normal(0.5, 2.0))],
+    seats: &[Seat::new(
+        "-",
+        [0.0, 5.0],
+        [0.15, 0.5, 1.5],
+        Prior::log_normal(0.5, 2.0),
+    )],
     signature: Signature {
         channels: &["sinkage", "drawbar_pull"],
         bound: Bound::History,
@@ -216,11 +214,11 @@ const RATE_DEPENDENT_SOIL: Effect = Effect {
     title: "soil resists the more, the faster it is pressed",
     edits: "soil.departures.rate_exponent",
     stage: Stage::Physics,
-    seats: &[seat(
+    seats: &[Seat::new(
         "-",
-        0.5,
+        [0.0, 0.5],
         [0.01, 0.03, 0.08],
-        Prior::HalfNormal { scale: 0.04 },
+        Prior::half_normal(0.04),
     )],
     signature: Signature {
         channels: &["sinkage", "drawbar_pull"],
@@ -256,11 +254,11 @@ const APPARENT_COHESION: Effect = Effect {
     title: "moisture holds the grains together",
     edits: "soil.cohesion, added",
     stage: Stage::Physics,
-    seats: &[seat(
+    seats: &[Seat::new(
         "Pa",
-        1.0e4,
+        [0.0, 1.0e4],
         [200.0, 700.0, 2000.0],
-        log_normal(600.0, 2.2),
+        Prior::log_normal(600.0, 2.2),
     )],
     signature: Signature {
         channels: &["drawbar_pull", "driving_torque"],
@@ -289,11 +287,11 @@ const THIN_SOFT_LAYER: Effect = Effect {
     title: "a hard base lies close below the soil",
     edits: "soil.departures.base_nearness, one over the depth of the base",
     stage: Stage::Physics,
-    seats: &[seat(
+    seats: &[Seat::new(
         "1/m",
-        100.0,
+        [0.0, 100.0],
         [10.0, 25.0, 50.0],
-        log_normal(25.0, 1.8),
+        Prior::log_normal(25.0, 1.8),
     )],
     signature: Signature {
         channels: &["sinkage", "acceleration_y"],

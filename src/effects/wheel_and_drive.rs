@@ -35,10 +35,7 @@ const WHEEL_ECCENTRICITY: Effect = Effect {
         "m",
         [0.0, 0.01],
         [1.0e-4, 4.0e-4, 1.5e-3],
-        Prior::LogNormal {
-            median: 3.0e-4,
-            factor: 2.0,
-        },
+        Prior::log_normal(3.0e-4, 2.0),
     )],
     signature: Signature {
         channels: &["sinkage", "driving_torque", "drawbar_pull"],
@@ -68,10 +65,7 @@ const WHEEL_OVALITY: Effect = Effect {
         "m",
         [0.0, 0.01],
         [1.0e-4, 4.0e-4, 1.5e-3],
-        Prior::LogNormal {
-            median: 3.0e-4,
-            factor: 2.0,
-        },
+        Prior::log_normal(3.0e-4, 2.0),
     )],
     signature: Signature {
         channels: &["sinkage", "driving_torque", "drawbar_pull"],
@@ -100,7 +94,7 @@ const SHORT_LUG: Effect = Effect {
         "-",
         [0.0, 1.0],
         [0.1, 0.4, 1.0],
-        Prior::HalfNormal { scale: 0.5 },
+        Prior::half_normal(0.5),
     )],
     signature: Signature {
         channels: &["acceleration_y", "sinkage", "driving_torque"],
@@ -129,10 +123,7 @@ const LUG_WEAR: Effect = Effect {
         "-",
         [0.0, 0.5],
         [0.03, 0.12, 0.35],
-        Prior::LogNormal {
-            median: 0.12,
-            factor: 2.2,
-        },
+        Prior::log_normal(0.12, 2.2),
     )],
     signature: Signature {
         channels: &["acceleration_y", "drawbar_pull", "sinkage"],
@@ -166,10 +157,7 @@ const MOTOR_COGGING: Effect = Effect {
         "-",
         [0.0, 0.5],
         [0.005, 0.02, 0.06],
-        Prior::LogNormal {
-            median: 0.015,
-            factor: 2.0,
-        },
+        Prior::log_normal(0.015, 2.0),
     )],
     signature: Signature {
         channels: &["driving_torque", "drawbar_pull", "acceleration_y"],
@@ -207,10 +195,7 @@ const SERVO_RIPPLE: Effect = Effect {
         "-",
         [0.0, 0.3],
         [0.005, 0.02, 0.05],
-        Prior::LogNormal {
-            median: 0.015,
-            factor: 2.0,
-        },
+        Prior::log_normal(0.015, 2.0),
     )],
     signature: Signature {
         channels: &["driving_torque", "drawbar_pull", "slip_ratio"],
@@ -246,10 +231,7 @@ const ENCODER_SCALE: Effect = Effect {
         "-",
         [-0.2, 0.2],
         [0.005, 0.02, 0.08],
-        Prior::Normal {
-            mean: 0.0,
-            sd: 0.03,
-        },
+        Prior::normal(0.03),
     )],
     signature: Signature {
         channels: &["drawbar_pull", "slip_ratio", "driving_torque"],
@@ -303,10 +285,7 @@ const CARRIAGE_SCALE: Effect = Effect {
         "-",
         [-0.2, 0.2],
         [0.002, 0.01, 0.04],
-        Prior::Normal {
-            mean: 0.0,
-            sd: 0.015,
-        },
+        Prior::normal(0.015),
     )],
     signature: Signature {
         channels: &["drawbar_pull", "acceleration_y", "driving_torque"],
@@ -363,10 +342,7 @@ const DRIVE_VIBRATION: Effect = Effect {
         "m/s^2",
         [0.0, 0.5],
         [5.0e-4, 1.1e-3, 2.9e-3],
-        Prior::LogNormal {
-            median: 1.1e-3,
-            factor: 2.4,
-        },
+        Prior::log_normal(1.1e-3, 2.4),
     )],
     signature: Signature {
         channels: &["acceleration_y"],

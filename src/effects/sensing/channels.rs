@@ -73,10 +73,7 @@ const CORNER: Seat = Seat {
         "Hz",
         [1.0, f64::INFINITY],
         [500.0, 150.0, 40.0],
-        Prior::LogNormal {
-            median: 200.0,
-            factor: 2.5,
-        },
+        Prior::log_normal(200.0, 2.5),
     )
 };
 
@@ -91,10 +88,7 @@ pub(super) const MOUNTING_RESONANCE: Effect = Effect {
             "Hz",
             [10.0, f64::INFINITY],
             [900.0, 450.0, 180.0],
-            Prior::LogNormal {
-                median: 700.0,
-                factor: 2.2,
-            },
+            Prior::log_normal(700.0, 2.2),
         )
     }],
     signature: Signature {
@@ -164,15 +158,7 @@ pub(super) const GAIN_ERROR: Effect = Effect {
     other_form: None,
 };
 
-const GAIN: Seat = Seat::new(
-    "-",
-    [-0.5, 0.5],
-    [0.01, 0.03, 0.08],
-    Prior::Normal {
-        mean: 0.0,
-        sd: 0.03,
-    },
-);
+const GAIN: Seat = Seat::new("-", [-0.5, 0.5], [0.01, 0.03, 0.08], Prior::normal(0.03));
 
 pub(super) const NONLINEARITY: Effect = Effect {
     name: "nonlinearity",
@@ -204,15 +190,7 @@ pub(super) const NONLINEARITY: Effect = Effect {
     other_form: None,
 };
 
-const BEND: Seat = Seat::new(
-    "-",
-    [-0.5, 0.5],
-    [0.002, 0.005, 0.03],
-    Prior::Normal {
-        mean: 0.0,
-        sd: 0.01,
-    },
-);
+const BEND: Seat = Seat::new("-", [-0.5, 0.5], [0.002, 0.005, 0.03], Prior::normal(0.01));
 
 /// Typical reading of a channel, in its unit.
 fn typical(setup: &Setup, seated: Seated) -> f64 {
@@ -263,10 +241,7 @@ pub(super) const BIAS_DRIFT: Effect = Effect {
 
 const fn offset(unit: &'static str, levels: [f64; 3]) -> Seat {
     let [_, typical, high] = levels;
-    let prior = Prior::Normal {
-        mean: 0.0,
-        sd: typical,
-    };
+    let prior = Prior::normal(typical);
     Seat::new(unit, [-100.0 * high, 100.0 * high], levels, prior)
 }
 
@@ -354,9 +329,6 @@ pub(super) const MAINS_HUM: Effect = Effect {
 /// A seat whose magnitude is an amount from 0 up.
 pub(super) const fn amount(unit: &'static str, levels: [f64; 3]) -> Seat {
     let [_, typical, high] = levels;
-    let prior = Prior::LogNormal {
-        median: typical,
-        factor: 2.7,
-    };
+    let prior = Prior::log_normal(typical, 2.7);
     Seat::new(unit, [0.0, 100.0 * high], levels, prior)
 }

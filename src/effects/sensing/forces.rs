@@ -8,12 +8,7 @@ const NORMAL: usize = 0;
 const PULL: usize = 1;
 const TORQUE: usize = 2;
 
-const TILTED: Seat = Seat::new(
-    "°",
-    [-45.0, 45.0],
-    [0.3, 1.0, 3.0],
-    Prior::Normal { mean: 0.0, sd: 1.0 },
-);
+const TILTED: Seat = Seat::new("°", [-45.0, 45.0], [0.3, 1.0, 3.0], Prior::normal(1.0));
 
 pub(super) const SENSOR_TILT: Effect = Effect {
     name: "sensor_tilt",
@@ -55,10 +50,7 @@ pub(super) const FORCE_CROSSTALK: Effect = Effect {
             "m",
             [-0.05, 0.05],
             [0.001, 0.003, 0.006],
-            Prior::Normal {
-                mean: 0.0,
-                sd: 0.003,
-            },
+            Prior::normal(0.003),
         )
         .on("driving_torque"),
     ],
@@ -85,15 +77,7 @@ pub(super) const FORCE_CROSSTALK: Effect = Effect {
     other_form: None,
 };
 
-const CROSSED: Seat = Seat::new(
-    "-",
-    [-0.2, 0.2],
-    [0.005, 0.015, 0.04],
-    Prior::Normal {
-        mean: 0.0,
-        sd: 0.015,
-    },
-);
+const CROSSED: Seat = Seat::new("-", [-0.2, 0.2], [0.005, 0.015, 0.04], Prior::normal(0.015));
 
 /// Turns the sensor by an angle [rad]: its pull axis then measures part of the normal force.
 fn turn(sensor: &mut ForceTorque, angle: f64) {

@@ -43,10 +43,7 @@ pub(super) const CLIPPING: Effect = Effect {
 
 const fn rail(unit: &'static str, levels: [f64; 3]) -> Seat {
     let [_, typical, high] = levels;
-    let prior = Prior::LogNormal {
-        median: typical,
-        factor: 3.0,
-    };
+    let prior = Prior::log_normal(typical, 3.0);
     Seat {
         neutral: f64::INFINITY,
         ..Seat::new(unit, [high / 100.0, f64::INFINITY], levels, prior)
@@ -103,10 +100,7 @@ pub(super) const CLOCK_ERROR: Effect = Effect {
         "-",
         [-0.05, 0.05],
         [5.0e-5, 1.0e-3, 1.0e-2],
-        Prior::Normal {
-            mean: 0.0,
-            sd: 3.0e-3,
-        },
+        Prior::normal(3.0e-3),
     )],
     signature: Signature {
         channels: &["acceleration_y", "wheel_angle"],
@@ -173,10 +167,7 @@ const LAG: Seat = Seat::new(
     "s",
     [0.0, 1.0],
     [0.001, 0.01, 0.06],
-    Prior::LogNormal {
-        median: 0.008,
-        factor: 3.3,
-    },
+    Prior::log_normal(0.008, 3.3),
 );
 
 pub(super) const ALIASING: Effect = Effect {
@@ -188,7 +179,7 @@ pub(super) const ALIASING: Effect = Effect {
         "-",
         [0.0, 1.0],
         [0.05, 0.3, 1.0],
-        Prior::HalfNormal { scale: 0.5 },
+        Prior::half_normal(0.5),
     )],
     signature: Signature {
         channels: &["acceleration_y"],
