@@ -268,7 +268,7 @@ fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
         isolability,
         &matrix_figure(&scores.isolability, Entries::Shares, title),
     )?;
-    let title = "Effects named, by their size";
+    let title = "Effects named, by magnitude";
     write(power, &power_figure(&scores.power, title))
 }
 

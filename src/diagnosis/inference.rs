@@ -65,7 +65,7 @@ pub struct Model {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainingError {
     /// There are too few.
-    #[error("{rigs} rigs are too few to learn from: allow at least {least}")]
+    #[error("{rigs} rigs are too few for the training: allow at least {least}")]
     TooFew {
         /// Rigs.
         rigs: usize,
@@ -73,7 +73,7 @@ pub enum TrainingError {
         least: usize,
     },
     /// Their statistics have no variance.
-    #[error("the statistics of these rigs do not vary, so that nothing can be learned from them")]
+    #[error("the statistics of these rigs do not vary, so that no model can be trained on them")]
     Degenerate,
 }
 

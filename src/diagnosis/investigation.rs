@@ -747,7 +747,8 @@ fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
         return verdict;
     }
     verdict.reasons.push(format!(
-        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: it closes nothing and is not named",
+        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: the effect does not close \
+         the gap and is not named",
         validation.effects.join(" and ")
     ));
     verdict.named.clear();

@@ -317,7 +317,8 @@ impl Grounds<'_> {
         let mut reasons = Vec::new();
         if !self.is_trusted() {
             reasons.push(format!(
-                "on rigs of this layout with known causes the set holds the true one in {:.0} % only: nothing is named",
+                "on rigs of this layout with known causes the set contains the true one in {:.0} % only: no \
+                 cause is named",
                 100.0 * self.self_test.coverage
             ));
         }

@@ -74,15 +74,14 @@ pub fn diagnosis_page(report: &DiagnosisReport) -> Page {
     Page {
         title: format!("Where {} and {} differ, and why", report.measured, report.name),
         question: format!(
-            "What has the simulator of {} wrong, or not at all, that {} shows?",
+            "Why does scenario {} disagree with the measurements in {}?",
             report.name, report.measured
         ),
         answer: answer::sentence(report),
-        intro: "A gap is a difference between measured runs and simulated ones of the same load, speed \
-                and slip. Three simulators are set beside the measurements: the scenario as shipped, the \
-                scenario with its parameters recalibrated within what is known of them, and that with an \
-                effect added which the scenario leaves out. Only what recalibration leaves is called an \
-                effect."
+        intro: "A gap is a difference between measured and simulated runs at the same load, speed and slip. Three \
+         simulators are compared with the measurements: the scenario as shipped, the scenario with its parameters \
+         recalibrated within their priors, and the recalibrated scenario with an effect added. An effect is \
+         inferred from the remainder after recalibration only."
             .to_owned(),
         sections: sections.into_iter().flatten().collect(),
         provenance: provenance(report),
@@ -94,9 +93,8 @@ fn looks(report: &DiagnosisReport) -> Section {
     let named = report.named();
     let mut section = Section::new("Measured and simulated runs");
     if named.is_empty() {
-        section = section.prose(
-            "The answer names no effect: the runs are simulated as shipped and recalibrated only.",
-        );
+        section = section
+            .prose("No effect is named: the runs are simulated as shipped and recalibrated only.");
     }
     let traces = report
         .traces
@@ -106,22 +104,22 @@ fn looks(report: &DiagnosisReport) -> Section {
             svg,
             format!(
                 "The first measured run at {}, where most statistics differ, and one simulated run of each \
-                 arm, all on one simulated ground. Ground and noise of the measured run are its own: what \
-                 has to agree is level, range and rhythm, not every wiggle.",
+                 variant on the same realisation of the ground. Ground and noise of the measured run are other \
+                 realisations: level, range and periods are comparable, individual samples are not.",
                 traces.condition
             ),
         )),
         None => section.prose(
-            "No traces are shown: the strongest condition has no time series, or could not be simulated.",
+            "No traces: the condition with the largest gap has no time series, or could not be simulated.",
         ),
     };
     match arm_curves(&report.diagnosis.in_units, report.cases, &named) {
         Some(svg) => section.figure(Figure::new(
             svg,
-            "Means of the measured runs of a condition, and of simulated runs of each arm; parameters and \
-             magnitudes are fitted to all conditions here.",
+            "Means of the measured runs of a condition and of simulated runs of each variant; parameters and \
+             magnitudes are fitted to all conditions.",
         )),
-        None => section.prose("No curves are shown: no steady value was compared."),
+        None => section.prose("No curves: no steady value was compared."),
     }
 }
 
@@ -145,7 +143,7 @@ fn provenance(report: &DiagnosisReport) -> Provenance {
             "discrepancy assumed",
             format!("{} margins of equivalence", settings.discrepancy),
         ),
-        ("effects held to be impossible", without),
+        ("excluded effects", without),
     ];
     let own = own.map(|(name, value)| (name.to_owned(), value));
     Provenance {

@@ -35,7 +35,7 @@ struct Step {
 /// vermilion. `added` names the effect. One SVG 1100 px wide.
 pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String {
     let steps = steps(gaps, added);
-    let title = "How far the gap closes";
+    let title = "Shrinkage of the gap";
     let mut canvas = Canvas::new([WIDTH, PANEL.bottom() + 76.0], title);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
     let whisker = interval(gaps, closed);

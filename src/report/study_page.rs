@@ -87,9 +87,12 @@ fn asked(study: &Study) -> String {
     let scenarios = scenarios.join(", ");
     let keys: Vec<String> = study.axes().into_iter().map(|axis| axis.name).collect();
     if keys.is_empty() {
-        return format!("What do the runs of {scenarios} give?");
+        return format!("What are the results of the runs of {scenarios}?");
     }
-    format!("What changes with {} in {scenarios}?", keys.join(" and "))
+    format!(
+        "How do the results depend on {} in {scenarios}?",
+        keys.join(" and ")
+    )
 }
 
 fn failed(outcome: &Outcome) -> Option<String> {
@@ -125,7 +128,10 @@ fn failures(outcome: &Outcome) -> Option<Section> {
         columns: Column::named(["run", "condition", "reason"]),
         rows: rows.collect(),
     };
-    let answer = format!("{} A failed run counts nowhere above.", failed(outcome)?);
+    let answer = format!(
+        "{} Failed runs are excluded from all results above.",
+        failed(outcome)?
+    );
     let section = Section::new("Failed runs");
     Some(section.answer(answer).table(table))
 }

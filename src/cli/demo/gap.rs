@@ -28,11 +28,7 @@ const KNOWN: [&str; 6] = [
 const KNOWN_FILE: &str = "known.toml";
 
 /// What the rig has and its scenario lacks: its name, its magnitude, what it is.
-const HIDDEN: (&str, &str, &str) = (
-    "slip_sinkage",
-    "0.8",
-    "soil that gives way the more the wheel slips",
-);
+const HIDDEN: (&str, &str, &str) = ("slip_sinkage", "0.8", "sinkage that grows with slip");
 
 /// Effects that are tried, few enough for a demo.
 const TRIED: [&str; 6] = [
@@ -95,21 +91,20 @@ pub fn section(summary: &Summary) -> Section {
     let section = Section::new("Diagnosis of a rig against its simulation")
         .answer(summary.answer.clone())
         .prose(format!(
-            "Six runs of 3 s at three conditions stand for a rig. Its sand has {name} = {magnitude}, {what}; the \
-             scenario it is compared with has not, and the diagnosis had no information on it. {judged} It tried {} of the \
-             catalogue's effects, and recalibrated the scenario's parameters before it blamed anything else. Its own \
-             page is {}.",
+            "Six runs of 3 s at three conditions represent a rig. Its sand has {name} = {magnitude}, {what}; \
+             the scenario has not, and the diagnosis has no information on it. {judged} The diagnosis tried {} \
+             of the catalogue's effects and recalibrated the parameters of the scenario. Its report is {}.",
             TRIED.len(),
             summary.page
         ))
         .figure(Figure::new(
             probability_bars(&verdict.probabilities),
-            "What may explain the difference, with probabilities.",
+            "Posterior probabilities of the explanations.",
         ));
     match &summary.diagnosis.gap {
         Some(gaps) => section.figure(Figure::new(
             gap_waterfall(gaps, summary.diagnosis.closed, "the effect"),
-            "The gap between rig and simulation, and how far each step closes it.",
+            "Gap between rig and simulation, and its shrinkage step by step.",
         )),
         None => section,
     }

@@ -47,7 +47,7 @@ pub fn story(results: &Results) -> Page {
         .chain(identified.answer())
         .chain([diagnosed.answer.clone()]);
     Page {
-        title: "What a lugged wheel feels of its ground".to_owned(),
+        title: "A lugged wheel on three grounds".to_owned(),
         question:
             "Which ground does a rover's wheel roll on, what are its parameters, and what does a \
                    simulation of it lack?"
@@ -102,9 +102,8 @@ fn look(findings: &[Finding]) -> Section {
             "Vertical acceleration of the axle, rms",
         ))
         .prose(
-            "On firm ground each lug that comes to bear jolts the axle, and the traces repeat lug \
-             by lug. Loose stones give way when they will. Sand lets the lugs in: the rim lies \
-             lower, and the jolts are softer.",
+            "On hard ground every lug contact causes an impact, and the traces are periodic in the lug pass. \
+             Loose stones move irregularly. Lugs enter sand: the rim is lower, and the impacts are weaker.",
         )
         .figure(Figure::new(
             side_by_side(&runs, [driven - duration, driven]),
@@ -115,8 +114,8 @@ fn look(findings: &[Finding]) -> Section {
 
 fn motion(findings: &[Finding]) -> Section {
     let section = Section::new("Motion of the wheel").prose(
-        "The first run on each ground. Press play, or put the slider where something happens. Coloured lugs bear \
-         load; the arrows are the ground's normal force, the drawbar pull and the driving torque.",
+        "The first run on each ground: press play, or move the slider. Coloured lugs carry load; the arrows are \
+         the normal force of the ground, the drawbar pull and the driving torque.",
     );
     findings.iter().fold(section, |section, finding| {
         let (id, trace, _) = &finding.first;
@@ -184,10 +183,9 @@ fn lugs(findings: &[Finding]) -> Section {
             classes.collect::<Vec<_>>().join(", ")
         ))
         .prose(
-            "This is the truth as the simulation saw it, lug by lug, and the label that a \
-               recognition is scored against. LEIS: at least 90 % of the lugs that passed the \
-               bottom went more than 1 mm into the soil. ALCT: else, at least 90 % touched. SLCT: \
-               fewer touched. UWTIC: none did, or none passed.",
+            "The true classes by the simulated contacts, against which a recognition is scored. LEIS: at least \
+             90 % of the lugs that passed the bottom entered the soil by more than 1 mm. ALCT: otherwise at \
+             least 90 % touched. SLCT: fewer touched. UWTIC: none touched, or none passed.",
         )
         .table(Table {
             caption: "Number of runs of each true class".to_owned(),
@@ -215,9 +213,9 @@ fn soundness(findings: &[Finding]) -> Section {
         .collect();
     let runs: usize = findings.iter().map(|f| f.inspection.runs.len()).sum();
     let answer = match rows.len() {
-        0 => format!("Nothing odd was found in the {runs} runs."),
-        1 => format!("One thing is odd in the {runs} runs."),
-        count => format!("{count} things are odd in the {runs} runs."),
+        0 => format!("No faults were found in the {runs} runs."),
+        1 => format!("One fault was found in the {runs} runs."),
+        count => format!("{count} faults were found in the {runs} runs."),
     };
     let columns = ["ground", "run", "channel", "what was seen"].map(|name| Column::new(name, ""));
     let table = Table {
@@ -228,8 +226,8 @@ fn soundness(findings: &[Finding]) -> Section {
     Section::new("Inspection of the files")
         .answer(answer)
         .prose(
-            "Each file was read back and checked for gaps, clipped and constant channels, units and \
-             signs, and labels that the channels contradict.",
+            "Each file was read and checked for gaps, clipped and constant channels, units, signs, and labels \
+             that contradict the channels.",
         )
         .table(table)
 }
@@ -241,8 +239,7 @@ fn records(findings: &[Finding]) -> Section {
         Figure::new(svg.clone(), format!("{id} of {file}, on {}.", finding.name))
     };
     let section = Section::new("Channels of a run").prose(
-        "The first run on each ground in full; the drawings of all runs are in the folder figures \
-         beside this page.",
+        "The first run on each ground; the drawings of all runs are in the folder figures beside this page.",
     );
     findings.iter().map(figure).fold(section, Section::figure)
 }
@@ -254,7 +251,7 @@ fn next_steps(findings: &[Finding]) -> Section {
     let row = |what: &str, command: String| vec![Cell::text(what), Cell::Code(command)];
     let columns = ["to", "command"].map(|name| Column::new(name, ""));
     Section::new("Next steps")
-        .answer("Change a scenario, simulate, and look again.")
+        .answer("Change a scenario and simulate again.")
         .prose(
             "A scenario is a text file with units in its comments; every key can also be set on the \
              command line. The run files are HDF5, which Python and MATLAB read.",

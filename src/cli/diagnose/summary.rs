@@ -195,7 +195,7 @@ impl Summary {
         } = &self.diagnosis;
         let differ = map.iter().filter(|entry| entry.colour == Colour::Gap);
         let located = if verdict.located.is_empty() {
-            "none stands out"
+            "none is significant"
         } else {
             "the strongest are"
         };
@@ -253,11 +253,15 @@ impl Summary {
         let sets = verdict.named.iter().map(|set| set.join(" or "));
         let named = sets.collect::<Vec<_>>().join(", and ");
         match verdict.verdict {
-            Answer::None => "none: nothing is missing and nothing is off".to_owned(),
-            Answer::Parameter => "parameter: recalibration explains what differs".to_owned(),
+            Answer::None => "none: the scenario explains the measured runs".to_owned(),
+            Answer::Parameter => {
+                "parameter: recalibrated parameters explain the difference".to_owned()
+            }
             Answer::Effect => format!("effect: {named}"),
             Answer::Effects => format!("effects: {named}"),
-            Answer::Unknown => "unknown: no effect of the library explains what differs".to_owned(),
+            Answer::Unknown => {
+                "unknown: no effect of the catalogue explains the difference".to_owned()
+            }
             Answer::Undecided => {
                 "undecided: these runs do not discriminate between the causes".to_owned()
             }

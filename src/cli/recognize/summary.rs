@@ -330,7 +330,7 @@ impl fmt::Display for Score {
         let classes = CLASSES.map(|class| class.as_str());
         let columns = ["true class"].into_iter().chain(classes);
         let table = Table {
-            columns: Column::named(columns.chain(["answered rightly (95 % interval)"])),
+            columns: Column::named(columns.chain(["recall (95 % interval)"])),
             rows: rows.collect(),
             ..Table::default()
         };
@@ -343,7 +343,7 @@ impl fmt::Display for Score {
             windows(accuracy.n)
         )?;
         let source = |source: &Source| match source {
-            Source::GroundTruth => "what the simulation saw the lugs do",
+            Source::GroundTruth => "the contacts recorded by the simulation",
             Source::RunClass => "the class in the run file",
             Source::Terrain => "the class the paper gives the terrain",
         };

@@ -11,7 +11,7 @@ pub fn sentence(report: &DiagnosisReport) -> String {
     let Diagnosis { verdict, .. } = report.diagnosis;
     match verdict.verdict {
         Answer::None => format!(
-            "Nothing is missing and nothing is off: {} explains these runs as it came (probability {}).",
+            "The scenario {} explains these runs without any change (probability {}).",
             report.name,
             percent(verdict.probability(Answer::None))
         ),
@@ -26,7 +26,7 @@ pub fn sentence(report: &DiagnosisReport) -> String {
                 )
             });
             format!(
-                "Something is missing that no effect of the library makes (probability {}).{place}",
+                "The cause is none of the effects in the catalogue (probability {}).{place}",
                 percent(verdict.probability(Answer::Unknown))
             )
         }
@@ -49,8 +49,8 @@ fn parameter(verdict: &Verdict) -> String {
         false => String::new(),
     };
     format!(
-        "No effect has to be added: recalibrated parameters explain what differs (probability {}, \
-         and {} that nothing is off at all).{others}",
+        "Recalibrated parameters explain the difference without an effect (probability {}; probability of no \
+         difference {}).{others}",
         percent(parameter),
         percent(none)
     )
@@ -89,7 +89,8 @@ fn effects(diagnosis: &Diagnosis) -> String {
         let [low, high] = closed.ci95.map(percent);
         let share = percent(closed.value);
         format!(
-            " The likeliest explanation closes {share} [{low}, {high}] of the gap that recalibration leaves."
+            " The most probable explanation closes {share} [{low}, {high}] of the gap that remains after \
+             recalibration."
         )
     });
     format!(
@@ -112,7 +113,7 @@ fn magnitude(suspect: &Suspect) -> String {
 
 fn undecided(verdict: &Verdict) -> String {
     let next = match &verdict.next_run {
-        Some(next) => format!(" A run {} would help most.", next.run),
+        Some(next) => format!(" The most informative next run is {}.", next.run),
         None => String::new(),
     };
     let likely = likeliest(verdict, &[Answer::Undecided]);
@@ -163,7 +164,8 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
         (
             "differ at all?".to_owned(),
             format!(
-                "all statistics together {}, strongest statistic {}; so few runs can give no less than {:.3}",
+                "all statistics together {}, strongest statistic {}; the least attainable with so few runs is \
+                 {:.3}",
                 p_value(global.energy.p),
                 p_value(global.strongest.p),
                 global.least_p
@@ -190,18 +192,18 @@ pub fn next_run(diagnosis: &Diagnosis) -> Section {
         let [without, with] = next.separation.map(|it| format!("{it:.2}"));
         return section.answer(format!("A run {}.", next.run)).prose(format!(
             "There {first} and {second}, at the magnitudes that explain these runs, differ by {with} scatters per \
-             statistic; in the best of the runs at hand they differ by {without}. Of the runs that differ from a \
-             measured one in one thing (direction, load, speed, slip, lugs) this one separates them best."
+             statistic, in the best of the present runs by {without}. The candidates are all runs that differ \
+             from a measured one in one setting (direction, load, speed, slip, lugs)."
         ));
     }
     let words = match verdict.verdict {
         Answer::Unknown => {
-            "No run of the library's effects would decide: the cause is none of them. Repeats of the \
-             condition where the remainder is strongest, with one thing changed at a time, narrow it down."
+            "No next run can be recommended, because the cause is none of the effects in the catalogue. Repeat \
+             the condition with the largest remainder and change one setting at a time."
         }
         Answer::Undecided => {
-            "No run could be found that would decide. More repeats and a second load, speed or slip make \
-             every answer surer."
+            "No run was found that discriminates between the causes. More repeats and a second load, speed or \
+             slip reduce the uncertainty of every answer."
         }
         _ => {
             "No further run is needed to discriminate between the causes. A repeat at a condition \

@@ -15,8 +15,8 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
     });
     Section::new("Compared conditions and statistics")
         .prose(format!(
-            "Learned from: {} random rigs of this layout, {:.0} s of driving; their parameters and effects differ as \
-             those of real rigs may.",
+            "Training data: {} random rigs of this layout, {:.0} s of driving; their parameters and effects are \
+             drawn from the priors.",
             compared.rigs, compared.driven
         ))
         .table(Table {

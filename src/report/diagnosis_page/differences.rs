@@ -17,16 +17,15 @@ pub fn section(report: &DiagnosisReport) -> Section {
     let section = Section::new("Gap map")
         .answer(answer(&map))
         .prose(
-            "A row is a channel, a column what a statistic looks at: samples as such (time), what is locked to \
-             the wheel's turn (order) or to the lugs' passing (lug), what is fixed in hertz (frequency), two \
-             channels together (cross), vibration features, steady loads, what grows along the way (history), \
-             curves over all runs. A field names its strongest statistic and its z, the difference over its \
-             standard error; vermilion is a gap, green is shown to be small, grey is undecided. The strip \
-             below it has one part a condition.",
+            "Rows are channels, columns domains of statistics: time, wheel orders (order), lug pass (lug), \
+             frequency, pairs of channels (cross), vibration features, steady loads, dependence on distance \
+             (history), curves over all runs. A field contains its strongest statistic with z, the difference \
+             over its standard error; vermilion is a gap, green is equivalent, grey is undecided. The strip below \
+             it has one part per condition.",
         );
     let title = format!("{} against {} as shipped", report.measured, report.name);
     let section = match map.entries.is_empty() {
-        true => section.prose("There is nothing that both sides have."),
+        true => section.prose("Measurement and simulation have no statistic in common."),
         false => section.figure(Figure::new(
             gap_map(&map, &title),
             "The gap map, before any recalibration.",
@@ -34,7 +33,7 @@ pub fn section(report: &DiagnosisReport) -> Section {
     };
     let located = located(report);
     if located.rows.is_empty() {
-        return section.prose("Once parameters are recalibrated, no statistic stands out.");
+        return section.prose("After recalibration no statistic differs significantly.");
     }
     section.table(located)
 }
@@ -81,8 +80,8 @@ fn located(report: &DiagnosisReport) -> Table {
         ]
     });
     Table {
-        caption: "Strongest statistics that recalibrated parameters leave, on conditions held out; beside \
-                  them the difference as shipped with its 95 % interval"
+        caption: "Strongest remaining statistics after recalibration, on held-out conditions, and their difference as \
+         shipped with its 95 % interval"
             .to_owned(),
         columns: vec![
             Column::new("channel", ""),

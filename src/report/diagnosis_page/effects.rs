@@ -15,7 +15,7 @@ pub fn suspects(diagnosis: &Diagnosis) -> Section {
     let verdict = &diagnosis.verdict;
     let section = Section::new("Candidate effects").figure(Figure::new(
         probability_bars(&verdict.probabilities),
-        "Probability of every explanation; they sum to one. An effect may be alone or with another.",
+        "Posterior probability of every explanation. An effect may occur alone or with another.",
     ));
     let listed: Vec<&Suspect> = verdict.effects.iter().take(LISTED).collect();
     if listed.is_empty() {
@@ -24,13 +24,13 @@ pub fn suspects(diagnosis: &Diagnosis) -> Section {
     let estimates = listed.iter().map(|suspect| estimate(suspect));
     let section = section
         .prose(
-            "The probability of an effect counts all explanations that have it; its magnitude is that of the \
-             likeliest of them, where it is there. Where runs cannot discriminate between effects, any of them may be \
-             the cause. What is absorbed is the share of what the effect shows that recalibrated parameters \
-             can mimic; the detection limit is the magnitude that shows itself with three standard deviations.",
+            "The probability of an effect is the sum over all explanations with it; its magnitude is conditional \
+             on the most probable of them. Effects that the runs cannot discriminate are equally possible causes. \
+             Absorbed is the fraction of the signature that recalibrated parameters can reproduce; the detection \
+             limit is the magnitude of three standard deviations.",
         )
         .table(Table {
-            caption: "Likeliest effects with the 95 % intervals of their magnitudes".to_owned(),
+            caption: "Most probable effects with the 95 % intervals of their magnitudes".to_owned(),
             columns: vec![
                 Column::new("effect", ""),
                 Column::new("probability", "%"),
@@ -44,7 +44,7 @@ pub fn suspects(diagnosis: &Diagnosis) -> Section {
         });
     let meanings = listed.iter().filter_map(|suspect| meaning(suspect));
     section.table(Table {
-        caption: "What they are and how they show".to_owned(),
+        caption: "Descriptions and signatures".to_owned(),
         columns: Column::named([
             "effect",
             "what it is",
@@ -82,7 +82,7 @@ fn meaning(suspect: &Suspect) -> Option<Vec<Cell>> {
     let bound = match effect.signature.bound {
         Bound::WheelAngle => "the wheel's angle",
         Bound::Frequency => "frequencies in hertz",
-        Bound::History => "time and way since the start",
+        Bound::History => "time and distance since the start",
         Bound::Condition => "load, speed and slip",
     };
     let channels = effect.signature.channels.iter();
@@ -122,8 +122,8 @@ pub fn isolability(report: &DiagnosisReport) -> Option<Section> {
         .answer(answer(screen, names.len()))
         .figure(Figure::new(
             isolability_map(&names, &cosines, alike),
-            "Cosines of what the effects show at their typical magnitudes in these conditions, once what \
-             parameters can mimic is taken away.",
+            "Cosines of the signatures of effects at typical magnitudes in these conditions, after projection on \
+             the complement of the parameters.",
         ));
     Some(section.table(sets(screen)).table(all(screen)))
 }
@@ -134,7 +134,8 @@ fn answer(screen: &[Screened], shown: usize) -> String {
         .filter(|it| it.detectable.is_some() && it.equivalent.is_empty())
         .count();
     format!(
-        "Of {} effects tried {shown} show themselves here, and {alone} of them can be distinguished from every other.",
+        "Of {} effects tried {shown} are detectable here, and {alone} of them can be distinguished from every \
+         other.",
         screen.len()
     )
 }
@@ -173,8 +174,7 @@ fn all(screen: &[Screened]) -> Table {
         ]
     });
     Table {
-        caption: "All effects tried: the χ² that each alone explains beyond parameters, and from which magnitude on it \
-                  shows"
+        caption: "All effects tried: χ² explained beyond the parameters, and detection limit"
             .to_owned(),
         columns: vec![
             Column::new("effect", ""),

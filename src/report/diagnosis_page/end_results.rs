@@ -19,10 +19,10 @@ pub fn section(report: &DiagnosisReport) -> Option<Section> {
     columns.extend(steps.iter().map(|it| Column::new(step(it.step), "")));
     let section = Section::new("Effect of the gap on forces, class and terrain")
         .prose(
-            "Who simulates wants forces, the class of the contact or the soil's parameters, not statistics. These \
-             are the errors of such results, parameters and magnitudes fitted to all conditions: root mean square \
-             errors of steady means, distance of the features' logarithms, share of windows with another class, and \
-             distance of the terrain identified from both sides, in units of an uninformative interval.",
+            "Errors of the end results of a simulation, with parameters and magnitudes fitted to all conditions: \
+             root mean square errors of steady means, distance of the features' logarithms, share of windows with \
+             another class, and distance between the terrain parameters identified from both sides, in units of \
+             an uninformative interval.",
         )
         .table(Table {
             caption: "Errors of end results, means over conditions".to_owned(),
@@ -34,12 +34,12 @@ pub fn section(report: &DiagnosisReport) -> Option<Section> {
         true => section,
         false => section
             .prose(
-                "Each part of the simulated input is swapped for the measured one, in every combination: a share is \
-                 what that adds to the distance, averaged over all orders (Shapley 1953). Shares add up to one; one \
-                 below zero brings the result back.",
+                "Contributions of the parts of the input to the distance: each part of the simulated input is \
+                 replaced by the measured one in every combination, and its contribution averaged over all orders \
+                 (Shapley 1953). The shares sum to one; a negative share reduces the distance.",
             )
             .table(Table {
-                caption: "Which measured part brings the error into features, class and terrain".to_owned(),
+                caption: "Shares of the parts of the input in the errors of features, class and terrain".to_owned(),
                 columns: Column::named(["result", "simulator", "measured part", "share of its error"]),
                 rows: shares,
             }),

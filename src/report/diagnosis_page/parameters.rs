@@ -18,7 +18,7 @@ pub fn section(report: &DiagnosisReport) -> Section {
     let verdict = &report.diagnosis.verdict;
     let section = Section::new("Recalibrated parameters");
     if verdict.recalibration.is_empty() {
-        return section.prose("The scenario has no parameter that recalibration may move.");
+        return section.prose("The scenario has no parameter to recalibrate.");
     }
     let rows = verdict.recalibration.iter().filter_map(|alone| {
         let parameter = Parameter::find(&alone.name)?;
@@ -27,13 +27,12 @@ pub fn section(report: &DiagnosisReport) -> Section {
     section
         .answer(answer(verdict))
         .prose(
-            "Each parameter is known beforehand with a standard deviation; the offset counts in it. A parameter \
-             that stands at several places of the scenario with several values moves by one factor or one \
-             shift. Intervals are of 95 % and hold where the explanation is right.",
+            "Each parameter has a prior standard deviation, the unit of the offset. A parameter with several \
+             values in the scenario is changed by one factor or one shift. The 95 % intervals are conditional on \
+             the explanation.",
         )
         .table(Table {
-            caption: "Parameters in the scenario, recalibrated without any effect, and under the likeliest \
-                      explanation"
+            caption: "Parameters of the scenario, recalibrated without effects, and under the most probable explanation"
                 .to_owned(),
             columns: vec![
                 Column::new("parameter", ""),
@@ -55,9 +54,8 @@ fn answer(verdict: &Verdict) -> String {
     });
     let names: Vec<String> = moved.map(|it| it.name.clone()).collect();
     match names.len() {
-        0 => {
-            "No parameter is shown to be off: every interval holds the scenario's value.".to_owned()
-        }
+        0 => "No parameter differs significantly: every interval contains the scenario's value."
+            .to_owned(),
         1 => format!("One parameter moved: {}.", names[0]),
         count => format!(
             "{count} parameters moved: {}.",

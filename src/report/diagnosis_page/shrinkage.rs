@@ -21,9 +21,9 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
         .answer(answer(diagnosis.closed, &added))
         .figure(Figure::new(
             gap_waterfall(gaps, diagnosis.closed, &added),
-            "A score is the mean distance of a measured run from simulated runs of the same condition, in scatters \
-             per statistic, less half of their distance from each other. Parameters and magnitudes are fitted to \
-             all conditions.",
+            "The score is the energy score: mean distance of a measured run from simulated runs of the same \
+             condition, in scatters per statistic, less half the mean distance between these. Parameters and \
+             magnitudes are fitted to all conditions.",
         ))
         .table(scores(gaps, &added))
 }
@@ -31,14 +31,14 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
 fn answer(closed: Option<Closed>, added: &str) -> String {
     match closed {
         Some(closed) => format!("{}.", of_the_gap(&closed, added)),
-        None => "Recalibration leaves no gap that an effect could close.".to_owned(),
+        None => "No gap remains after recalibration.".to_owned(),
     }
 }
 
 /// How much of the gap is closed by what is added.
 pub fn of_the_gap(closed: &Closed, added: &str) -> String {
     format!(
-        "{added} closes {} of what recalibration leaves of the gap{}",
+        "{added} closes {} of the gap that remains after recalibration{}",
         percent(closed.value),
         interval(closed)
     )

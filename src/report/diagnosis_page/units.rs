@@ -54,9 +54,9 @@ pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
     });
     let section = Section::new("Gap in physical units")
         .prose(
-            "Means over the runs of a condition; parameters and magnitudes are fitted to all conditions here. \
-             The difference has its 95 % interval, from the spread of replicates and of repeats; of a standard \
-             deviation it is the ratio. A click on a header sorts.",
+            "Means over the runs of a condition; parameters and magnitudes are fitted to all conditions. The 95 % \
+             interval of the difference is computed from the scatter of replicates and repeats; for standard \
+             deviations the difference is the ratio. A click on a header sorts.",
         )
         .table(Table {
             caption: "Steady means and standard deviations of every channel".to_owned(),

@@ -27,9 +27,9 @@ pub fn answer(set: &DataSet) -> String {
 pub fn section(set: &DataSet) -> Section {
     let section = Section::new("Contents of the data set")
         .prose(
-            "True classes, from how lugs and ground met. dataset.h5 holds the data, dataset.windows.csv a row a \
-             window with its features and its part in every split, dataset.datasheet.md what a stranger has \
-             to know, dataset.croissant.json the same for machines.",
+            "True classes by the contacts of lugs and ground. dataset.h5 contains the data, dataset.windows.csv \
+             one row per window with its features and its part in every split, dataset.datasheet.md the \
+             datasheet, dataset.croissant.json the same metadata as JSON-LD.",
         )
         .table(balance(set))
         .table(parts(set));
@@ -76,8 +76,8 @@ fn parts(set: &DataSet) -> Table {
         first.into_iter().chain(counts(of.windows)).collect()
     };
     Table {
-        caption: "Recommended splits: runs, and windows by true class. No part shares with another what it is \
-                  split by: runs, grounds and their noise, conditions, or both"
+        caption: "Recommended splits: runs, and windows by true class. The parts of a split are disjoint in runs, in \
+         realisations of ground and noise, in conditions, or in both"
             .to_owned(),
         columns: columns(&["split", "part", "runs"]),
         rows: set.by_part().iter().map(row).collect(),

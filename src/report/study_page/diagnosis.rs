@@ -10,7 +10,7 @@ pub fn answer(score: &DiagnosisScore) -> String {
     let campaigns = &score.campaigns;
     let right = campaigns.iter().filter(|it| is_right(it)).count();
     let mut answer = format!(
-        "{right} of {} campaigns are read as what they are.",
+        "{right} of {} campaigns are diagnosed correctly.",
         campaigns.len()
     );
     if let Some(named) = named_from(campaigns) {
@@ -56,15 +56,14 @@ fn named_from(campaigns: &[CampaignScore]) -> Option<String> {
 pub fn section(score: &DiagnosisScore) -> Section {
     let figure = Figure::new(
         answers_by_campaign(score),
-        "Probability of what is so and of all else, campaign by campaign; at the right the answer, bold where it is \
-         right.",
+        "Probability of the truth and of all other answers by campaign; at the right the answer, bold if correct.",
     );
     let section = Section::new("Diagnosis of the campaigns")
         .answer(answer(score))
         .prose(
-            "A campaign is diagnosed as if a rig had written its runs. The probability of an effect is that it is \
-             there, alone or with another. Gaps are mean energy scores [spreads of replicates per statistic] on \
-             held-out conditions; closed is the share of the recalibrated gap that the likeliest effect closes.",
+            "Each campaign is diagnosed like measured runs. The probability of an effect is that of its presence, \
+             alone or with another. Gaps are mean energy scores [scatters per statistic] on held-out conditions; \
+             closed is the share of the recalibrated gap that the most probable effect closes.",
         )
         .figure(figure)
         .table(answers(score));

@@ -35,11 +35,12 @@ pub fn answer(score: &IdentificationScore) -> String {
     let drifting = match groups().map(|group| group.not_steady).sum::<usize>() {
         0 => String::new(),
         drifting => {
-            format!(" {drifting} of {rows} rows are not steady: their parameters are less sure.")
+            format!(" {drifting} of {rows} rows are not steady: their parameters are less certain.")
         }
     };
     format!(
-        "By the model of the class recognised, pull, load and torque of a condition come back within {}.{drifting}",
+        "With the model of the recognised class, the errors of pull, load and torque of a condition are \
+         {}.{drifting}",
         errors.join("; ")
     )
 }
@@ -57,10 +58,9 @@ pub fn sections(score: &IdentificationScore) -> Vec<Section> {
     let mut sections = vec![
         Section::new("Force errors")
             .prose(
-                "Errors are the mean size of the error over the mean size of the force: on the rows fitted, on the \
-                 means of a condition's rows, and on rows left out of the fit in turn. Scatter is what the rows' own \
-                 uncertainties would leave of error. Covered is the share of the forces left out that lie within \
-                 their 95 % interval.",
+                "Errors are mean absolute errors over mean absolute forces: on the fitted rows, on the means of a \
+                 condition's rows, and by cross-validation. Scatter is the error expected from the uncertainties \
+                 of the rows. Covered is the share of the forces left out that are within their 95 % interval.",
             )
             .table(force_errors(score)),
         parameters(score),
@@ -164,9 +164,9 @@ fn percent_cell(value: Option<f64>) -> Cell {
 fn parameters(score: &IdentificationScore) -> Section {
     let section = Section::new("Identified parameters")
         .prose(
-            "By the model of the class recognised, or of the label's class where none was. A rim stands for the wheel \
-             in every model: what lugs do is in the parameters, so that an interval need not hold the soil's own \
-             value. Where the loads do not fix a parameter, it has no interval.",
+            "With the model of the recognised class, or of the label's class if none was recognised. Every model \
+             replaces the wheel by its rim: the parameters include the effect of the lugs, and an interval need \
+             not contain the soil's own value. Parameters that the loads do not identify have no interval.",
         )
         .figure(Figure::new(
             parameter_drawing(score),
@@ -204,7 +204,7 @@ fn fits(score: &IdentificationScore) -> Table {
         first.into_iter().chain(values).collect()
     };
     Table {
-        caption: "The fits by their numbers".to_owned(),
+        caption: "Fits by number".to_owned(),
         columns: Column::named(first.into_iter().chain(keys)),
         rows: score.groups.iter().enumerate().map(row).collect(),
     }
@@ -265,9 +265,7 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
         names.push("the paper's ground (Table 6)");
     }
     Table {
-        caption:
-            "Parameters with their 95 % intervals; in brackets where the loads do not fix them"
-                .to_owned(),
+        caption: "Parameters with their 95 % intervals; in brackets if not identifiable".to_owned(),
         columns: Column::named(names),
         rows: rows.collect(),
     }
@@ -369,10 +367,7 @@ fn curves(score: &IdentificationScore) -> Option<Section> {
         let Source {
             estimate, loads, ..
         } = source;
-        let title = format!(
-            "{}: forces and what its parameters give back",
-            group.scenario
-        );
+        let title = format!("{}: measured and fitted forces", group.scenario);
         let caption = format!("{} steady rows of {}.", loads.len(), group.scenario);
         Some(Figure::new(
             force_curves(&title, estimate, &source.predictor()?, loads),

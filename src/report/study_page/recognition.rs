@@ -49,17 +49,17 @@ pub fn sections(score: &RecognitionScore) -> Vec<Section> {
 fn methods(score: &RecognitionScore) -> Section {
     let section = Section::new("Accuracy of the recognition")
         .prose(
-            "Answers are counted against the class that the ground stands for, as the paper does; against \
-             the contacts of lugs and ground in the simulation; and on the windows in which both \
-             are one. Shares have Wilson's 95 % interval, which takes windows for independent.",
+            "Answers are compared with the class of the ground, as in the paper; with the true class by the \
+             contacts of lugs and ground; and on the windows in which both agree. Shares have Wilson's 95 % \
+             interval, which assumes independent windows.",
         );
     let labelled: Vec<&MethodScore> = of_label(score).collect();
     let is_baseline = |score: &&MethodScore| score.method.starts_with("baseline");
     let section = match labelled.iter().any(is_baseline) {
         true => section.prose(
-            "paper and improved are trained on nothing. The baselines are support vector machines on band \
-             powers: baseline_new was trained on the other values of the swept key, baseline_known on the \
-             other repeats of the same values.",
+            "paper and improved need no training data. The baselines are support vector machines on band powers: \
+             baseline_new is trained on the other values of the swept key, baseline_known on the other repeats of \
+             the same values.",
         ),
         false => section,
     };
@@ -72,7 +72,7 @@ fn methods(score: &RecognitionScore) -> Section {
         rows.extend(answers("published", published));
     }
     let section = section.table(Table {
-        caption: "Answers by true class, the ground's class taken for true".to_owned(),
+        caption: "Confusion matrix with respect to the class of the ground".to_owned(),
         columns: Column::named(["method", "true class"])
             .into_iter()
             .chain(CLASSES.map(|class| Column::new(class.as_str(), "")))
@@ -84,7 +84,7 @@ fn methods(score: &RecognitionScore) -> Section {
         Figure::new(
             answers_and_truth(&score.method, &score.all.confusion),
             format!(
-                "What {} answered; the ground's class is taken for true.",
+                "Confusion matrix of {} with respect to the class of the ground.",
                 score.method
             ),
         )
@@ -115,17 +115,16 @@ fn totals(score: &RecognitionScore) -> Table {
     };
     let methods = score.scores.iter().map(|score| {
         let against = match score.against {
-            Against::Label => "what the ground stands for",
-            Against::Truth => "how lugs and ground met",
-            Against::Agreed => "both, where they are one",
+            Against::Label => "class of the ground",
+            Against::Truth => "class by the contacts",
+            Against::Agreed => "both, where they agree",
         };
         row(&score.method, against, &score.all)
     });
     let published = score.published.iter();
-    let published =
-        published.map(|counted| row("published", "what the ground stands for", counted));
+    let published = published.map(|counted| row("published", "class of the ground", counted));
     Table {
-        caption: "Right answers of every method".to_owned(),
+        caption: "Accuracy of every method".to_owned(),
         columns: Column::named([
             "method",
             "true is",
@@ -166,7 +165,7 @@ fn map(score: &RecognitionScore) -> Section {
     };
     let names = methods.iter().map(|score| score.method.as_str());
     let section = Section::new("Accuracy by scenario and swept key").table(Table {
-        caption: "Right answers by scenario and by swept key, the ground's class taken for true"
+        caption: "Accuracy by scenario and by swept key with respect to the class of the ground"
             .to_owned(),
         columns: Column::named(["by", "value", "windows"].into_iter().chain(names)),
         rows: rows.iter().enumerate().map(row).collect(),
@@ -198,7 +197,7 @@ fn swept(methods: &[&MethodScore]) -> Vec<Figure> {
         Figure::new(
             sweep_figure(key, &parts),
             format!(
-                "Right answers at every value of {key}, the ground's class taken for true, with 95 % intervals."
+                "Accuracy at every value of {key} with respect to the class of the ground, with 95 % intervals."
             ),
         )
     };
@@ -256,8 +255,7 @@ fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
         "windows",
     ];
     Table {
-        caption: "Each feature over all windows, and windows within the paper's limits for what the ground \
-                  stands for"
+        caption: "Each feature over all windows, and windows within the paper's limits for the class of the ground"
             .to_owned(),
         columns: Column::named(columns.into_iter().map(str::to_owned)),
         rows: scenarios.iter().flat_map(rows).collect(),

@@ -24,8 +24,8 @@ pub fn answer(score: &ThresholdScore) -> String {
     });
     let shares: Vec<String> = shares.collect();
     format!(
-        "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged \
-         wheels: {}.",
+        "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged wheels: \
+         {}.",
         score.all_touched,
         shares.join("; ")
     )
@@ -47,8 +47,8 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
         Figure::new(threshold_figure(statement, &score.axes), caption)
     });
     let drawn = Section::new("Windows relative to the paper's limits").prose(
-        "Every window over its limit, multi-lugged wheels; the folder of the study has the figures of the other \
-         limits and wheels.",
+        "Every window over its limit, multi-lugged wheels; figures of the other limits and wheels are in the \
+         folder of the study.",
     );
     let swept = Section::new("Dependence on the swept keys").table(Table {
         caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
@@ -62,18 +62,18 @@ pub fn sections(score: &ThresholdScore) -> Vec<Section> {
 fn validity(score: &ThresholdScore) -> Section {
     Section::new("Validity of the limits")
         .prose(format!(
-            "{} of {} windows are truly ALCT: nine in ten lugs or more touched. They are held to the limits; to \
-             those of displacements where nine in ten touch also without slip. 99 % / limit is the 99 % quantile of \
-             value over limit: 1 is a limit just reached, 0.1 a loose one.",
+            "In {} of {} windows the true class is ALCT: at least 90 % of the lugs touch. These are compared with \
+             the limits, those of displacements only where 90 % also touch without slip. 99 % / limit is the 99 \
+             % quantile of value over limit: 1 is a limit just reached, 0.1 a loose one.",
             score.all_touched, score.windows
         ))
         .table(Table {
-            caption: "Every limit. Shares have Wilson's 95 % interval, which takes windows for independent".to_owned(),
+            caption: "Every limit. Shares have Wilson's 95 % interval, which assumes independent windows".to_owned(),
             columns: columns(["name", "equation", "wheels"]),
             rows: score.statements.iter().map(of_all).collect(),
         })
         .table(Table {
-            caption: "What these names stand for".to_owned(),
+            caption: "Definitions of the names".to_owned(),
             columns: Column::named(["name", "what is limited", "the limit"]),
             rows: meanings(score),
         })
