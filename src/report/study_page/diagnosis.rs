@@ -231,7 +231,7 @@ mod tests {
         ];
         assert_eq!(
             answer_of(some),
-            "3 of 5 campaigns are read as what they are. slip_sinkage is named from 0.4 on."
+            "3 of 5 campaigns are diagnosed correctly. slip_sinkage is named from 0.4 on."
         );
         let none = vec![campaign("0.1", true), campaign("0.2", false)];
         let text = answer_of(none);
