@@ -414,7 +414,7 @@ fn every_kind_of_answer_says_what_it_is_and_how_probable() {
     let undecided = answer(Answer::Undecided);
     assert!(undecided.contains("slip_sinkage (81 %)"), "{undecided}");
     assert!(
-        undecided.contains("A run with a smooth wheel"),
+        undecided.contains("The most informative next run is with a smooth wheel"),
         "{undecided}"
     );
 }

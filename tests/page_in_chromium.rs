@@ -218,7 +218,7 @@ fn the_page_of_a_study_fits_a_telephone_and_paper() {
 fn the_page_of_a_study_has_answer_published_numbers_and_how_to_run_it_again() {
     for part in [
         "<h1>Everything at once</h1>",
-        "What changes with rig.single_wheel.slip in single_wheel_ht, single_wheel_st?",
+        "How do the results depend on rig.single_wheel.slip in single_wheel_ht, single_wheel_st?",
         "Windows recognised as the class of their ground: paper ",
         "published 292 of 300, 97.3 % [94.8, 98.6]",
         "exceed the paper&#x27;s limits",
