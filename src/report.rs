@@ -9,7 +9,7 @@
 //! - [`feature_values()`], [`feature_planes()`]: windows by their vibration features.
 //! - [`traverse_figure()`]: a run and the class of each of its windows.
 //! - [`confusion_figure()`]: answers counted against truth.
-//! - [`sweep_figure()`]: right answers at every value of a swept key.
+//! - [`sweep_figure()`]: steady means and right answers at every value of a swept key.
 //! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
 //! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
@@ -87,7 +87,7 @@ pub use run_page::run_page;
 pub use run_view::RunView;
 pub use side_by_side::side_by_side;
 pub use study_page::{StudyReport, study_page};
-pub use sweep_figure::{MethodParts, sweep_figure};
+pub use sweep_figure::{MethodParts, SweptKey, sweep_figure};
 pub use threshold_figure::threshold_figure;
 pub use trace_figure::{laid_out_trace_figure, trace_figure};
 pub use traverse_figure::traverse_figure;

@@ -147,6 +147,7 @@ pub mod identification;
 mod kept;
 mod recognition;
 mod references;
+pub mod results;
 pub mod runs;
 pub mod score;
 pub mod scores;

@@ -49,6 +49,17 @@ pub fn behind_number(unit: &str) -> String {
     }
 }
 
+/// A steady value of a channel [SI], 0 where it is nothing but rounding of the solver.
+pub fn without_rounding(channel: &str, value: f64) -> f64 {
+    let least = match channel {
+        "normal_force" | "drawbar_pull" => 1.0e-4,
+        "driving_torque" | "slip_ratio" => 1.0e-5,
+        "sinkage" => 1.0e-8,
+        _ => 1.0e-6,
+    };
+    if value.abs() < least { 0.0 } else { value }
+}
+
 /// One measured quantity over time, equally spaced.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {

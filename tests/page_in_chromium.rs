@@ -205,6 +205,7 @@ fn the_page_of_a_study_draws_what_it_asked_for_within_its_frames() {
         assert_eq!(drawing["overlaps"], serde_json::json!([]), "{drawing}");
     }
     assert!(found["tables"].as_array().unwrap().len() >= 8);
+    assert_eq!(found["cutTables"], serde_json::json!([]));
 }
 
 #[test]

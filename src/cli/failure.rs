@@ -16,6 +16,7 @@ use crate::document::Fault;
 use crate::effects::EffectError;
 use crate::scenario::ScenarioError;
 use crate::study::StudyError;
+use crate::study::results::ResultsError;
 use crate::whole_file;
 use clap::builder::styling::{AnsiColor, Style};
 use serde::Serialize;
@@ -174,6 +175,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || cause.is::<EffectError>()
         || cause.is::<CampaignError>()
         || cause.is::<Unfit>()
+        || cause.is::<ResultsError>()
         || cause.is::<NothingIdentified>()
         || cause.is::<Doubtful>()
         || matches!(

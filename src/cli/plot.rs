@@ -1,13 +1,14 @@
-//! `plot`: the figure of a run, or its page.
+//! `plot`: the figure of a run or of a study, or its page.
 
 mod format;
+mod study;
 
 use super::output::{self, Output};
 use super::provenance::{self, quoted};
 use crate::dataset::hdf5::RunFile;
 use crate::report::figure::Layout;
 use crate::report::page::Provenance;
-use crate::report::{image, laid_out_trace_figure, mcap_file, page, run_page};
+use crate::report::{laid_out_trace_figure, mcap_file, page, run_page};
 use crate::trace::Trace;
 use anyhow::{Context, ensure};
 use clap::Args;
@@ -16,20 +17,26 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Draw a run: the wheel on its ground, every channel over time, the spectrum
+/// Draw a run or the results of a study over its swept keys
 ///
-/// As a figure (SVG, PNG or PDF), or as an HTML page in which the wheel moves and the channels can be zoomed
-/// and read off, or as MCAP for viewers of robots.
+/// A run is drawn with the wheel on its ground, every channel over time and the spectrum: as a figure (SVG, PNG or
+/// PDF), as an HTML page in which the wheel moves and the channels can be zoomed and read off, or as MCAP for viewers of
+/// robots. A study is drawn as one figure for each swept key, with the steady means and, where classes were
+/// recognised, the right answers; as HTML it is its report.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Plot {
-    /// Run file, simulated or measured
-    #[arg(value_name = "FILE.h5")]
+    /// Run file, simulated or measured, or the folder of a finished study
+    #[arg(value_name = "FILE.h5|FOLDER")]
     file: PathBuf,
     /// Id of the run; the first if not given
     #[arg(long, value_name = "ID")]
     run: Option<String>,
-    /// File to write, .svg, .png, .pdf, .html or .mcap [default: the run's id, beside the run file]
+    /// Swept key of a study over which its results are drawn; each of them if not given
+    #[arg(long, value_name = "KEY")]
+    over: Option<String>,
+    /// File to write, .svg, .png, .pdf, .html or .mcap [default: the run's id, beside the run file; in the folder
+    /// of a study `over_KEY`]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// What to write [default: as --out ends, else svg]
@@ -47,7 +54,8 @@ const EXAMPLES: &str = "\
 Examples:
   lugwheel plot output/single_wheel_st/run.h5
   lugwheel plot runs.h5 --run run_000003 --out third.html
-  lugwheel plot runs.h5 --out figure.pdf --width 88mm --no-title";
+  lugwheel plot runs.h5 --out figure.pdf --width 88mm --no-title
+  lugwheel plot output/sweep_slip --over rig.single_wheel.slip --out slip.pdf --width 88mm";
 
 /// What was drawn.
 #[derive(Debug, Serialize)]
@@ -58,13 +66,21 @@ struct Drawn {
 }
 
 impl Plot {
-    /// Draws the run.
+    /// Draws the run, or the study.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         let format = Format::of(self.format, self.out.as_deref())?;
         let is_figure = !matches!(format, Format::Html | Format::Mcap);
         ensure!(
             is_figure || (self.width.is_none() && !self.no_title),
             "--width and --no-title are for figures; a page takes the width of its window"
+        );
+        if self.file.is_dir() {
+            return self.draw_study(format, output);
+        }
+        ensure!(
+            self.over.is_none(),
+            "--over is for the folder of a study, and {} is a file",
+            self.file.display()
         );
         let file = RunFile::open(&self.file)?;
         let run = match &self.run {
@@ -88,26 +104,22 @@ impl Plot {
     }
 
     fn draw(&self, trace: &Trace, run: &str, format: Format) -> anyhow::Result<Vec<u8>> {
-        if format == Format::Html {
-            return Ok(page(&run_page(trace, run, self.provenance(run))?).into_bytes());
+        match format {
+            Format::Html => Ok(page(&run_page(trace, run, self.provenance(run))?).into_bytes()),
+            Format::Mcap => Ok(mcap_file(trace, run)?),
+            _ => format.image(laid_out_trace_figure(trace, run, self.layout())?),
         }
-        if format == Format::Mcap {
-            return Ok(mcap_file(trace, run)?);
-        }
+    }
+
+    fn layout(&self) -> Layout {
         let is_titled = !self.no_title;
-        let layout = match self.width {
+        match self.width {
             Some(width) => Layout::on_paper(width, is_titled),
             None => Layout {
                 is_titled,
                 ..Layout::SCREEN
             },
-        };
-        let svg = laid_out_trace_figure(trace, run, layout)?;
-        Ok(match format {
-            Format::Png => image::png(&svg)?,
-            Format::Pdf => image::pdf(&svg)?,
-            Format::Svg | Format::Html | Format::Mcap => svg.into_bytes(),
-        })
+        }
     }
 
     fn provenance(&self, run: &str) -> Provenance {

@@ -1,9 +1,7 @@
 //! Columns of figures that show what was measured beside each arm of a diagnosis.
 
-use super::figure::PALETTE;
+use super::figure::{Layout, PALETTE};
 
-/// Width of such a drawing [px].
-pub const WIDTH: f64 = 1200.0;
 /// Room left of each panel for its tick labels [px].
 const TICKS: f64 = 62.0;
 /// Room right of each panel [px].
@@ -45,9 +43,19 @@ impl ArmColumn {
     }
 }
 
+/// Columns side by side, or in a narrow layout one below the other.
+pub fn blocks<T>(columns: &[T], layout: Layout) -> impl Iterator<Item = &[T]> {
+    let together = if layout.is_compact() {
+        1
+    } else {
+        columns.len()
+    };
+    columns.chunks(together.max(1))
+}
+
 /// Left edge and width [px] of the panels of `count` columns.
-pub fn columns(count: usize) -> Vec<[f64; 2]> {
-    let pitch = WIDTH / count.max(1) as f64;
+pub fn columns(count: usize, layout: Layout) -> Vec<[f64; 2]> {
+    let pitch = layout.width / count.max(1) as f64;
     (0..count)
         .map(|place| [place as f64 * pitch + TICKS, pitch - TICKS - RIGHT])
         .collect()

@@ -1,12 +1,15 @@
 //! Steady forces and sinkage against slip: measured, and by each arm of a diagnosis.
 
-use super::arm_column::{ArmColumn, WIDTH, columns};
+use super::arm_column::{ArmColumn, blocks, columns};
 use super::channel_row::{ChannelRow, DRAWBAR_PULL, DRIVING_TORQUE, SINKAGE};
 use super::envelope::bounds;
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
+use super::figure::{
+    Anchor, Area, Axis, Canvas, Font, INK, Layout, PALETTE, Panel, Stroke, reading,
+};
 use crate::diagnosis::InUnits;
 use crate::diagnosis::condition::Case;
 use crate::gap::Statistic;
+use crate::table::four_digits;
 use crate::trace::RunAttributes;
 
 /// Height of a panel [px].
@@ -28,9 +31,14 @@ type Curves = Vec<Vec<Point>>;
 
 /// Steady pull, torque and sinkage against slip: a column an arm, a row a channel; marks are means of
 /// the measured runs, lines with crosses what the arm gives, one colour a load and speed. `effect`
-/// names what the last arm adds. None where no steady value stands beside a slip. One SVG 1200 px
-/// wide.
-pub fn arm_curves(in_units: &[InUnits], cases: &[Case], effect: &str) -> Option<String> {
+/// names what the last arm adds. None where no steady value stands beside a slip. One SVG as wide as `layout` says, on a
+/// telephone with the columns one below the other.
+pub fn arm_curves(
+    in_units: &[InUnits],
+    cases: &[Case],
+    effect: &str,
+    layout: Layout,
+) -> Option<String> {
     let groups = groups(cases);
     let rows: Vec<(&ChannelRow, Curves)> = ROWS
         .iter()
@@ -46,37 +54,78 @@ pub fn arm_curves(in_units: &[InUnits], cases: &[Case], effect: &str) -> Option<
         return None;
     }
     let title = "Steady values against slip";
-    let mut canvas = Canvas::new([WIDTH, 0.0], title);
+    let mut canvas = Canvas::laid_out(layout, title);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
-    let mut below = draw_legend(&mut canvas, &groups) + 8.0;
-    for (arm, [left, width]) in arms.iter().zip(columns(arms.len())) {
-        let name = Font::HEADER.fit(&arm.title(effect), width);
-        canvas.text([left, below + 16.0], Anchor::Start, Font::HEADER, &name);
+    let mut below = draw_legend(&mut canvas, &groups, layout) + 8.0;
+    let drawn = Drawn {
+        rows: &rows,
+        groups: &groups,
+        effect,
+        layout,
+    };
+    for arms in blocks(&arms, layout) {
+        below = drawn.draw_block(&mut canvas, arms, below);
     }
-    below += LINE;
-    for (number, (row, curves)) in rows.iter().enumerate() {
-        let top = below + Panel::HEADER;
-        below = top + HEIGHT;
-        for (arm, [left, width]) in arms.iter().zip(columns(arms.len())) {
-            let area = Area {
-                left,
-                top,
-                width,
-                height: HEIGHT,
-            };
-            let panel = panel(area, curves);
-            panel.draw_frame(&mut canvas, row.header);
-            for (group, points) in curves.iter().enumerate() {
-                let colour = PALETTE[group % PALETTE.len()];
-                draw_points(&mut canvas, &panel, points, *arm, colour);
-            }
-            if number + 1 == rows.len() {
-                panel.draw_footer(&mut canvas, "slip ratio s [-]");
+    canvas.set_height(below + 8.0);
+    Some(canvas.finish())
+}
+
+/// What the columns show.
+struct Drawn<'a> {
+    rows: &'a [(&'a ChannelRow, Curves)],
+    /// Load and speed of the curves.
+    groups: &'a [String],
+    effect: &'a str,
+    layout: Layout,
+}
+
+impl Drawn<'_> {
+    /// Columns of some arms below `top` [px]; where they end.
+    fn draw_block(&self, canvas: &mut Canvas, arms: &[ArmColumn], top: f64) -> f64 {
+        let columns = columns(arms.len(), self.layout);
+        for (arm, [left, width]) in arms.iter().zip(&columns) {
+            let name = Font::HEADER.fit(&arm.title(self.effect), *width);
+            canvas.text([*left, top + 16.0], Anchor::Start, Font::HEADER, &name);
+        }
+        let mut below = top + LINE;
+        for (number, (row, curves)) in self.rows.iter().enumerate() {
+            let top = below + Panel::HEADER;
+            below = top + HEIGHT;
+            for (arm, [left, width]) in arms.iter().zip(&columns) {
+                let area = Area {
+                    left: *left,
+                    top,
+                    width: *width,
+                    height: HEIGHT,
+                };
+                let panel = panel(area, curves);
+                panel.draw_frame(canvas, row.header);
+                self.draw_curves(canvas, &panel, (row, curves), *arm);
+                if number + 1 == self.rows.len() {
+                    panel.draw_footer(canvas, "slip ratio s_{} [-]");
+                }
             }
         }
+        below + Panel::FOOTER
     }
-    canvas.set_height(below + Panel::FOOTER + 8.0);
-    Some(canvas.finish())
+
+    fn draw_curves(
+        &self,
+        canvas: &mut Canvas,
+        panel: &Panel,
+        (row, curves): (&ChannelRow, &Curves),
+        arm: ArmColumn,
+    ) {
+        for (group, points) in curves.iter().enumerate() {
+            let shown = Shown {
+                header: row.header,
+                group: &self.groups[group],
+                arm,
+                colour: PALETTE[group % PALETTE.len()],
+            };
+            shown.draw(canvas, panel, points);
+        }
+    }
 }
 
 /// Load and speed, by which runs are grouped.
@@ -147,25 +196,43 @@ fn panel(area: Area, curves: &Curves) -> Panel {
     }
 }
 
-fn draw_points(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    points: &[Point],
+/// Which points a panel shows, and how.
+struct Shown<'a> {
+    header: &'a str,
+    /// Load and speed.
+    group: &'a str,
     arm: ArmColumn,
     colour: &'static str,
-) {
-    let simulated = points
-        .iter()
-        .filter_map(|point| Some(panel.at([point.slip, point.arms[arm as usize]?])));
-    let simulated: Vec<[f64; 2]> = simulated.collect();
-    let stroke = Stroke::solid(colour, 1.8);
-    canvas.polyline(&simulated, stroke);
-    for [x, y] in simulated {
-        draw_cross(canvas, [x, y], stroke);
+}
+
+impl Shown<'_> {
+    fn draw(&self, canvas: &mut Canvas, panel: &Panel, points: &[Point]) {
+        let simulated = points.iter();
+        let simulated = simulated.filter_map(|it| Some([it.slip, it.arms[self.arm as usize]?]));
+        let simulated: Vec<[f64; 2]> = simulated.collect();
+        let path: Vec<[f64; 2]> = simulated.iter().map(|point| panel.at(*point)).collect();
+        let stroke = Stroke::solid(self.colour, 1.8);
+        canvas.polyline(&path, stroke);
+        for (at, point) in path.into_iter().zip(simulated) {
+            let reading = self.reading("simulated", point);
+            canvas.mark(&reading, |canvas| draw_cross(canvas, at, stroke));
+        }
+        for point in points {
+            let point = [point.slip, point.measured];
+            let reading = self.reading("measured", point);
+            canvas.mark(&reading, |canvas| {
+                canvas.point(panel.at(point), self.colour)
+            });
+        }
     }
-    for point in points {
-        let at = panel.at([point.slip, point.measured]);
-        canvas.circle(at, 5.0, colour, Stroke::solid("#ffffff", 1.0));
+
+    fn reading(&self, whose: &str, [slip, value]: [f64; 2]) -> String {
+        let value = reading(self.header, value);
+        format!(
+            "{whose}: {value} at slip ratio {}, {}",
+            four_digits(slip),
+            self.group
+        )
     }
 }
 
@@ -176,11 +243,13 @@ fn draw_cross(canvas: &mut Canvas, [x, y]: [f64; 2], stroke: Stroke) {
 }
 
 /// Where it ends [px].
-fn draw_legend(canvas: &mut Canvas, groups: &[String]) -> f64 {
+fn draw_legend(canvas: &mut Canvas, groups: &[String], layout: Layout) -> f64 {
     let mut top = 54.0;
     let text = "Marks: measured. Lines with crosses: simulated, fitted to all conditions.";
-    canvas.text([16.0, top], Anchor::Start, Font::SMALL, text);
-    top += LINE;
+    for line in Font::SMALL.wrap(text, layout.width - 32.0) {
+        canvas.text([16.0, top], Anchor::Start, Font::SMALL, &line);
+        top += LINE;
+    }
     let font = Font {
         colour: INK,
         ..Font::SMALL
@@ -188,14 +257,14 @@ fn draw_legend(canvas: &mut Canvas, groups: &[String]) -> f64 {
     let mut left = 16.0;
     for (number, name) in groups.iter().enumerate() {
         let width = 42.0 + font.width(name) + 18.0;
-        if left + width > WIDTH - 16.0 {
+        if left + width > layout.width - 16.0 {
             left = 16.0;
             top += LINE;
         }
         let (colour, y) = (PALETTE[number % PALETTE.len()], top - 5.0);
         let line = [[left, y], [left + 32.0, y]];
         canvas.polyline(&line, Stroke::solid(colour, 1.8));
-        canvas.circle([left + 16.0, y], 5.0, colour, Stroke::solid("#ffffff", 1.0));
+        canvas.point([left + 16.0, y], colour);
         canvas.text([left + 42.0, top], Anchor::Start, font, name);
         left += width;
     }

@@ -1,18 +1,18 @@
 //! A measured run over what each arm of a diagnosis makes of its condition: traces and spectrum.
 
-use super::arm_column::{ArmColumn, MEASURED, WIDTH, columns};
+use super::arm_column::{ArmColumn, MEASURED, blocks, columns};
 use super::channel_groups::drawable;
 use super::channel_row::{
     ACCELERATION, ChannelRow, DRAWBAR_PULL, DRIVING_TORQUE, NORMAL_FORCE, SINKAGE,
 };
 use super::envelope::{bounds, envelope};
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Layout, Panel, Stroke};
 use super::spectrum::density_spectrum;
 use crate::diagnosis::ArmTraces;
 use crate::trace::{Channel, Trace};
 
-/// Where the first row begins [px].
-const TOP: f64 = 92.0;
+/// Height of the names of the arms [px].
+const NAMES: f64 = 34.0;
 /// Height of a panel [px].
 const HEIGHT: f64 = 170.0;
 /// Width [px] over which a trace is summed up by its least and largest sample.
@@ -41,8 +41,8 @@ struct Simulated<'t> {
 /// measured run in grey and the simulated one in colour, one scale in a row. Where a line would be
 /// crowded, its least and largest samples are drawn: grey beyond the coloured lines was measured and
 /// not simulated. `effect` names what the last arm adds. None where no arm was simulated or nothing
-/// was measured as a series. One SVG 1200 px wide.
-pub fn arm_traces(traces: &ArmTraces, effect: &str) -> Option<String> {
+/// was measured as a series. One SVG as wide as `layout` says, on a telephone with the columns one below the other.
+pub fn arm_traces(traces: &ArmTraces, effect: &str, layout: Layout) -> Option<String> {
     let arms = arms(traces);
     let rows: Vec<(&ChannelRow, [f64; 2])> = ROWS
         .iter()
@@ -53,39 +53,82 @@ pub fn arm_traces(traces: &ArmTraces, effect: &str) -> Option<String> {
         return None;
     }
     let title = format!("Measured and simulated at {}", traces.condition);
-    let mut canvas = Canvas::new([WIDTH, 0.0], &title);
-    draw_head(&mut canvas, &title, &arms, effect);
-    let mut below = TOP;
-    let time = [0.0, traces.measured.duration()];
-    for (number, (row, range)) in rows.iter().enumerate() {
-        let top = below + Panel::HEADER;
-        below = top + HEIGHT;
-        for (simulated, [left, width]) in arms.iter().zip(columns(arms.len())) {
-            let area = panel_area([left, top], width);
-            let panel = Panel {
-                area,
-                x: Axis::exact(time, [area.left, area.right()]),
-                y: Axis::roomy(*range, [area.bottom(), area.top]),
-            };
-            panel.draw_frame(&mut canvas, row.header);
-            canvas.clip(&area);
-            draw_band(&mut canvas, &panel, &traces.measured, row);
-            draw_bounds(&mut canvas, &panel, simulated, row);
-            canvas.unclip();
-            if number + 1 == rows.len() {
-                panel.draw_footer(&mut canvas, "time [s]");
-            }
-        }
-    }
-    if !rows.is_empty() {
-        below += Panel::FOOTER;
-    }
-    if let Some(spectra) = spectra {
-        spectra.draw(&mut canvas, &arms, below + Panel::HEADER);
-        below += Panel::HEADER + HEIGHT + Panel::FOOTER;
+    let mut canvas = Canvas::laid_out(layout, &title);
+    let drawn = Drawn {
+        traces,
+        rows: &rows,
+        spectra: spectra.as_ref(),
+        effect,
+        layout,
+    };
+    let mut below = draw_head(&mut canvas, &title, layout);
+    let numbered: Vec<(usize, Simulated)> = arms.into_iter().enumerate().collect();
+    for arms in blocks(&numbered, layout) {
+        below = drawn.draw_block(&mut canvas, arms, below);
     }
     canvas.set_height(below + 8.0);
     Some(canvas.finish())
+}
+
+/// What the columns show.
+struct Drawn<'a> {
+    traces: &'a ArmTraces,
+    rows: &'a [(&'a ChannelRow, [f64; 2])],
+    spectra: Option<&'a Spectra>,
+    effect: &'a str,
+    layout: Layout,
+}
+
+impl Drawn<'_> {
+    /// Columns of some arms, each with its number, below `top` [px]; where they end.
+    fn draw_block(&self, canvas: &mut Canvas, arms: &[(usize, Simulated)], top: f64) -> f64 {
+        let columns = columns(arms.len(), self.layout);
+        self.draw_names(canvas, arms, top);
+        let mut below = top + NAMES;
+        let time = [0.0, self.traces.measured.duration()];
+        for (number, (row, range)) in self.rows.iter().enumerate() {
+            let top = below + Panel::HEADER;
+            below = top + HEIGHT;
+            for ((_, simulated), [left, width]) in arms.iter().zip(&columns) {
+                let area = panel_area([*left, top], *width);
+                let panel = Panel {
+                    area,
+                    x: Axis::exact(time, [area.left, area.right()]),
+                    y: Axis::roomy(*range, [area.bottom(), area.top]),
+                };
+                panel.draw_frame(canvas, row.header);
+                canvas.clip(&area);
+                draw_band(canvas, &panel, &self.traces.measured, row);
+                draw_bounds(canvas, &panel, simulated, row);
+                canvas.unclip();
+                if number + 1 == self.rows.len() {
+                    panel.draw_footer(canvas, "time [s]");
+                }
+            }
+        }
+        if !self.rows.is_empty() {
+            below += Panel::FOOTER;
+        }
+        let Some(spectra) = self.spectra else {
+            return below;
+        };
+        for ((number, simulated), [left, width]) in arms.iter().zip(&columns) {
+            let area = panel_area([*left, below + Panel::HEADER], *width);
+            spectra.draw(canvas, area, *number, simulated.arm);
+        }
+        below + Panel::HEADER + HEIGHT + Panel::FOOTER
+    }
+
+    fn draw_names(&self, canvas: &mut Canvas, arms: &[(usize, Simulated)], top: f64) {
+        let columns = columns(arms.len(), self.layout);
+        for ((_, Simulated { arm, .. }), [left, width]) in arms.iter().zip(columns) {
+            let y = top + 24.0;
+            let line = [[left, y - 5.0], [left + 26.0, y - 5.0]];
+            canvas.polyline(&line, Stroke::solid(arm.colour(), 2.5));
+            let name = Font::HEADER.fit(&arm.title(self.effect), width - 34.0);
+            canvas.text([left + 34.0, y], Anchor::Start, Font::HEADER, &name);
+        }
+    }
 }
 
 fn panel_area([left, top]: [f64; 2], width: f64) -> Area {
@@ -113,28 +156,26 @@ fn arms(traces: &ArmTraces) -> Vec<Simulated<'_>> {
     .collect()
 }
 
-fn draw_head(canvas: &mut Canvas, title: &str, arms: &[Simulated], effect: &str) {
-    let fitted = Font::TITLE.fit(title, WIDTH - 32.0);
-    canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, &fitted);
+/// Title and what is grey; where they end [px].
+fn draw_head(canvas: &mut Canvas, title: &str, layout: Layout) -> f64 {
+    let mut top = 30.0;
+    for line in Font::TITLE.wrap(title, layout.width - 32.0) {
+        canvas.text([16.0, top], Anchor::Start, Font::TITLE, &line);
+        top += 28.0;
+    }
     let font = Font {
         colour: INK,
         ..Font::SMALL
     };
     let swatch = Area {
         left: 16.0,
-        top: 44.0,
+        top: top - 14.0,
         width: 26.0,
         height: 12.0,
     };
     canvas.shade(&swatch, MEASURED, 0.55);
-    canvas.text([50.0, 55.0], Anchor::Start, font, "measured");
-    for (Simulated { arm, .. }, [left, width]) in arms.iter().zip(columns(arms.len())) {
-        let y = 82.0;
-        let line = [[left, y - 5.0], [left + 26.0, y - 5.0]];
-        canvas.polyline(&line, Stroke::solid(arm.colour(), 2.5));
-        let name = Font::HEADER.fit(&arm.title(effect), width - 34.0);
-        canvas.text([left + 34.0, y], Anchor::Start, Font::HEADER, &name);
-    }
+    canvas.text([50.0, top - 3.0], Anchor::Start, font, "measured");
+    top
 }
 
 /// Least and largest value of a row in the unit shown; none where it was not measured.
@@ -176,7 +217,12 @@ fn draw_band(canvas: &mut Canvas, panel: &Panel, trace: &Trace, row: &ChannelRow
         let below = piece.iter().rev();
         let below = below.map(|[time, low, _]| panel.at([*time, *low]));
         let outline: Vec<[f64; 2]> = above.chain(below).collect();
-        canvas.polygon(&outline, "#c6ccd6", Stroke::solid(MEASURED, 1.0));
+        canvas.data_area(
+            &outline,
+            "#c6ccd6",
+            Stroke::solid(MEASURED, 1.0),
+            "measured",
+        );
     }
 }
 
@@ -194,9 +240,9 @@ fn draw_bounds(canvas: &mut Canvas, panel: &Panel, simulated: &Simulated, row: &
             points.collect()
         };
         let (low, high) = (line(1), line(2));
-        canvas.polyline(&low, stroke);
+        canvas.data_line(&low, stroke, "simulated");
         if low != high {
-            canvas.polyline(&high, stroke);
+            canvas.data_line(&high, stroke, "simulated");
         }
     }
 }
@@ -218,7 +264,8 @@ impl Spectra {
         })
     }
 
-    fn draw(&self, canvas: &mut Canvas, arms: &[Simulated], top: f64) {
+    /// The spectrum of the arm with this number beside the measured one.
+    fn draw(&self, canvas: &mut Canvas, area: Area, number: usize, arm: ArmColumn) {
         let all = || self.arms.iter().chain([&self.measured]).flatten();
         let ends = |place: usize| {
             let values: Vec<f64> = all().map(|point| point[place]).collect();
@@ -228,26 +275,22 @@ impl Spectra {
             return;
         };
         let low = low.max(high * libm::pow(10.0, -DECADES));
-        let columns = columns(arms.len());
-        for (place, (Simulated { arm, .. }, [left, width])) in arms.iter().zip(columns).enumerate()
-        {
-            let area = panel_area([left, top], width);
-            let panel = Panel {
-                area,
-                x: Axis::decades(hertz, [area.left, area.right()]),
-                y: Axis::decades([low, high], [area.bottom(), area.top]),
-            };
-            panel.draw_frame(canvas, SPECTRUM.header);
-            canvas.clip(&area);
-            let path = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
-                points.iter().map(|point| panel.at(*point)).collect()
-            };
-            canvas.polyline(&path(&self.measured), Stroke::solid(MEASURED, 4.0));
-            let own = Stroke::solid(arm.colour(), 1.6);
-            canvas.polyline(&path(&self.arms[place]), own);
-            canvas.unclip();
-            panel.draw_footer(canvas, "frequency [Hz]");
-        }
+        let panel = Panel {
+            area,
+            x: Axis::decades(hertz, [area.left, area.right()]),
+            y: Axis::decades([low, high], [area.bottom(), area.top]),
+        };
+        panel.draw_frame(canvas, SPECTRUM.header);
+        canvas.clip(&area);
+        let path = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+            points.iter().map(|point| panel.at(*point)).collect()
+        };
+        let measured = Stroke::solid(MEASURED, 4.0);
+        canvas.data_line(&path(&self.measured), measured, "measured");
+        let own = Stroke::solid(arm.colour(), 1.6);
+        canvas.data_line(&path(&self.arms[number]), own, "simulated");
+        canvas.unclip();
+        panel.draw_footer(canvas, "frequency [Hz]");
     }
 }
 
@@ -316,20 +359,31 @@ mod tests {
     #[test]
     fn what_was_not_measured_is_not_drawn_and_without_an_arm_nothing_is() {
         let pull = || trace("drawbar_pull", libm::cos);
-        let svg = arm_traces(&beside(pull(), Some(pull())), "").unwrap();
+        let svg = arm_traces(&beside(pull(), Some(pull())), "", Layout::SCREEN).unwrap();
         assert!(svg.contains("Drawbar pull") && !svg.contains("Sinkage"));
         assert!(svg.contains("slip 0.1 &lt;b&gt;") && !svg.contains("with "));
-        assert_eq!(arm_traces(&beside(pull(), None), ""), None);
+        assert_eq!(arm_traces(&beside(pull(), None), "", Layout::SCREEN), None);
         let means_only = Trace::default();
-        assert_eq!(arm_traces(&beside(means_only, Some(pull())), ""), None);
+        assert_eq!(
+            arm_traces(&beside(means_only, Some(pull())), "", Layout::SCREEN),
+            None
+        );
     }
 
     #[test]
     fn samples_that_are_no_numbers_leave_gaps() {
         let broken = trace("drawbar_pull", |t| if t < 2.0 { f64::NAN } else { 1.0 });
         let silent = trace("acceleration_y", |_| f64::NAN);
-        let svg = arm_traces(&beside(broken.clone(), Some(silent.clone())), "").unwrap();
+        let svg = arm_traces(
+            &beside(broken.clone(), Some(silent.clone())),
+            "",
+            Layout::TELEPHONE,
+        )
+        .unwrap();
         assert!(!svg.contains("NaN"));
-        assert_eq!(arm_traces(&beside(silent, Some(broken)), ""), None);
+        assert_eq!(
+            arm_traces(&beside(silent, Some(broken)), "", Layout::SCREEN),
+            None
+        );
     }
 }

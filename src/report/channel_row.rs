@@ -11,6 +11,14 @@ pub(super) struct ChannelRow {
     pub factor: f64,
 }
 
+impl ChannelRow {
+    /// The unit shown.
+    pub fn unit(&self) -> &'static str {
+        let unit = self.header.split_once('[');
+        unit.map_or("-", |(_, unit)| unit.trim_end_matches(']'))
+    }
+}
+
 const fn row(channel: &'static str, header: &'static str, factor: f64) -> ChannelRow {
     ChannelRow {
         channel,

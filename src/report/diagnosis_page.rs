@@ -12,6 +12,7 @@ mod shrinkage;
 mod units;
 mod words;
 
+use super::figure::Layout;
 use super::page::{Figure, Page, Provenance, Section};
 use super::{arm_curves, arm_traces};
 use crate::diagnosis::condition::Case;
@@ -96,11 +97,13 @@ fn looks(report: &DiagnosisReport) -> Section {
         section = section
             .prose("No effect is named: the runs are simulated as shipped and recalibrated only.");
     }
-    let traces = report
-        .traces
-        .and_then(|traces| Some((traces, arm_traces(traces, &named)?)));
+    let drawn = |traces, layout| arm_traces(traces, &named, layout);
+    let traces = report.traces.and_then(|traces| {
+        let narrow = drawn(traces, Layout::TELEPHONE)?;
+        Some((traces, drawn(traces, Layout::SCREEN)?, narrow))
+    });
     section = match traces {
-        Some((traces, svg)) => section.figure(Figure::new(
+        Some((traces, svg, narrow)) => section.figure(Figure::new(
             svg,
             format!(
                 "The first measured run at {}, where most statistics differ, and one simulated run of each \
@@ -108,17 +111,18 @@ fn looks(report: &DiagnosisReport) -> Section {
                  realisations: level, range and periods are comparable, individual samples are not.",
                 traces.condition
             ),
-        )),
+        ).narrow(narrow)),
         None => section.prose(
             "No traces: the condition with the largest gap has no time series, or could not be simulated.",
         ),
     };
-    match arm_curves(&report.diagnosis.in_units, report.cases, &named) {
-        Some(svg) => section.figure(Figure::new(
+    let drawn = |layout| arm_curves(&report.diagnosis.in_units, report.cases, &named, layout);
+    match drawn(Layout::SCREEN).zip(drawn(Layout::TELEPHONE)) {
+        Some((svg, narrow)) => section.figure(Figure::new(
             svg,
             "Means of the measured runs of a condition and of simulated runs of each variant; parameters and \
              magnitudes are fitted to all conditions.",
-        )),
+        ).narrow(narrow)),
         None => section.prose("No curves: no steady value was compared."),
     }
 }

@@ -3,7 +3,7 @@
 use super::class_strip::class_colour;
 use super::envelope::bounds;
 use super::feature_points::{FeaturePoint, Group, draw_marks, drawable, left_out};
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Panel, Stroke, reading};
 use crate::recognition::paper::{Region, regions};
 
 /// Width of the drawing [px].
@@ -119,7 +119,9 @@ fn draw_plane(
     }
     for point in points {
         let at = panel.at([point.p[across], point.p[up]]);
-        point.group.mark(canvas, at);
+        let [x, y] = [across, up].map(|axis| reading(NAMES[axis], point.p[axis]));
+        let name = format!("{}: {x}, {y}", point.group.name());
+        canvas.mark(&name, |canvas| point.group.mark(canvas, at));
     }
     canvas.unclip();
 }

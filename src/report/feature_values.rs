@@ -2,7 +2,7 @@
 
 use super::envelope::bounds;
 use super::feature_points::{FEATURES, FeaturePoint, Group, drawable, left_out};
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, Panel, Stroke, reading};
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1200.0;
@@ -75,27 +75,48 @@ fn draw_feature(
     for (column, group) in groups.iter().enumerate() {
         let of_group = points.iter().filter(|point| point.group == *group);
         let values: Vec<f64> = of_group.map(|point| point.p[feature]).collect();
-        draw_group(canvas, &panel, column as f64 + 0.5, *group, values);
+        let shown = Shown {
+            header: FEATURES[feature],
+            group: *group,
+            values,
+        };
+        shown.draw(canvas, &panel, column as f64 + 0.5);
     }
 }
 
-fn draw_group(canvas: &mut Canvas, panel: &Panel, middle: f64, group: Group, values: Vec<f64>) {
-    let median = median(&values);
-    let ends = [-0.42, 0.42].map(|offset| panel.at([middle + offset, median]));
-    canvas.polyline(&ends, Stroke::solid(INK, 2.0));
-    for (place, value) in values.iter().enumerate() {
-        let x = middle + SPREAD * (radical_inverse(place as u32 + 1) - 0.5);
-        group.mark(canvas, panel.at([x, *value]));
+/// A feature of the windows of a group.
+struct Shown {
+    header: &'static str,
+    group: Group,
+    values: Vec<f64>,
+}
+
+impl Shown {
+    fn draw(&self, canvas: &mut Canvas, panel: &Panel, middle: f64) {
+        let Self {
+            header,
+            group,
+            values,
+        } = self;
+        let median = median(values);
+        let ends = [-0.42, 0.42].map(|offset| panel.at([middle + offset, median]));
+        canvas.polyline(&ends, Stroke::solid(INK, 2.0));
+        for (place, value) in values.iter().enumerate() {
+            let x = middle + SPREAD * (radical_inverse(place as u32 + 1) - 0.5);
+            let name = format!("{}: {}", group.name(), reading(header, *value));
+            let at = panel.at([x, *value]);
+            canvas.mark(&name, |canvas| group.mark(canvas, at));
+        }
+        let below = panel.area.bottom();
+        let x = panel.x.pixel(middle);
+        let name = Font {
+            colour: INK,
+            ..Font::SMALL
+        };
+        canvas.text([x, below + 19.0], Anchor::Middle, name, group.name());
+        let text = format!("{}, n = {}", shown(median), values.len());
+        canvas.text([x, below + 37.0], Anchor::Middle, Font::SMALL, &text);
     }
-    let below = panel.area.bottom();
-    let x = panel.x.pixel(middle);
-    let name = Font {
-        colour: INK,
-        ..Font::SMALL
-    };
-    canvas.text([x, below + 19.0], Anchor::Middle, name, group.name());
-    let text = format!("{}, n = {}", shown(median), values.len());
-    canvas.text([x, below + 37.0], Anchor::Middle, Font::SMALL, &text);
 }
 
 /// The middle value, or the mean of the two in the middle; there is at least one.

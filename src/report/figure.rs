@@ -7,12 +7,27 @@
 
 mod symbols;
 
+use crate::table::four_digits;
+use crate::trace::behind_number;
 use std::fmt::Write;
+
+/// A value as a reader of a panel with this header names it: `Drawbar pull F_{DP} [N]` and 12.3 are
+/// `Drawbar pull F_DP 12.30 N`.
+pub fn reading(header: &str, value: f64) -> String {
+    let (name, unit) = header.split_once(" [").unwrap_or((header, "-]"));
+    let unit = unit.split(']').next().unwrap_or_default();
+    let name = name.replace("_{}", "").replace("_{", "_").replace('}', "");
+    format!("{name} {}{}", four_digits(value), behind_number(unit))
+}
 
 /// Ink of text and frames.
 pub const INK: &str = "#1f2430";
 /// Ink of what matters less: ticks, remarks.
 pub const MUTED: &str = "#5b6270";
+/// What a reader has to know.
+pub const REMARK: &str = "#a33d00";
+/// The frame of a panel.
+const FRAME: Stroke = Stroke::solid("#9aa1ad", 1.0);
 /// Lines of the grid.
 pub const GRID: &str = "#e3e6eb";
 /// Colours distinct with any colour vision (Okabe and Ito, 2008).
@@ -203,6 +218,13 @@ impl Layout {
         is_titled: true,
     };
 
+    /// As wide as a telephone, with a title.
+    pub const TELEPHONE: Self = Self {
+        width: 420.0,
+        paper: None,
+        is_titled: true,
+    };
+
     /// `width` [mm] wide on paper: [`Font::SMALL`] is 7 pt high there whatever the width.
     pub fn on_paper(width: f64, is_titled: bool) -> Self {
         const POINTS_PER_MILLIMETRE: f64 = 72.0 / 25.4;
@@ -307,6 +329,46 @@ impl Canvas {
         }
     }
 
+    /// A line of data in the latest frame of a panel, which a page reads off; `name` as in the legend, empty where
+    /// the panel has one line.
+    pub fn data_line(&mut self, points: &[[f64; 2]], stroke: Stroke, name: &str) {
+        let path = path(points);
+        if !path.is_empty() {
+            let name = escape(name);
+            let _ = writeln!(
+                self.body,
+                r#"<path d="{path}" fill="none" {} stroke-linejoin="round" data-line="{name}"/>"#,
+                stroke.attributes()
+            );
+        }
+    }
+
+    /// A filled polygon of data, read off like a [`data_line`](Self::data_line).
+    pub fn data_area(&mut self, points: &[[f64; 2]], fill: &str, stroke: Stroke, name: &str) {
+        let path = path(points);
+        if !path.is_empty() {
+            let name = escape(name);
+            let _ = writeln!(
+                self.body,
+                r#"<path d="{path}Z" fill="{fill}" {} stroke-linejoin="round" data-line="{name}"/>"#,
+                stroke.attributes()
+            );
+        }
+    }
+
+    /// The frame of a panel with what a page reads values off by: its axes and what its header names.
+    fn frame(&mut self, panel: &Panel, header: &str) {
+        let corners = panel.corners();
+        let [x, y] = [panel.x, panel.y].map(|axis| axis.data());
+        let header = escape(header);
+        let _ = writeln!(
+            self.body,
+            r#"<path d="{}Z" fill="none" {} stroke-linejoin="round" data-x="{x}" data-y="{y}" data-name="{header}"/>"#,
+            path(&corners),
+            FRAME.attributes()
+        );
+    }
+
     /// A filled polygon with an outline.
     pub fn polygon(&mut self, points: &[[f64; 2]], fill: &str, stroke: Stroke) {
         let path = path(points);
@@ -327,6 +389,18 @@ impl Canvas {
             r#"<circle cx="{x}" cy="{y}" r="{r}" fill="{fill}" {}/>"#,
             stroke.attributes()
         );
+    }
+
+    /// The mark of a data point; `reading` shows when pointed at: its values with their units.
+    pub fn mark(&mut self, reading: &str, draw: impl FnOnce(&mut Self)) {
+        let _ = writeln!(self.body, "<g><title>{}</title>", escape(reading));
+        draw(self);
+        self.body.push_str("</g>\n");
+    }
+
+    /// A point: a filled circle with a white outline.
+    pub fn point(&mut self, at: [f64; 2], colour: &str) {
+        self.circle(at, 4.5, colour, Stroke::solid("#ffffff", 0.8));
     }
 
     /// A filled rectangle; `title` shows when pointed at.
@@ -351,6 +425,22 @@ impl Canvas {
 
     /// A line of text with its base line at `at`.
     pub fn text(&mut self, at: [f64; 2], anchor: Anchor, font: Font, text: &str) {
+        self.text_with("", at, anchor, font, text);
+    }
+
+    /// The name of the axis below the panels drawn so far, which a page reads values off by.
+    pub fn axis_name(&mut self, at: [f64; 2], name: &str) {
+        self.text_with(" data-axis=\"\"", at, Anchor::Middle, Font::SMALL, name);
+    }
+
+    fn text_with(
+        &mut self,
+        attributes: &str,
+        at: [f64; 2],
+        anchor: Anchor,
+        font: Font,
+        text: &str,
+    ) {
         let [x, y] = at.map(pixels);
         let anchor = match anchor {
             Anchor::Start => "start",
@@ -364,7 +454,7 @@ impl Canvas {
         };
         let _ = writeln!(
             self.body,
-            r#"<text x="{x}" y="{y}" text-anchor="{anchor}" font-size="{}" fill="{}"{weight}>{}</text>"#,
+            r#"<text x="{x}" y="{y}" text-anchor="{anchor}" font-size="{}" fill="{}"{weight}{attributes}>{}</text>"#,
             pixels(font.size),
             font.colour,
             symbols::typeset(text, font.size)
@@ -487,6 +577,22 @@ impl Axis {
         self.from + part * (self.to - self.from)
     }
 
+    /// Bounds and pixels, for a page that reads values off.
+    fn data(&self) -> String {
+        let Self {
+            low,
+            high,
+            from,
+            to,
+            scale,
+        } = self;
+        let scale = match scale {
+            Scale::Linear => "",
+            Scale::Logarithmic => " log",
+        };
+        format!("{low} {high} {} {}{scale}", pixels(*from), pixels(*to))
+    }
+
     /// Values at round numbers and what to write there, at least `spacing` [px] apart.
     pub fn ticks(&self, spacing: f64) -> Vec<(f64, String)> {
         match self.scale {
@@ -595,11 +701,24 @@ impl Panel {
                 Stroke::solid(GRID, 1.0),
             );
         }
-        self.draw_category_frame(canvas, header);
+        self.draw_levels(canvas, header);
+        canvas.frame(self, header);
     }
 
     /// As [`draw_frame`](Self::draw_frame) where the lower axis holds categories, not numbers.
     pub fn draw_category_frame(&self, canvas: &mut Canvas, header: &str) {
+        self.draw_levels(canvas, header);
+        canvas.polygon(&self.corners(), "none", FRAME);
+    }
+
+    fn corners(&self) -> [[f64; 2]; 4] {
+        let area = &self.area;
+        let [left, right, top, bottom] = [area.left, area.right(), area.top, area.bottom()];
+        [[left, top], [right, top], [right, bottom], [left, bottom]]
+    }
+
+    /// Header, and grid and ticks of the upright axis.
+    fn draw_levels(&self, canvas: &mut Canvas, header: &str) {
         let area = &self.area;
         let spacing = if area.height < 90.0 { 22.0 } else { 30.0 };
         for (value, text) in self.y.ticks(spacing) {
@@ -610,9 +729,6 @@ impl Panel {
             );
             canvas.text([area.left - 8.0, y + 5.0], Anchor::End, Font::SMALL, &text);
         }
-        let [left, right, top, bottom] = [area.left, area.right(), area.top, area.bottom()];
-        let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
-        canvas.polygon(&corners, "none", Stroke::solid("#9aa1ad", 1.0));
         let header_at = [area.left, area.top - 9.0];
         canvas.text(header_at, Anchor::Start, Font::HEADER, header);
     }
@@ -641,7 +757,24 @@ impl Panel {
             );
         }
         let middle = [area.left + area.width / 2.0, area.bottom() + 39.0];
-        canvas.text(middle, Anchor::Middle, Font::SMALL, name);
+        canvas.axis_name(middle, name);
+    }
+
+    /// A remark in the upper right corner: that values up to `farthest` lie beyond the scale.
+    pub fn draw_beyond(&self, canvas: &mut Canvas, farthest: f64, unit: &str) {
+        let sign = if farthest > self.y.high {
+            "above"
+        } else {
+            "below"
+        };
+        let value = four_digits(farthest);
+        let text = format!("{sign} this scale: up to {value}{}", behind_number(unit));
+        let font = Font {
+            colour: REMARK,
+            ..Font::SMALL
+        };
+        let at = [self.area.right() - 6.0, self.area.top + 16.0];
+        canvas.text(at, Anchor::End, font, &text);
     }
 
     /// Names of the lines at the right of the header, as far as it leaves room.

@@ -2,10 +2,11 @@
 //! (Fig. 25-27).
 
 use super::envelope::bounds;
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke, reading};
 use crate::identification::{
     Estimate, Predicted, Prediction, Predictor, RIGID_SINKAGE, SteadyLoad,
 };
+use crate::table::four_digits;
 use crate::terrain::class::Wtic;
 
 /// Width of the drawing [px].
@@ -162,7 +163,7 @@ impl Curves<'_> {
             let (colour, y) = (colour(number), top - 5.0);
             let line = [[left, y], [left + 32.0, y]];
             canvas.polyline(&line, Stroke::solid(colour, 2.0));
-            canvas.circle([left + 16.0, y], 4.5, colour, Stroke::solid("#ffffff", 0.8));
+            canvas.point([left + 16.0, y], colour);
             canvas.text([left + 42.0, top], Anchor::Start, font, &name);
             left += width;
         }
@@ -302,7 +303,11 @@ fn draw_line(canvas: &mut Canvas, panel: &Panel, points: &[Point], colour: &'sta
             .map(|point| panel.at([point.slip, value(point)]))
             .collect()
     };
-    canvas.polyline(&path(|point| point.value), Stroke::solid(colour, 2.0));
+    canvas.data_line(
+        &path(|point| point.value),
+        Stroke::solid(colour, 2.0),
+        "predicted",
+    );
     let known = |point: &Point| point.ends.iter().all(|end| end.is_finite());
     if points.iter().all(known) {
         for end in [path(|point| point.ends[0]), path(|point| point.ends[1])] {
@@ -341,11 +346,18 @@ fn draw_row(canvas: &mut Canvas, panel: &Panel, row: &SteadyLoad, quantity: &Qua
             canvas.polyline(&[[x - FOOT, end], [x + FOOT, end]], stroke);
         }
     }
-    if hollow {
-        canvas.circle([x, y], 4.5, "#ffffff", Stroke::solid(colour, 1.5));
-    } else {
-        canvas.circle([x, y], 4.5, colour, Stroke::solid("#ffffff", 0.8));
-    }
+    let [value, load] = [reading(quantity.header, value), four_digits(row.load)];
+    let reading = format!(
+        "{value} at slip ratio {}, load {load} N",
+        four_digits(row.slip)
+    );
+    canvas.mark(&reading, |canvas| {
+        if hollow {
+            canvas.circle([x, y], 4.5, "#ffffff", Stroke::solid(colour, 1.5));
+        } else {
+            canvas.point([x, y], colour);
+        }
+    });
 }
 
 /// Rows of about one load together, each by slip; the lightest first.

@@ -133,6 +133,9 @@ pub struct Figure {
     /// The drawing, as [`super::trace_figure`] and its neighbours return it: it goes into the
     /// page as it is, so it must not come from outside the program.
     pub svg: String,
+    /// The drawing for the width of a telephone, with its panels one below the other; none where the drawing is only
+    /// made smaller.
+    pub narrow: Option<String>,
     /// What is seen.
     pub caption: String,
 }
@@ -140,8 +143,19 @@ pub struct Figure {
 impl Figure {
     /// A drawing and what is seen.
     pub fn new(svg: String, caption: impl Into<String>) -> Self {
-        let caption = caption.into();
-        Self { svg, caption }
+        Self {
+            svg,
+            narrow: None,
+            caption: caption.into(),
+        }
+    }
+
+    /// Adds the drawing for the width of a telephone.
+    pub fn narrow(self, svg: String) -> Self {
+        Self {
+            narrow: Some(svg),
+            ..self
+        }
     }
 }
 
@@ -213,8 +227,12 @@ const RUN_SCRIPT: [&str; 5] = [
 ];
 
 fn values(page: &Page) -> Value {
-    let blocks = page.sections.iter().flat_map(|section| &section.blocks);
-    let has_runs = blocks.into_iter().any(|it| matches!(it, Block::Run(_)));
+    let has = |is_it: fn(&Block) -> bool| {
+        let mut blocks = page.sections.iter().flat_map(|section| &section.blocks);
+        blocks.any(is_it)
+    };
+    let has_runs = has(|it| matches!(it, Block::Run(_)));
+    let has_figures = has(|it| matches!(it, Block::Figure(_)));
     let with_runs = |text: String| has_runs.then(|| Value::from_safe_string(text));
     let sections = page
         .sections
@@ -226,6 +244,7 @@ fn values(page: &Page) -> Value {
         run_script => with_runs(RUN_SCRIPT.concat()),
         style => Value::from_safe_string(include_str!("page/page.css").to_owned()),
         script => Value::from_safe_string(include_str!("page/page.js").to_owned()),
+        figure_script => has_figures.then(|| Value::from_safe_string(include_str!("page/figure.js").to_owned())),
         title => page.title.as_str(),
         question => page.question.as_str(),
         answer => page.answer.as_str(),
@@ -246,9 +265,14 @@ fn block_values(block: &Block) -> Value {
         Block::Answer(sentence) => context! { answer => sentence.as_str() },
         Block::Prose(text) => context! { prose => paragraphs(text) },
         Block::Table(table) => context! { table => table_values(table) },
-        Block::Figure(Figure { svg, caption }) => {
+        Block::Figure(Figure {
+            svg,
+            narrow,
+            caption,
+        }) => {
             let svg = Value::from_safe_string(svg.clone());
-            context! { figure => context! { svg, caption => caption.as_str() } }
+            let narrow = narrow.clone().map(Value::from_safe_string);
+            context! { figure => context! { svg, narrow, caption => caption.as_str() } }
         }
         Block::Run(run) => context! { run => Value::from_safe_string(run.to_json()) },
         Block::Code(Code {

@@ -1,8 +1,9 @@
 //! Identified parameters by ground, as bars with intervals (Fig. 23 and 24).
 
 use super::feature_points::Group;
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, Panel, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, Panel, Stroke, reading};
 use crate::identification::{Identified, Parameter, Standing};
+use crate::table::four_digits;
 use crate::terrain::class::TerrainLabel;
 
 /// The parameters of a ground.
@@ -109,6 +110,26 @@ impl Bar {
         })
     }
 
+    /// The value, its interval and the scenario's own value, with their unit.
+    fn reading(&self, header: &str) -> String {
+        let interval = match self.ends {
+            [Some(low), Some(high)] if self.standing == Standing::Identified => {
+                format!(" [{}, {}]", four_digits(low), four_digits(high))
+            }
+            _ => String::new(),
+        };
+        let standing = match self.standing {
+            Standing::Identified => "",
+            Standing::NotIdentifiable => ", not identifiable",
+            Standing::SetByClass | Standing::Given => ", set",
+        };
+        let own = self
+            .own
+            .map(|own| format!("; the scenario's own {}", four_digits(own)));
+        let value = reading(header, self.value);
+        format!("{value}{interval}{standing}{}", own.unwrap_or_default())
+    }
+
     /// Values that the axis has to show. That of a parameter that is not fixed may lie anywhere:
     /// only decades have room for it, else its bar is cut off.
     fn extent(&self, parameter: Parameter) -> impl Iterator<Item = f64> {
@@ -145,7 +166,8 @@ fn draw_parameter(canvas: &mut Canvas, area: Area, shown: &Shown, grounds: &[Ide
     for (column, bar) in bars.iter().enumerate() {
         if let Some(bar) = bar {
             let middle = column as f64 + 0.5;
-            draw_bar(canvas, &panel, middle, base, bar);
+            let name = format!("{}: {}", grounds[column].name, bar.reading(shown.header));
+            canvas.mark(&name, |canvas| draw_bar(canvas, &panel, middle, base, bar));
         }
     }
     canvas.unclip();

@@ -2,10 +2,10 @@
 
 use super::channel_groups::drawable;
 use super::channel_row::{ACCELERATION, ChannelRow, DRAWBAR_PULL, DRIVING_TORQUE, SINKAGE};
-use super::envelope::bounds;
+use super::envelope::{bounds, extent};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, PALETTE, Panel};
-use super::trace_figure::draw_channel;
-use crate::trace::Trace;
+use super::trace_figure::ChannelLine;
+use crate::trace::{Channel, Trace};
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1200.0;
@@ -65,9 +65,19 @@ pub fn side_by_side(runs: &[(&str, &Trace)], time: [f64; 2]) -> String {
             panel.draw_frame(&mut canvas, header);
             canvas.clip(&panel.area);
             if let Some(channel) = drawable(trace, row.channel) {
-                draw_channel(&mut canvas, &panel, channel, row.factor, colour);
+                let line = ChannelLine {
+                    channel,
+                    name: "",
+                    factor: row.factor,
+                    colour,
+                };
+                line.draw(&mut canvas, &panel);
             }
             canvas.unclip();
+            let channel = drawable(trace, row.channel);
+            if let Some(farthest) = channel.and_then(|it| beyond(&panel, it, row.factor)) {
+                panel.draw_beyond(&mut canvas, farthest, row.unit());
+            }
             if is_last {
                 panel.draw_footer(&mut canvas, "time [s]");
             }
@@ -86,20 +96,30 @@ fn columns(count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Least and greatest value of the row in this time, in the unit shown.
+/// The scale of the row in this time, in the unit shown.
 fn range(runs: &[(&str, &Trace)], row: &ChannelRow, [start, end]: [f64; 2]) -> Option<[f64; 2]> {
     let channels = runs
         .iter()
         .filter_map(|(_, trace)| drawable(trace, row.channel));
-    let ends = channels.filter_map(|channel| bounds(channel.between(start, end)));
-    let ends: Vec<f64> = ends.flatten().map(|value| value * row.factor).collect();
-    bounds(&ends)
+    let samples = channels.flat_map(|channel| channel.between(start, end));
+    let samples: Vec<f64> = samples.map(|value| value * row.factor).collect();
+    extent(&samples).map(|extent| extent.range)
+}
+
+/// The value of a run farthest beyond the scale of a panel in this time; none where all are on it.
+fn beyond(panel: &Panel, channel: &Channel, factor: f64) -> Option<f64> {
+    let [start, end] = [panel.x.low, panel.x.high];
+    let ends = bounds(channel.between(start, end))?.map(|value| value * factor);
+    let distance = |value: &f64| (panel.y.low - value).max(value - panel.y.high);
+    let farthest = ends
+        .into_iter()
+        .max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    (distance(&farthest) > 0.0).then_some(farthest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::Channel;
 
     fn run(name: &str, samples: &[f64]) -> Trace {
         let channel = Channel {

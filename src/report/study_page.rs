@@ -11,8 +11,9 @@ pub use diagnosis::answers_by_campaign;
 pub use identification::{force_errors, identified_parameters, not_steady, parameter_drawing};
 pub use recognition::answers_and_truth;
 
+use super::figure::Layout;
+use super::laid_out_trace_figure;
 use super::page::{Cell, Column, Figure, Page, Provenance, Section, Table};
-use super::trace_figure;
 use crate::study::{Outcome, Study};
 use crate::trace::Trace;
 
@@ -60,7 +61,7 @@ pub fn study_page(report: &StudyReport) -> Page {
         sections.push(dataset::section(set));
     }
     if answers.is_empty() {
-        answers.push(conditions::answer(&outcome.conditions));
+        answers.push(conditions::answer(study, &outcome.conditions));
     }
     answers.extend(failed(outcome));
     sections.push(conditions::section(study, &outcome.conditions));
@@ -103,12 +104,12 @@ fn failed(outcome: &Outcome) -> Option<String> {
 /// The runs to look at, in full.
 fn looks(stills: &[(String, Trace)]) -> Option<Section> {
     let figure = |(scenario, trace): &(String, Trace)| {
-        let svg = trace_figure(trace, scenario).ok()?;
         let caption = format!(
             "The first run of {scenario}: wheel and ground to scale, what the sensors recorded, and the \
              vibration by order of the wheel's turn."
         );
-        Some(Figure::new(svg, caption))
+        let draw = |layout| laid_out_trace_figure(trace, scenario, layout).ok();
+        Some(Figure::new(draw(Layout::SCREEN)?, caption).narrow(draw(Layout::TELEPHONE)?))
     };
     let figures: Vec<Figure> = stills.iter().filter_map(figure).collect();
     let section = Section::new("Example runs");

@@ -1,27 +1,32 @@
-//! Where along a swept value classes are recognised: right answers against the value.
+//! Results over a swept key: means of the steady state, and right answers of a recognition.
 
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
-use crate::recognition::confusion::{CLASSES, Share};
+mod means;
+mod shares;
+
+use super::figure::{Anchor, Area, Canvas, Font, Layout, Panel};
+use crate::scenario::keys::unit_of;
+use crate::study::conditions::Condition;
 use crate::study::score::Part;
-use crate::table::Cell;
-use crate::terrain::class::Wtic;
+use crate::trace::behind_number;
 
-/// Width of the drawing [px].
-const WIDTH: f64 = 1100.0;
-/// Room left of a panel for its tick labels [px].
-const TICKS: f64 = 62.0;
-/// Room right of a panel [px].
+/// Room left of a panel for its tick labels, and right of it [px].
+const TICKS: f64 = 66.0;
 const RIGHT: f64 = 18.0;
-/// Height of a panel [px].
-const HEIGHT: f64 = 120.0;
-/// Height of the title [px].
-const TITLE: f64 = 46.0;
-/// Room between panels, and below the last for the values [px].
-const BELOW: [f64; 2] = [14.0, 52.0];
-/// Shares [-] at the ends of a panel: room for marks at 0 and 1.
-const RANGE: [f64; 2] = [-0.07, 1.07];
-/// Part of a value's column that the methods share [-].
-const SPREAD: f64 = 0.4;
+/// Height of a line of the title [px].
+const LINE: f64 = 28.0;
+
+/// A swept key, and what came of the runs at its values.
+#[derive(Debug, Clone)]
+pub struct SweptKey<'s> {
+    /// The key.
+    pub key: &'s str,
+    /// All swept keys, in the order of the values of a condition.
+    pub keys: Vec<&'s str>,
+    /// Conditions whose steady means are drawn; none to draw no means.
+    pub conditions: &'s [Condition],
+    /// Methods of recognition whose right answers are drawn, with the same values; none to draw no answers.
+    pub methods: Vec<MethodParts<'s>>,
+}
 
 /// A method, and the windows at every value of a key.
 #[derive(Debug, Clone)]
@@ -32,93 +37,48 @@ pub struct MethodParts<'s> {
     pub parts: Vec<&'s Part>,
 }
 
-/// The share of right answers of every method at every value of a swept key, with Wilson's 95 %
-/// intervals and the number of windows: a panel for every true class that occurs, a column for every
-/// value in the order of the sweep, however far apart they are. One SVG 1100 px wide.
-///
-/// The methods have the same values.
-pub fn sweep_figure(key: &str, methods: &[MethodParts]) -> String {
-    let title = format!("Right answers over {key}");
-    let mut canvas = Canvas::new([WIDTH, 0.0], &title);
-    let text = Font::TITLE.fit(&title, WIDTH - 32.0);
-    canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, &text);
-    let values = methods.first().map_or(&[][..], |first| &first.parts);
-    let occurs = |class: &Wtic| {
-        let mut parts = values.iter();
-        parts.any(|part| part.counted.recalls.contains_key(class))
-    };
-    let mut bottom = TITLE;
-    for class in CLASSES.into_iter().filter(occurs) {
-        let area = Area {
-            left: TICKS,
-            top: bottom + Panel::HEADER,
-            width: WIDTH - TICKS - RIGHT,
-            height: HEIGHT,
-        };
-        let panel = Panel {
-            area,
-            x: Axis::exact([0.0, values.len() as f64], [area.left, area.right()]),
-            y: Axis::exact(RANGE, [area.bottom(), area.top]),
-        };
-        draw_class(&mut canvas, &panel, class, methods);
-        bottom = area.bottom() + BELOW[0];
+impl SweptKey<'_> {
+    /// The key, and its unit in brackets where it is a number.
+    pub(super) fn key_and_unit(&self) -> String {
+        unit_of(self.key).map_or_else(
+            || self.key.to_owned(),
+            |unit| format!("{} [{unit}]", self.key),
+        )
     }
-    let width = (WIDTH - TICKS - RIGHT) / values.len().max(1) as f64;
-    for (column, part) in values.iter().enumerate() {
-        let at = [TICKS + (column as f64 + 0.5) * width, bottom + 6.0];
-        let font = Font {
-            colour: INK,
-            ..Font::SMALL
-        };
-        let text = font.fit(&Cell::toml(&part.value).written(), width - 6.0);
-        canvas.text(at, Anchor::Middle, font, &text);
+}
+
+/// Steady means over the values of a key, a panel a quantity and a line for every scenario and combination of the
+/// other swept keys; then the share of right answers of every method at every value with Wilson's 95 % interval, a
+/// panel for every true class that occurs. One SVG as wide as `layout` says: on a screen the means are in two columns.
+pub fn sweep_figure(swept: &SweptKey, layout: Layout) -> String {
+    let title = format!("Results over {}", swept.key_and_unit());
+    let mut canvas = Canvas::laid_out(layout, &title);
+    let mut below = 0.0;
+    if layout.is_titled {
+        for line in Font::TITLE.wrap(&title, layout.width - 32.0) {
+            below += LINE;
+            canvas.text([16.0, below], Anchor::Start, Font::TITLE, &line);
+        }
+        below += 8.0;
     }
-    let at = [TICKS + 0.5 * (WIDTH - TICKS - RIGHT), bottom + 30.0];
-    canvas.text(at, Anchor::Middle, Font::SMALL, key);
-    canvas.set_height(bottom + BELOW[1]);
+    below = means::draw(&mut canvas, layout, below, swept);
+    below = shares::draw(&mut canvas, layout, below, swept);
+    canvas.set_height(below);
     canvas.finish()
 }
 
-fn draw_class(canvas: &mut Canvas, panel: &Panel, class: Wtic, methods: &[MethodParts]) {
-    let header = format!("{}, share of right answers [-]", class.as_str());
-    panel.draw_category_frame(canvas, &header);
-    let strokes = PALETTE.map(|colour| Stroke::solid(colour, 2.0));
-    let named = methods.iter().zip(strokes);
-    let legend: Vec<_> = named
-        .map(|(of, stroke)| (of.method.to_owned(), stroke))
-        .collect();
-    panel.draw_legend(canvas, &header, &legend);
-    let step = SPREAD / methods.len().max(1) as f64;
-    for (place, (of, stroke)) in methods.iter().zip(strokes).enumerate() {
-        let aside = step * (place as f64 + 0.5) - 0.5 * SPREAD;
-        for (column, part) in of.parts.iter().enumerate() {
-            if let Some(share) = part.counted.recalls.get(&class) {
-                let x = panel.x.pixel(column as f64 + 0.5 + aside);
-                draw_interval(canvas, panel, x, share, stroke);
-                let tip = format!(
-                    "{}: {:.0} % of {} windows",
-                    of.method,
-                    100.0 * share.value,
-                    share.n
-                );
-                let at = [x, panel.y.pixel(share.value)];
-                canvas.rect(&mark(at), stroke.colour, &tip);
-            }
-        }
-    }
+/// The unit of a key as it stands behind a number; nothing where it has none.
+pub(super) fn unit_behind_number(key: &str) -> String {
+    unit_of(key).map_or_else(String::new, |unit| behind_number(&unit))
 }
 
-fn draw_interval(canvas: &mut Canvas, panel: &Panel, x: f64, share: &Share, stroke: Stroke) {
-    let [low, high] = share.ci95.map(|end| panel.y.pixel(end));
-    canvas.polyline(&[[x, low], [x, high]], stroke);
-}
-
-fn mark([x, y]: [f64; 2]) -> Area {
+/// The frame of a panel as wide as the drawing, below `top` [px]; its height is for its owner to set.
+fn frame_area(layout: Layout, top: f64) -> Area {
     Area {
-        left: x - 4.0,
-        top: y - 4.0,
-        width: 8.0,
-        height: 8.0,
+        left: TICKS,
+        top: top + Panel::HEADER,
+        width: layout.width - TICKS - RIGHT,
+        height: 0.0,
     }
 }
 
@@ -126,7 +86,9 @@ fn mark([x, y]: [f64; 2]) -> Area {
 mod tests {
     use super::*;
     use crate::recognition::confusion::Confusion;
+    use crate::study::conditions::{Mean, QUANTITIES};
     use crate::study::score::Counted;
+    use crate::terrain::class::Wtic;
 
     fn part(value: &str, class: Wtic, right: u64, wrong: u64) -> Part {
         let mut confusion = Confusion::default();
@@ -155,12 +117,58 @@ mod tests {
             method,
             parts: parts.clone(),
         });
-        let figure = sweep_figure("wheel.lugs.count", &methods);
+        let swept = SweptKey {
+            key: "wheel.lugs.count",
+            keys: vec!["wheel.lugs.count"],
+            conditions: &[],
+            methods: methods.to_vec(),
+        };
+        let figure = sweep_figure(&swept, Layout::SCREEN);
         assert_eq!(figure.matches("share of right answers").count(), 2);
         for shares in ["25 % of 4", "100 % of 4", "50 % of 4"] {
-            let of_method = format!("paper: {shares} windows");
+            let of_method = format!("paper: {shares} windows at wheel.lugs.count");
             assert_eq!(figure.matches(&of_method).count(), 1, "{shares}");
         }
         assert!(!figure.contains("SLCT"));
+    }
+
+    fn condition(scenario: &str, values: [&str; 2], pull: f64) -> Condition {
+        let mut means = [None; QUANTITIES.len()];
+        means[0] = Mean::of(&[pull, pull + 1.0]);
+        Condition {
+            scenario: scenario.to_owned(),
+            values: values.map(str::to_owned).to_vec(),
+            runs: 2,
+            failed: 0,
+            means,
+            unsteady: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_condition_has_a_mark_with_both_values_and_units_and_lines_join_what_differs_in_the_key_alone()
+     {
+        let load = "rig.single_wheel.load";
+        let conditions = [
+            condition("sand", ["0.1", "100.0"], 9.0),
+            condition("sand", ["0.1", "60.0"], 5.0),
+            condition("sand", ["0.3", "100.0"], 29.0),
+            condition("sand", ["0.3", "60.0"], 15.0),
+        ];
+        let swept = SweptKey {
+            key: load,
+            keys: vec!["rig.single_wheel.slip", load],
+            conditions: &conditions,
+            methods: Vec::new(),
+        };
+        for layout in [Layout::SCREEN, Layout::on_paper(88.0, false)] {
+            let figure = sweep_figure(&swept, layout);
+            assert!(figure.contains("rig.single_wheel.load [N]"), "{figure}");
+            assert_eq!(figure.matches("<circle").count(), 4, "{figure}");
+            let mark = "drawbar pull 29.50 N [23.15, 35.85] at rig.single_wheel.load = 100.0 N";
+            assert!(figure.contains(mark), "{figure}");
+            assert!(figure.contains("rig.single_wheel.slip = 0.3"), "{figure}");
+            assert!(!figure.contains("Sinkage"), "{figure}");
+        }
     }
 }

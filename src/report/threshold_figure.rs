@@ -1,8 +1,9 @@
 //! How the windows of a study lie to one of the limits of Eq. (55) to (58).
 
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Scale, Stroke};
+use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
 use crate::study;
 use crate::study::thresholds::{Point, Statement};
+use crate::table::four_digits;
 
 /// Width of the drawing, and height of its panel [px].
 const WIDTH: f64 = 960.0;
@@ -126,21 +127,21 @@ impl<'s> Layout<'s> {
         let lane = 0.86 * pitch / self.colours() as f64;
         for column in 0..self.columns.len() {
             for colour in 0..self.colours() {
-                let here: Vec<f64> = self
+                let mut here: Vec<f64> = self
                     .points
                     .iter()
                     .filter(|point| self.place(point) == (column, colour))
                     .map(|point| point.bounded.ratio())
                     .collect();
+                here.sort_by(f64::total_cmp);
+                let lane_of = Lane {
+                    ratios: here,
+                    name: self.lane_name(column, colour),
+                    colour: PALETTE[colour % PALETTE.len()],
+                };
                 let middle = colour as f64 - 0.5 * (self.colours() as f64 - 1.0);
                 let x = area.left + (column as f64 + 0.5) * pitch + middle * lane;
-                draw_lane(
-                    canvas,
-                    &here,
-                    [x, lane],
-                    &y,
-                    PALETTE[colour % PALETTE.len()],
-                );
+                lane_of.draw(canvas, [x, lane], &y);
             }
         }
         let one = y.pixel(1.0);
@@ -148,21 +149,25 @@ impl<'s> Layout<'s> {
         canvas.polyline(&limit, Stroke::solid(INK, 2.0));
     }
 
+    /// The keys of a lane and their values.
+    fn lane_name(&self, column: usize, colour: usize) -> String {
+        let across = self.across.map(|(_, axis)| (axis, self.columns[column]));
+        let coloured = self.coloured.map(|(_, axis)| (axis, colour));
+        let entries = across.into_iter().chain(coloured);
+        let names =
+            entries.map(|(axis, entry)| format!("; {} = {}", axis.name, axis.values[entry]));
+        names.collect()
+    }
+
     fn draw_frame(&self, canvas: &mut Canvas, area: &Area, y: &Axis) {
         let header = "value over limit [-]";
         let frame = Panel {
             area: *area,
             // Nothing is written across: columns are no numbers.
-            x: Axis {
-                low: 1.0,
-                high: 10.0,
-                from: area.left,
-                to: area.right(),
-                scale: Scale::Logarithmic,
-            },
+            x: *y,
             y: *y,
         };
-        frame.draw_frame(canvas, header);
+        frame.draw_category_frame(canvas, header);
         frame.draw_legend(
             canvas,
             header,
@@ -216,26 +221,32 @@ impl<'s> Layout<'s> {
     }
 }
 
-/// The windows of one lane around `x` [px], side by side, and their median.
-fn draw_lane(
-    canvas: &mut Canvas,
-    ratios: &[f64],
-    [x, width]: [f64; 2],
-    y: &Axis,
+/// The windows of one entry of both sweeps.
+struct Lane {
+    /// Values over limit [-], the least first.
+    ratios: Vec<f64>,
+    name: String,
     colour: &'static str,
-) {
-    let mut sorted = ratios.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    for (number, ratio) in sorted.iter().enumerate() {
-        // Neighbours in height stand apart.
-        let aside = [-0.25, 0.25, 0.0, -0.12, 0.12][number % 5] * width;
-        let at = [x + aside, y.pixel(*ratio)];
-        canvas.circle(at, 2.2, "none", Stroke::solid(colour, 1.0));
-    }
-    if let Some(median) = sorted.get(sorted.len().saturating_sub(1) / 2) {
-        let level = y.pixel(*median);
-        let line = [[x - 0.42 * width, level], [x + 0.42 * width, level]];
-        canvas.polyline(&line, Stroke::solid(colour, 3.0));
+}
+
+impl Lane {
+    /// The windows around `x` [px], side by side, and their median.
+    fn draw(&self, canvas: &mut Canvas, [x, width]: [f64; 2], y: &Axis) {
+        let Self { ratios, colour, .. } = self;
+        for (number, ratio) in ratios.iter().enumerate() {
+            // Neighbours in height stand apart.
+            let aside = [-0.25, 0.25, 0.0, -0.12, 0.12][number % 5] * width;
+            let at = [x + aside, y.pixel(*ratio)];
+            let reading = format!("value over limit {}{}", four_digits(*ratio), self.name);
+            canvas.mark(&reading, |canvas| {
+                canvas.circle(at, 2.2, "none", Stroke::solid(colour, 1.0));
+            });
+        }
+        if let Some(median) = ratios.get(ratios.len().saturating_sub(1) / 2) {
+            let level = y.pixel(*median);
+            let line = [[x - 0.42 * width, level], [x + 0.42 * width, level]];
+            canvas.polyline(&line, Stroke::solid(colour, 3.0));
+        }
     }
 }
 

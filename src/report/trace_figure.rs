@@ -4,8 +4,10 @@
 use super::ReportError;
 use super::channel_groups::{GROUPS, Group, drawable, remarks_on_channels, time_range};
 use super::class_strip::{self, ClassSpan, merged};
-use super::envelope::{bounds, envelope};
-use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Layout, MUTED, PALETTE, Panel, Stroke};
+use super::envelope::{Extent, bounds, envelope, extent};
+use super::figure::{
+    Anchor, Area, Axis, Canvas, Font, INK, Layout, MUTED, PALETTE, Panel, REMARK, Stroke,
+};
 use super::run_words::{origin, terrain_name, wheel_and_condition};
 use super::scene::Scene;
 use super::spectrum::{OrderSpectrum, order_spectrum};
@@ -225,7 +227,7 @@ impl Sheet {
 
     fn remarks(&mut self, remarks: &[String]) {
         let font = Font {
-            colour: "#a33d00",
+            colour: REMARK,
             ..Font::SMALL
         };
         self.lines(font, &remarks.join(" "));
@@ -399,10 +401,12 @@ fn draw_group(
     let lines = lines.filter_map(|line| Some((line, drawable(trace, line.channel)?)));
     let lines: Vec<_> = lines.collect();
     let command = group.command(&trace.attributes);
-    let values: Vec<f64> = lines
+    let extents: Vec<Extent> = lines
         .iter()
-        .filter_map(|(_, channel)| bounds(&channel.samples))
-        .flatten()
+        .filter_map(|(_, channel)| extent(&channel.samples))
+        .collect();
+    let ends = extents.iter().flat_map(|extent| extent.range);
+    let ends: Vec<f64> = ends
         .map(|value| value * group.factor)
         .chain(command.iter().map(|command| command.1))
         .collect();
@@ -410,7 +414,7 @@ fn draw_group(
         area,
         x: time,
         y: Axis::roomy(
-            bounds(&values).unwrap_or([0.0, 1.0]),
+            bounds(&ends).unwrap_or([0.0, 1.0]),
             [area.bottom(), area.top],
         ),
     };
@@ -424,7 +428,13 @@ fn draw_group(
         legend.push((name.to_owned(), stroke));
     }
     for (line, channel) in lines {
-        draw_channel(canvas, &panel, channel, group.factor, line.colour);
+        let drawn = ChannelLine {
+            channel,
+            name: plain_name(line.name),
+            factor: group.factor,
+            colour: line.colour,
+        };
+        drawn.draw(canvas, &panel);
         if !line.name.is_empty() {
             let name = if shown.compact {
                 line.symbol
@@ -435,40 +445,62 @@ fn draw_group(
         }
     }
     canvas.unclip();
+    let beyond = extents.iter().filter_map(|extent| extent.farthest);
+    let beyond = beyond.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    if let Some(farthest) = beyond {
+        panel.draw_beyond(canvas, group.factor * farthest, group.unit);
+    }
     panel.draw_legend(canvas, &shown.header(), &legend);
     panel
 }
 
-/// Samples as a line; where a pixel holds many, the bounds of each pixel.
-pub(super) fn draw_channel(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    channel: &Channel,
-    factor: f64,
-    colour: &'static str,
-) {
-    let count = channel.samples.len();
-    let length = (count - 1) as f64 / channel.sample_rate;
-    let left = panel.x.pixel(channel.start);
-    let width = panel.x.pixel(channel.start + length) - left;
-    let columns = (width as usize).max(1).min(count);
-    let crowded = count > 2 * columns;
-    let columns = if crowded { columns } else { count };
-    let pitch = width / (columns.max(2) - 1) as f64;
-    let mut line: Vec<[f64; 2]> = Vec::new();
-    let stroke = Stroke::solid(colour, if crowded { 1.0 } else { 1.5 });
-    for (i, column) in envelope(&channel.samples, columns).into_iter().enumerate() {
-        let x = left + i as f64 * pitch;
-        match column {
-            Some([low, high]) if crowded => {
-                let ends = [low, high].map(|value| [x, panel.y.pixel(value * factor)]);
-                line.extend(ends);
+/// A channel as a line of a panel.
+pub(super) struct ChannelLine<'a> {
+    pub channel: &'a Channel,
+    /// Its name where the panel has several.
+    pub name: &'a str,
+    /// From the channel's unit to the panel's.
+    pub factor: f64,
+    pub colour: &'static str,
+}
+
+/// `normal force F_{N}` without the symbol.
+fn plain_name(name: &str) -> &str {
+    name.rsplit_once(' ').map_or(name, |(plain, _)| plain)
+}
+
+impl ChannelLine<'_> {
+    /// Draws the samples as a line; where a pixel holds many, the bounds of each pixel.
+    pub(super) fn draw(&self, canvas: &mut Canvas, panel: &Panel) {
+        let Self {
+            channel,
+            name,
+            factor,
+            colour,
+        } = *self;
+        let count = channel.samples.len();
+        let length = (count - 1) as f64 / channel.sample_rate;
+        let left = panel.x.pixel(channel.start);
+        let width = panel.x.pixel(channel.start + length) - left;
+        let columns = (width as usize).max(1).min(count);
+        let crowded = count > 2 * columns;
+        let columns = if crowded { columns } else { count };
+        let pitch = width / (columns.max(2) - 1) as f64;
+        let mut line: Vec<[f64; 2]> = Vec::new();
+        let stroke = Stroke::solid(colour, if crowded { 1.0 } else { 1.5 });
+        for (i, column) in envelope(&channel.samples, columns).into_iter().enumerate() {
+            let x = left + i as f64 * pitch;
+            match column {
+                Some([low, high]) if crowded => {
+                    let ends = [low, high].map(|value| [x, panel.y.pixel(value * factor)]);
+                    line.extend(ends);
+                }
+                Some([value, _]) => line.push([x, panel.y.pixel(value * factor)]),
+                None => canvas.data_line(&std::mem::take(&mut line), stroke, name),
             }
-            Some([value, _]) => line.push([x, panel.y.pixel(value * factor)]),
-            None => canvas.polyline(&std::mem::take(&mut line), stroke),
         }
+        canvas.data_line(&line, stroke, name);
     }
-    canvas.polyline(&line, stroke);
 }
 
 fn draw_spectrum(
@@ -493,7 +525,7 @@ fn draw_spectrum(
     }
     let line: Vec<[f64; 2]> = points.iter().map(|point| panel.at(*point)).collect();
     canvas.clip(&panel.area);
-    canvas.polyline(&line, Stroke::solid(PALETTE[0], 1.5));
+    canvas.data_line(&line, Stroke::solid(PALETTE[0], 1.5), "");
     canvas.unclip();
     let harmonics = (format!("harmonics of the {}", turned(spectrum)), harmonic);
     panel.draw_legend(canvas, header, &[harmonics]);

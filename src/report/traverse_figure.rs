@@ -5,7 +5,7 @@ use super::channel_groups::drawable;
 use super::class_strip::{ClassSpan, keys};
 use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, MUTED, PALETTE, Panel, Stroke};
-use super::trace_figure::draw_channel;
+use super::trace_figure::ChannelLine;
 use crate::recognition::Recognized;
 use crate::table::four_digits;
 use crate::trace::{Channel, Trace};
@@ -57,7 +57,13 @@ pub fn traverse_figure(
     panel.draw_frame(&mut canvas, &header);
     panel.draw_legend(&mut canvas, &header, &[borders]);
     canvas.clip(&area);
-    draw_channel(&mut canvas, &panel, acceleration, 1.0, PALETTE[0]);
+    let line = ChannelLine {
+        channel: acceleration,
+        name: "",
+        factor: 1.0,
+        colour: PALETTE[0],
+    };
+    line.draw(&mut canvas, &panel);
     for time in windows.iter().flat_map(|window| [window.start, window.end]) {
         let x = panel.x.pixel(time);
         let border = [[x, area.top], [x, area.bottom()]];

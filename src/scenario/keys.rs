@@ -9,6 +9,7 @@ mod part;
 mod refusal;
 
 use super::schema::derived;
+use crate::effects;
 use part::Part;
 use refusal::Refusals;
 use serde::Serialize;
@@ -55,6 +56,24 @@ pub fn tables() -> Vec<Table> {
     };
     walk.table("", Part::of(&schema, &schema));
     walk.tables
+}
+
+/// Unit of a key as `--set` takes it, or of the magnitude of an effect (`effect.NAME`); `-` where the number has none,
+/// `None` where there is no such key or its values are no numbers.
+pub fn unit_of(key: &str) -> Option<String> {
+    if let Some(name) = key.strip_prefix("effect.")
+        && let Ok((_, seat)) = effects::seated(name)
+    {
+        return Some(seat.unit.to_owned());
+    }
+    let is_count = |part: &&str| part.parse::<usize>().is_ok();
+    let parts = key.split('.');
+    let parts: Vec<&str> = parts
+        .map(|it| if is_count(&it) { "N" } else { it })
+        .collect();
+    let path = parts.join(".");
+    let mut keys = tables().into_iter().flat_map(|table| table.keys);
+    keys.find(|key| key.path == path)?.unit
 }
 
 /// The way through the schema.
@@ -181,6 +200,15 @@ mod tests {
         let mut keys = tables.into_iter().flat_map(|table| table.keys);
         keys.find(|key| key.path == path)
             .unwrap_or_else(|| panic!("no {path}"))
+    }
+
+    #[test]
+    fn a_key_an_entry_of_a_list_and_an_effect_have_their_units() {
+        let unit = |key: &str| unit_of(key).unwrap_or_default();
+        assert_eq!(unit("rig.single_wheel.load"), "N");
+        assert_eq!(unit("rig.single_wheel.slip"), "-");
+        assert_eq!(unit("effect.sensor_tilt"), "°");
+        assert_eq!(unit_of("terrain.reference"), None);
     }
 
     /// Names of the required keys of a table.

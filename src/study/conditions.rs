@@ -1,7 +1,7 @@
 //! What the runs of a condition have in common: means of their steady values, from `runs.csv`.
 
-use super::Study;
-use super::table::{Stored, StoredRow, bare};
+use super::table::{Stored, StoredRow};
+use crate::trace::without_rounding;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -35,6 +35,12 @@ impl Quantity {
             tested: Some([steadiness, drift]),
             ..self
         }
+    }
+
+    /// A value of it as shown, 0 where it is nothing but rounding of the solver.
+    pub fn without_rounding(&self, value: f64) -> f64 {
+        let channel = self.column.split("_mean").next().unwrap_or_default();
+        self.factor * without_rounding(channel, value / self.factor)
     }
 
     /// Its mean over the runs of a condition.
@@ -195,32 +201,56 @@ fn together(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> 
     }
 }
 
-impl Study {
-    /// The conditions in their order, from the table of the runs.
-    pub(super) fn conditions(&self, runs: &str) -> Vec<Condition> {
-        let table = Stored::read(runs);
-        let rows: Vec<StoredRow> = table.rows().collect();
-        let of_one = rows.chunk_by(|a, b| a.text("condition") == b.text("condition"));
-        let condition = |(condition, rows): (u64, &[StoredRow])| {
-            let (named, entries) = self.condition(condition);
-            let entries = self.sweeps.iter().zip(entries);
-            let values = entries.flat_map(|(sweep, entry)| &sweep.rows[entry]);
-            let sound = rows.iter().filter(|row| row.text("failure").is_empty());
-            let sound = sound.count();
-            Condition {
-                scenario: named.name.clone(),
-                values: values.map(|value| bare(value)).collect(),
-                runs: sound,
-                failed: rows.len() - sound,
-                means: QUANTITIES.map(|quantity| quantity.mean(rows)),
-                unsteady: QUANTITIES
-                    .iter()
-                    .filter_map(|it| it.unsteady(rows))
-                    .collect(),
-            }
-        };
-        (0..).zip(of_one).map(condition).collect()
-    }
+/// The conditions in their order, from the table of the runs.
+pub(super) fn of_runs(table: &Stored) -> Vec<Condition> {
+    let keys: Vec<&str> = swept_keys(table).collect();
+    let rows: Vec<StoredRow> = table.rows().collect();
+    let of_one = rows.chunk_by(|a, b| a.text("condition") == b.text("condition"));
+    let condition = |rows: &[StoredRow]| {
+        let sound = rows.iter().filter(|row| row.text("failure").is_empty());
+        let sound = sound.count();
+        let values = keys.iter().map(|key| rows[0].text(key).to_owned());
+        Condition {
+            scenario: rows[0].text("scenario").to_owned(),
+            values: values.collect(),
+            runs: sound,
+            failed: rows.len() - sound,
+            means: QUANTITIES.map(|quantity| quantity.mean(rows)),
+            unsteady: QUANTITIES
+                .iter()
+                .filter_map(|it| it.unsteady(rows))
+                .collect(),
+        }
+    };
+    of_one.map(condition).collect()
+}
+
+/// The swept keys in the table of the runs: its columns between scenario and label.
+pub(super) fn swept_keys(table: &Stored) -> impl Iterator<Item = &str> {
+    let behind = table.header().skip_while(|name| *name != "scenario");
+    behind.skip(1).take_while(|name| *name != "label")
+}
+
+/// Those of the swept keys that have two values or more.
+pub fn varied<'k>(keys: impl Iterator<Item = &'k str>, conditions: &[Condition]) -> Vec<&'k str> {
+    let is_varied = |place: usize| {
+        let mut values = conditions.iter().map(|condition| &condition.values[place]);
+        let first = values.next();
+        values.any(|value| Some(value) != first)
+    };
+    let keys = keys.enumerate().filter(|(place, _)| is_varied(*place));
+    keys.map(|(_, key)| key).collect()
+}
+
+/// A column that every table of runs has and this one lacks.
+pub(super) fn missing_column(table: &Stored) -> Option<&'static str> {
+    let tested = QUANTITIES.iter().filter_map(|quantity| quantity.tested);
+    let values = QUANTITIES.iter().map(|quantity| quantity.column);
+    let mut needed = ["condition", "scenario", "label", "failure"]
+        .into_iter()
+        .chain(values)
+        .chain(tested.flatten());
+    needed.find(|name| table.header().all(|column| column != *name))
 }
 
 #[cfg(test)]

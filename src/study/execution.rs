@@ -1,13 +1,13 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
-use super::conditions::Condition;
+use super::conditions::{self, Condition};
 use super::folder::{Before, Folder};
 use super::identification::{self, SteadyRows};
 use super::kept;
 use super::runs::{self, Runs};
 use super::scores::Scores;
 use super::shard::{self, Shard};
-use super::table::{NoRows, Rows, Table, line};
+use super::table::{NoRows, Rows, Stored, Table, line};
 use super::thresholds;
 use super::traces::{self, Traces};
 use super::windows::{self, Windows};
@@ -315,7 +315,7 @@ impl Study {
         let failed = collected.failures.len() as u64;
         let steady = collected.text_of(identification::NAME);
         let shards = shard::all(self);
-        outcome.conditions = self.conditions(&collected.texts[0].1);
+        outcome.conditions = conditions::of_runs(&Stored::read(&collected.texts[0].1));
         outcome.dataset = self.keep(folder, &shards, windows, failed, &|| on_progress(None))?;
         outcome.scores = Scores {
             recognition: self.score(collected.text_of(windows::NAME))?,

@@ -67,6 +67,7 @@ pub(super) fn bare(value: &str) -> String {
 
 /// A table that this program wrote, read from its text.
 pub(super) struct Stored {
+    header: StringRecord,
     places: HashMap<String, usize>,
     records: Vec<StringRecord>,
 }
@@ -85,8 +86,14 @@ impl Stored {
         let places = header.iter().map(str::to_owned).zip(0..);
         Self {
             places: places.collect(),
+            header,
             records: reader.records().flatten().collect(),
         }
+    }
+
+    /// Names of the columns.
+    pub(super) fn header(&self) -> impl Iterator<Item = &str> {
+        self.header.iter()
     }
 
     pub(super) fn rows(&self) -> impl ExactSizeIterator<Item = StoredRow<'_>> {

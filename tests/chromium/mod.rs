@@ -24,6 +24,15 @@ pub fn play(html: &str, width: u32, time: f64) -> Value {
     found(&harness, html, width)
 }
 
+/// What the figures in a page say where they are pointed at, and how they are zoomed; lines are read at `places`,
+/// parts of the width of their frame; see `figure.html`.
+#[allow(dead_code)] // Not every test of pages reads figures.
+pub fn point_at(html: &str, width: u32, places: &[f64]) -> Value {
+    let places = serde_json::to_string(places).unwrap();
+    let harness = include_str!("figure.html").replace("PLACES", &places);
+    found(&harness, html, width)
+}
+
 /// What a harness leaves of the page in its frame.
 fn found(harness: &str, html: &str, width: u32) -> Value {
     let folder = TempDir::new().unwrap();

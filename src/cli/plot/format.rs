@@ -1,5 +1,6 @@
-//! What a run is drawn as, and how wide on paper.
+//! What a run or study is drawn as, and how wide on paper.
 
+use crate::report::image;
 use anyhow::{bail, ensure};
 use clap::ValueEnum;
 use std::path::Path;
@@ -16,7 +17,7 @@ pub enum Format {
     Png,
     /// Vectors on a page of the figure's size
     Pdf,
-    /// A page in which the run moves
+    /// A page in which the run moves; the report of a study
     Html,
     /// Channels, wheel and ground for Foxglove and other viewers of robots
     Mcap,
@@ -31,6 +32,19 @@ impl Format {
             Self::Pdf => "pdf",
             Self::Html => "html",
             Self::Mcap => "mcap",
+        }
+    }
+
+    /// A drawing as an image of this format.
+    ///
+    /// # Errors
+    /// Where the drawing cannot be converted, or the format is none of an image.
+    pub fn image(self, svg: String) -> anyhow::Result<Vec<u8>> {
+        match self {
+            Self::Svg => Ok(svg.into_bytes()),
+            Self::Png => Ok(image::png(&svg)?),
+            Self::Pdf => Ok(image::pdf(&svg)?),
+            Self::Html | Self::Mcap => bail!("{} is no format of an image", self.ending()),
         }
     }
 

@@ -18,8 +18,18 @@ function sort(header) {
 }
 for (const header of document.querySelectorAll("thead th")) header.addEventListener("click", () => sort(header));
 
-for (const drawing of document.querySelectorAll(".drawing"))
-  drawing.addEventListener("click", () => drawing.classList.toggle("wide"));
+// A table that is wider than a screen is set smaller, and then with its numbers on two lines.
+for (const box of document.querySelectorAll(".scroll:has(table)"))
+  for (const step of ["tight", "tighter"])
+    if (innerWidth > 720 && box.scrollWidth > box.clientWidth) box.classList.add(step);
+
+// On a telephone a figure is enlarged by its button.
+for (const drawing of document.querySelectorAll(".drawing")) {
+  const button = document.createElement("button");
+  Object.assign(button, { type: "button", className: "enlarge", textContent: "Enlarge" });
+  button.addEventListener("click", () => { button.textContent = drawing.classList.toggle("wide") ? "Fit" : "Enlarge"; });
+  drawing.after(button);
+}
 
 // What is folded on the screen is printed.
 addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(details => { details.open = true; }));

@@ -1,61 +1,71 @@
 //! What every condition gave.
 
-use crate::report::page::{Cell, Column, Section, Table};
+use crate::report::figure::Layout;
+use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::sweep_figure::unit_behind_number;
+use crate::report::{SweptKey, sweep_figure};
 use crate::study::Study;
-use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady};
+use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady, varied};
 use crate::table::four_digits;
 
-/// Conditions shown; a page is no place for more.
+/// Place of the sinkage in [`QUANTITIES`].
+const SINKAGE: usize = 3;
+/// Conditions shown in the table, and conditions in a figure; a page is no place for more.
 const SHOWN: usize = 400;
+const DRAWN: usize = 2000;
 
-/// From where to where the pull goes, scenario by scenario.
-pub fn answer(conditions: &[Condition]) -> String {
-    let mut pulls = Vec::<(&str, Vec<(Mean, &Condition)>)>::new();
-    for condition in conditions {
-        let Some(mean) = condition.means[0] else {
-            continue;
-        };
-        let own = (mean, condition);
-        match pulls
-            .iter_mut()
-            .find(|(name, _)| *name == condition.scenario)
-        {
-            Some((_, pulls)) => pulls.push(own),
-            None => pulls.push((&condition.scenario, vec![own])),
-        }
-    }
+/// From where to where the pull goes, scenario by scenario, and at which values of the swept keys.
+pub fn answer(study: &Study, conditions: &[Condition]) -> String {
+    let keys: Vec<(&str, String)> = varied(study.keys(), conditions)
+        .into_iter()
+        .map(|key| (key, unit_behind_number(key)))
+        .collect();
+    let places = study
+        .keys()
+        .map(|key| keys.iter().find(|(it, _)| *it == key));
+    let places: Vec<_> = places.collect();
+    let place = |condition: &Condition| {
+        let values = places.iter().zip(&condition.values);
+        let values = values.filter_map(|(key, value)| {
+            let (key, unit) = (*key)?;
+            Some(format!("{key} = {}{unit}", Cell::toml(value).written()))
+        });
+        values.collect::<Vec<_>>().join(", ")
+    };
+    let of_scenarios = conditions.chunk_by(|a, b| a.scenario == b.scenario);
+    let pulls: Vec<String> = of_scenarios
+        .filter_map(|conditions| of_scenario(conditions, &place))
+        .collect();
     if pulls.is_empty() {
         return "No run recorded a drawbar pull.".to_owned();
     }
-    let pulls: Vec<String> = pulls
-        .into_iter()
-        .map(|(scenario, pulls)| of_scenario(scenario, pulls))
-        .collect();
-    format!("Drawbar pull: {}.", pulls.join("; "))
+    format!("Mean drawbar pull: {}.", pulls.join("; "))
 }
 
-/// The range of the pull in one scenario.
-fn of_scenario(scenario: &str, mut pulls: Vec<(Mean, &Condition)>) -> String {
+/// The range of the pull in one scenario; `place` names the values of a condition.
+fn of_scenario(conditions: &[Condition], place: &dyn Fn(&Condition) -> String) -> Option<String> {
+    let pulls = conditions.iter();
+    let pulls = pulls.filter_map(|condition| Some((condition.means[0]?, condition)));
+    let mut pulls: Vec<(Mean, &Condition)> = pulls.collect();
     pulls.sort_by(|(a, _), (b, _)| a.value.total_cmp(&b.value));
     let at = |(mean, condition): &(Mean, &Condition)| {
-        let values = condition.values.iter().map(|v| Cell::toml(v).written());
-        let mark = mark(condition);
-        match values.collect::<Vec<_>>() {
-            none if none.is_empty() => format!("{} N{mark}", written(mean)),
-            values => format!("{} N{mark} at {}", written(mean), values.join(", ")),
-        }
+        let place = place(condition);
+        let place = match place.as_str() {
+            "" => String::new(),
+            place => format!(" at {place}"),
+        };
+        format!("{} N{}{place}", written(mean), mark(condition))
     };
-    match &pulls[..] {
+    let scenario = &conditions[0].scenario;
+    Some(match &pulls[..] {
+        [] => return None,
         [least, .., most] if written(&least.0) == written(&most.0) => {
-            format!(
-                "{scenario} {} N{} throughout",
-                written(&least.0),
-                mark(least.1)
-            )
+            let pull = written(&least.0);
+            format!("{scenario} {pull} N{} in all conditions", mark(least.1))
         }
-        [least, .., most] => format!("{scenario} {} to {}", at(least), at(most)),
-        one => format!("{scenario} {}", one.iter().map(at).collect::<String>()),
-    }
+        [least, .., most] => format!("{scenario} from {} to {}", at(least), at(most)),
+        [one] => format!("{scenario} {}", at(one)),
+    })
 }
 
 /// That the pull of a condition is not a steady value; nothing where it is.
@@ -77,14 +87,11 @@ fn rates(unsteady: &Unsteady) -> Option<String> {
     })
 }
 
-fn written(mean: &Mean) -> String {
-    let value = four_digits(mean.value);
-    mean.ci95.map_or(value.clone(), |[low, high]| {
-        format!("{value} [{}, {}]", four_digits(low), four_digits(high))
-    })
+fn written(pull: &Mean) -> String {
+    mean_cell(0, Some(*pull)).written()
 }
 
-/// A table of the means of every condition.
+/// The means of every condition: a figure for every swept key, and a table.
 pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     let shown: Vec<usize> = (0..QUANTITIES.len())
         .filter(|&i| {
@@ -107,7 +114,7 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
         let mut cells = vec![Cell::text(&condition.scenario)];
         cells.extend(condition.values.iter().map(|value| Cell::toml(value)));
         cells.push(Cell::Count(condition.runs as u64));
-        cells.extend(shown.iter().map(|&i| mean_cell(condition.means[i])));
+        cells.extend(shown.iter().map(|&i| mean_cell(i, condition.means[i])));
         cells.extend(is_any_unsteady.then(|| unsteady_cell(&condition.unsteady)));
         cells
     };
@@ -123,10 +130,20 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     } else {
         ""
     };
-    let section = Section::new("Means of every condition")
-        .prose(format!(
-            "Means over the middle half of each run; a click on a header sorts.{tested}"
-        ))
+    let is_on_lugs =
+        |condition: &Condition| condition.means[SINKAGE].is_some_and(|it| it.value < 0.0);
+    let on_lugs = if conditions.iter().any(is_on_lugs) {
+        " Sinkage is the depth of the rim below the undisturbed surface: below 0 the wheel stands on its lugs and the \
+         rim is above the surface."
+    } else {
+        ""
+    };
+    let section = Section::new("Means of every condition").prose(format!(
+        "Means over the middle half of each run; a click on a header sorts.{on_lugs}{tested}"
+    ));
+    let section = figures(study, conditions)
+        .into_iter()
+        .fold(section, Section::figure)
         .table(Table {
             caption: format!("Means of the runs of a condition{intervals}"),
             columns: columns.collect(),
@@ -139,6 +156,26 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     section.prose(format!(
         "These are the first {SHOWN} of {all} conditions; runs.csv has all."
     ))
+}
+
+/// A figure for every key swept over two values or more.
+fn figures(study: &Study, conditions: &[Condition]) -> Vec<Figure> {
+    if conditions.len() > DRAWN {
+        return Vec::new();
+    }
+    let figure = |key| {
+        let swept = SweptKey {
+            key,
+            keys: study.keys().collect(),
+            conditions,
+            methods: Vec::new(),
+        };
+        let caption = format!("Means of the steady state over {}.", swept.key_and_unit());
+        Figure::new(sweep_figure(&swept, Layout::SCREEN), caption)
+            .narrow(sweep_figure(&swept, Layout::TELEPHONE))
+    };
+    let keys = varied(study.keys(), conditions).into_iter();
+    keys.map(figure).collect()
 }
 
 /// Which quantities are not known to be steady, and in how many runs.
@@ -160,8 +197,10 @@ fn unsteady_cell(unsteady: &[Unsteady]) -> Cell {
     Cell::text(parts.collect::<Vec<String>>().join(", "))
 }
 
-fn mean_cell(mean: Option<Mean>) -> Cell {
+fn mean_cell(quantity: usize, mean: Option<Mean>) -> Cell {
+    let cut = |value| QUANTITIES[quantity].without_rounding(value);
     mean.map_or(Cell::Missing, |Mean { value, ci95 }| {
+        let (value, ci95) = (cut(value), ci95.map(|ends| ends.map(cut)));
         ci95.map_or(Cell::Number(value), |ci95| Cell::Estimate(value, ci95))
     })
 }

@@ -1,9 +1,11 @@
 //! How well classes were recognised.
 
 use crate::recognition::confusion::{CLASSES, Confusion, Share};
+use crate::report::figure::Layout;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::sweep_figure::unit_behind_number;
 use crate::report::{
-    FeaturePoint, Group, MethodParts, confusion_figure, feature_planes, feature_values,
+    FeaturePoint, Group, MethodParts, SweptKey, confusion_figure, feature_planes, feature_values,
     sweep_figure,
 };
 use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
@@ -164,17 +166,51 @@ fn map(score: &RecognitionScore) -> Section {
         cells
     };
     let names = methods.iter().map(|score| score.method.as_str());
-    let section = Section::new("Accuracy by scenario and swept key").table(Table {
+    let section = Section::new("Accuracy by scenario and swept key");
+    let table = Table {
         caption: "Accuracy by scenario and by swept key with respect to the class of the ground"
             .to_owned(),
         columns: Column::named(["by", "value", "windows"].into_iter().chain(names)),
         rows: rows.iter().enumerate().map(row).collect(),
-    });
-    swept(&methods).into_iter().fold(section, Section::figure)
+    };
+    let keys = swept_keys(&methods);
+    let section = match range_over_keys(&methods, &keys) {
+        Some(answer) => section.answer(answer),
+        None => section,
+    };
+    let figures = keys.iter().map(|key| over_key(&methods, key));
+    figures.fold(section, Section::figure).table(table)
 }
 
-/// A figure for every key swept over two values or more.
-fn swept(methods: &[&MethodScore]) -> Vec<Figure> {
+/// From where to where the accuracy of each method goes over the swept keys.
+fn range_over_keys(methods: &[&MethodScore], keys: &[&str]) -> Option<String> {
+    let range = |score: &MethodScore, key: &str| {
+        let parts = score.map.iter().filter(|part| part.by == key);
+        let shares = parts.filter_map(|part| Some((part.counted.accuracy?.value, &part.value)));
+        let mut shares: Vec<(f64, &String)> = shares.collect();
+        shares.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (least, most) = (shares.first()?, shares.last()?);
+        let unit = unit_behind_number(key);
+        let at = |(share, value): &(f64, &String)| {
+            let value = Cell::toml(value).written();
+            format!("{:.1} % at {key} = {value}{unit}", 100.0 * share)
+        };
+        Some(format!(
+            "{} from {} to {}",
+            score.method,
+            at(least),
+            at(most)
+        ))
+    };
+    let ranges = keys
+        .iter()
+        .flat_map(|key| methods.iter().map(move |score| range(score, key)));
+    let ranges: Vec<String> = ranges.flatten().collect();
+    (!ranges.is_empty()).then(|| format!("Accuracy: {}.", ranges.join("; ")))
+}
+
+/// Keys swept over two values or more.
+fn swept_keys<'s>(methods: &[&'s MethodScore]) -> Vec<&'s str> {
     let mut keys: Vec<&str> = Vec::new();
     let parts = methods.first().map_or(&[][..], |first| &first.map);
     for part in parts.iter().filter(|part| part.by != "scenario") {
@@ -185,23 +221,32 @@ fn swept(methods: &[&MethodScore]) -> Vec<Figure> {
     let of_key =
         |score: &MethodScore, key: &str| score.map.iter().filter(|it| it.by == key).count();
     keys.retain(|key| methods.first().is_some_and(|first| of_key(first, key) > 1));
-    let figure = |key: &&str| {
-        let parts = methods.iter().map(|score| {
-            let parts = score.map.iter().filter(|part| part.by == *key);
-            MethodParts {
-                method: &score.method,
-                parts: parts.collect(),
-            }
-        });
-        let parts: Vec<MethodParts> = parts.collect();
-        Figure::new(
-            sweep_figure(key, &parts),
+    keys
+}
+
+/// The figure of a swept key.
+fn over_key(methods: &[&MethodScore], key: &str) -> Figure {
+    let parts = methods.iter().map(|score| {
+        let parts = score.map.iter().filter(|part| part.by == key);
+        MethodParts {
+            method: &score.method,
+            parts: parts.collect(),
+        }
+    });
+    let swept = SweptKey {
+        key,
+        keys: vec![key],
+        conditions: &[],
+        methods: parts.collect(),
+    };
+    let narrow = sweep_figure(&swept, Layout::TELEPHONE);
+    Figure::new(
+            sweep_figure(&swept, Layout::SCREEN),
             format!(
                 "Accuracy at every value of {key} with respect to the class of the ground, with 95 % intervals."
             ),
         )
-    };
-    keys.iter().map(figure).collect()
+        .narrow(narrow)
 }
 
 fn features(score: &RecognitionScore) -> Option<Section> {

@@ -36,7 +36,7 @@ impl RecognitionScore {
 }
 
 impl Against {
-    fn as_str(self) -> &'static str {
+    pub(in crate::study) fn as_str(self) -> &'static str {
         match self {
             Self::Label => "label",
             Self::Truth => "truth",

@@ -1,0 +1,209 @@
+//! Results of a finished study, read from its folder.
+
+use super::conditions::{self, Condition};
+use super::score::{Against, Counted, Part};
+use super::table::{Stored, StoredRow};
+use crate::recognition::confusion::{CLASSES, Confusion};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// The tables of a study that its figures show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Results {
+    /// The swept keys, in the order of the study.
+    pub keys: Vec<String>,
+    /// Every condition with the means of its runs.
+    pub conditions: Vec<Condition>,
+    /// Answers of every method of recognition; none where the study has no `[recognition]`.
+    pub recognition: Vec<MethodResults>,
+}
+
+/// Answers of a method of recognition, compared with the class of the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodResults {
+    /// Its name.
+    pub method: String,
+    /// Its windows by scenario and by the value of every swept key.
+    pub map: Vec<Part>,
+}
+
+/// Why a folder has no results of a study.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultsError {
+    /// It contains no table of runs.
+    #[error(
+        "cannot read {}: it is a folder without the results of a study (no runs.csv); name a run file, or finish the study with `lugwheel study`", folder.display()
+    )]
+    NoStudy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A table cannot be read.
+    #[error("cannot read {}", file.display())]
+    Unreadable {
+        /// The table.
+        file: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A table is not of a study.
+    #[error("{} is no table of a study: it has no column {column}", file.display())]
+    NoColumn {
+        /// The table.
+        file: PathBuf,
+        /// The column.
+        column: &'static str,
+    },
+}
+
+impl Results {
+    /// Reads `runs.csv` and, where it exists, `recognition.csv` in the folder of a study.
+    ///
+    /// # Errors
+    /// `NoStudy` where there is no table of runs, `Unreadable` where the system refuses to read a table,
+    /// `NoColumn` where it is not one of a study.
+    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
+        let file = folder.join("runs.csv");
+        let text = read(&file)?.ok_or_else(|| ResultsError::NoStudy {
+            folder: folder.to_owned(),
+        })?;
+        let runs = Stored::read(&text);
+        if let Some(column) = conditions::missing_column(&runs) {
+            return Err(ResultsError::NoColumn { file, column });
+        }
+        let file = folder.join("recognition.csv");
+        let recognition = match read(&file)? {
+            Some(text) => recognition(file, &Stored::read(&text))?,
+            None => Vec::new(),
+        };
+        Ok(Self {
+            keys: conditions::swept_keys(&runs).map(str::to_owned).collect(),
+            conditions: conditions::of_runs(&runs),
+            recognition,
+        })
+    }
+}
+
+/// The text of a file; none where there is no such file.
+fn read(file: &Path) -> Result<Option<String>, ResultsError> {
+    match std::fs::read_to_string(file) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(ResultsError::Unreadable {
+            file: file.to_owned(),
+            source,
+        }),
+    }
+}
+
+/// Columns of `recognition.csv`; the counts of the answers stand under the names of the classes.
+const COLUMNS: [&str; 9] = [
+    "method",
+    "against",
+    "by",
+    "value",
+    "true_class",
+    "ALCT",
+    "SLCT",
+    "LEIS",
+    "UWTIC",
+];
+
+fn recognition(file: PathBuf, table: &Stored) -> Result<Vec<MethodResults>, ResultsError> {
+    let is_missing = |name: &&str| table.header().all(|column| column != *name);
+    if let Some(column) = COLUMNS.into_iter().find(is_missing) {
+        return Err(ResultsError::NoColumn { file, column });
+    }
+    let of_label = |row: &StoredRow| row.text("against") == Against::Label.as_str();
+    let rows: Vec<StoredRow> = table.rows().filter(of_label).collect();
+    let of_one = rows.chunk_by(|a, b| a.text("method") == b.text("method"));
+    let methods = of_one.map(|rows| MethodResults {
+        method: rows[0].text("method").to_owned(),
+        map: parts(rows),
+    });
+    // Published counts have no parts.
+    Ok(methods.filter(|it| !it.map.is_empty()).collect())
+}
+
+/// The parts of the windows of one method.
+fn parts(rows: &[StoredRow]) -> Vec<Part> {
+    let parts = rows.chunk_by(|a, b| ["by", "value"].iter().all(|it| a.text(it) == b.text(it)));
+    let parts = parts.filter(|rows| rows[0].text("by") != "all");
+    let part = |rows: &[StoredRow]| {
+        let mut confusion = Confusion::default();
+        for (class, counts) in CLASSES.iter().zip(&mut confusion.counts) {
+            let row = rows
+                .iter()
+                .find(|row| row.text("true_class") == class.as_str());
+            if let Some(row) = row {
+                *counts = CLASSES.map(|answer| row.count(answer.as_str()));
+            }
+        }
+        Part {
+            by: rows[0].text("by").to_owned(),
+            value: rows[0].text("value").to_owned(),
+            counted: Counted::from(confusion),
+        }
+    };
+    parts.map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::score::{MethodScore, RecognitionScore};
+    use crate::terrain::class::Wtic;
+
+    fn counted(right: u64, wrong: u64) -> Counted {
+        let mut confusion = Confusion::default();
+        confusion.counts[0] = [right, 0, 0, wrong];
+        confusion.counts[2] = [0, wrong, right, 0];
+        Counted::from(confusion)
+    }
+
+    #[test]
+    fn the_parts_of_each_method_are_read_as_they_were_written() {
+        let part = |by: &str, value: &str, right| Part {
+            by: by.to_owned(),
+            value: value.to_owned(),
+            counted: counted(right, 2),
+        };
+        let score = |method: &str, against| MethodScore {
+            method: method.to_owned(),
+            against,
+            all: counted(9, 2),
+            map: vec![part("scenario", "sand", 9), part("rig.slip", "0.3", 4)],
+        };
+        let written = RecognitionScore {
+            windows: 11,
+            published: Some(counted(5, 0)),
+            points: Vec::new(),
+            lugs: None,
+            features: Vec::new(),
+            scores: vec![
+                score("paper", Against::Label),
+                score("paper", Against::Truth),
+                score("improved", Against::Label),
+            ],
+        };
+        let csv = Stored::read(&written.to_csv());
+        let read = recognition(PathBuf::new(), &csv).unwrap();
+        let methods: Vec<&str> = read.iter().map(|it| it.method.as_str()).collect();
+        assert_eq!(methods, ["paper", "improved"]);
+        assert_eq!(read[1].map, written.scores[2].map);
+        assert_eq!(read[0].map[1].counted.recalls[&Wtic::Leis].n, 6);
+    }
+
+    #[test]
+    fn a_folder_or_table_of_something_else_is_named_with_what_it_lacks() {
+        let folder = tempfile::tempdir().unwrap();
+        let refusal = || Results::read(folder.path()).unwrap_err().to_string();
+        assert!(refusal().contains("no runs.csv"), "{}", refusal());
+        std::fs::write(
+            folder.path().join("runs.csv"),
+            "condition,scenario\n0,sand\n",
+        )
+        .unwrap();
+        assert!(refusal().contains("no column label"), "{}", refusal());
+    }
+}
