@@ -474,8 +474,8 @@ fn a_study_ends_with_its_report_that_has_its_question_its_runs_and_its_command()
     let report = report.replace("&#x2f;", "/");
     for part in [
         "<h1>Six short runs</h1>",
-        "Does all of it work?",
-        "Drawbar pull: ",
+        "How do drawbar pull and sinkage depend on the slip ratio",
+        "Mean drawbar pull: single_wheel_ref",
         "6 = 2 × 3 × 1 (scenarios × entries of each sweep × repeats), 0 failed",
         &format!("lugwheel {command}"),
     ] {
@@ -483,8 +483,8 @@ fn a_study_ends_with_its_report_that_has_its_question_its_runs_and_its_command()
     }
     assert_eq!(
         report.matches("<figure>").count(),
-        2,
-        "a run of each scenario"
+        3,
+        "the swept key, and a run of each scenario"
     );
 }
 

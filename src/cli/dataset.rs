@@ -355,8 +355,13 @@ impl fmt::Display for Summary {
                     [spread.mean, spread.min, spread.max].map(|value| quantity.shown(value));
                 let (name, unit) = (quantity.name, quantity.shown_unit);
                 let line = format!("{name:<28}{unit:>6}{mean:>12}{min:>12}{max:>12}");
-                let remark = spread.remark(self.runs);
-                writeln!(f, "{}", format!("{line}  {remark}").trim_end())?;
+                let meaning = quantity.meaning(spread.mean);
+                let remarks = [meaning, &spread.remark(self.runs)].join("  ");
+                writeln!(
+                    f,
+                    "{}",
+                    format!("{line}  {}", remarks.trim_start()).trim_end()
+                )?;
             }
         }
         writeln!(f, "\nwritten to {}", self.file)?;

@@ -140,8 +140,13 @@ impl fmt::Display for Summary {
                 let (name, unit) = (quantity.name, quantity.shown_unit);
                 let value = quantity.shown(reading.value);
                 let line = format!("{name:<28}{value:>12} {unit:<6}");
-                let remark = quantity.remark(reading.steadiness);
-                writeln!(f, "{}", format!("{line}{remark}").trim_end())?;
+                let meaning = quantity.meaning(reading.value);
+                let remarks = [meaning, &quantity.remark(reading.steadiness)].join("  ");
+                writeln!(
+                    f,
+                    "{}",
+                    format!("{line}{}", remarks.trim_start()).trim_end()
+                )?;
             }
         }
         for (drive, share) in [

@@ -1,8 +1,8 @@
 //! What a run comes to: its steady loads, sinkage, slip and vibration.
 
 use crate::table::four_digits;
-use crate::trace::Trace;
 use crate::trace::steadiness::Steadiness;
+use crate::trace::{Trace, without_rounding};
 use serde::{Deserialize, Serialize};
 
 /// A number that a run comes to.
@@ -89,13 +89,22 @@ impl Quantity {
         }
     }
 
+    /// What a value means beyond its name; nothing where the name says all.
+    pub fn meaning(&self, value: f64) -> &'static str {
+        if self.key == "sinkage" && value < 0.0 {
+            "the rim is above the surface: the wheel stands on its lugs"
+        } else {
+            ""
+        }
+    }
+
     /// A value in SI units as people read it, without its unit.
     pub fn shown(&self, value: f64) -> String {
         if value.is_nan() {
             return "undefined".to_owned();
         }
         let factor = if self.shown_unit == "mm" { 1.0e3 } else { 1.0 };
-        four_digits(value * factor)
+        four_digits(factor * without_rounding(self.key, value))
     }
 }
 

@@ -146,7 +146,8 @@ fn loads(findings: &[Finding]) -> Section {
         .answer(spread_of(findings, "drawbar_pull", "Drawbar pull"))
         .table(Table {
             caption: format!(
-                "Steady values, from the middle half of each run: mean of {RUNS} runs [least, greatest]"
+                "Steady values, from the middle half of each run: mean of {RUNS} runs [least, greatest]. Sinkage below \
+                 0: the rim is above the surface, the wheel stands on its lugs"
             ),
             columns: std::iter::once(Column::new("ground", ""))
                 .chain(columns)
