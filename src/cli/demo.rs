@@ -24,6 +24,7 @@ use crate::scenario::Scenario;
 use crate::table::{Cell, Column, Table};
 use crate::trace::Trace;
 use clap::Args;
+use recognition::Recognition;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -88,6 +89,12 @@ const EDITS: [&str; 4] = [
 /// Runs on each ground.
 const RUNS: u64 = 3;
 
+/// Shares of the progress bar that the stages fill, by their usual times on two cores.
+const GROUND_RUNS: [f64; 2] = [0.0, 0.4];
+const IDENTIFICATION: [f64; 2] = [0.45, 0.55];
+const RIG: [f64; 2] = [0.55, 0.6];
+const DIAGNOSIS: [f64; 2] = [0.6, 1.0];
+
 /// What was found on one ground.
 struct Finding {
     name: &'static str,
@@ -138,23 +145,23 @@ impl Demo {
             .collect::<Result<Vec<_>, _>>()?;
         let loads = identification::loads(&self.out, self.seed)?;
         let rig = gap::rig(&self.out, self.seed)?;
-        let simulated: f64 = scenarios.iter().map(|s| s.driven() * RUNS as f64).sum();
-        let simulated = simulated + loads.simulated() + rig.simulated();
         let begun = Instant::now();
-        let progress = Progress::new(output, "demo", simulated);
-        let findings = self
-            .explore(scenarios, &progress)
+        let progress = Progress::of_stages(output, "demo");
+        let (findings, recognition) = self
+            .recognized(scenarios, &progress)
             .map_err(|error| self.named(error))?;
-        let recognition = recognition::recognize(&findings).map_err(|error| self.named(error))?;
+        progress.begin("identification", IDENTIFICATION, loads.simulated());
         let identified = identification::identify(&loads, self.jobs, &progress)
             .map_err(|error| self.named(error))?;
+        progress.begin("runs of a rig", RIG, rig.simulated());
         rig.execute(self.jobs, &progress)
             .map_err(|error| self.named(error))?;
-        drop(progress);
+        progress.begin("diagnosis", DIAGNOSIS, 0.0);
         let diagnosis = gap::diagnosis(&rig, &self.out, self.seed, self.jobs);
         let diagnosed = diagnosis
-            .investigate(output)
+            .investigate(&progress)
             .map_err(|error| self.named(error))?;
+        drop(progress);
         let computing_s = begun.elapsed().as_secs_f64();
         let report = self.out.join("report.html");
         let page_of_results = story::story(&Results {
@@ -192,6 +199,19 @@ impl Demo {
         claim.files_in(&self.out, results())?;
         output::write_file(&mark, ORIGIN)?;
         output::make_folder(&self.out.join("figures"))
+    }
+
+    /// Simulates the runs on all grounds and recognises their classes.
+    fn recognized(
+        &self,
+        scenarios: Vec<Scenario>,
+        progress: &Progress,
+    ) -> anyhow::Result<(Vec<Finding>, Recognition)> {
+        let simulated = scenarios.iter().map(|it| it.driven() * RUNS as f64);
+        progress.begin("runs on four grounds", GROUND_RUNS, simulated.sum());
+        let findings = self.explore(scenarios, progress)?;
+        let recognition = recognition::recognize(&findings)?;
+        Ok((findings, recognition))
     }
 
     /// Simulates the runs on all grounds, reads them back, checks and draws them.
@@ -349,6 +369,10 @@ impl fmt::Display for Summary {
             self.runs_per_ground, self.seed, self.computing_s
         )?;
         f.write_str(&self.table().to_text(0))?;
+        writeln!(
+            f,
+            "sinkage below 0: the rim is above the surface, the wheel stands on its lugs"
+        )?;
         write!(f, "\n{}", self.recognition)?;
         if let Some(identification) = &self.identification {
             write!(f, "\n{identification}")?;

@@ -109,17 +109,20 @@ impl Diagnose {
     /// Diagnoses the runs and prints the result.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         if self.dry_run {
-            let estimate = self.estimate(output, &self.scenario()?, &self.read()?)?;
+            let progress = Self::progress(output);
+            let estimate = self.estimate(&progress, &self.scenario()?, &self.read()?)?;
+            drop(progress);
             return output.print(&estimate);
         }
         self.claim(output)?;
-        output.print(&self.investigate(output)?)
+        let summary = self.investigate(&Self::progress(output))?;
+        output.print(&summary)
     }
 
     /// What the diagnosis would take.
     fn estimate(
         &self,
-        output: &Output,
+        progress: &Progress,
         scenario: &Scenario,
         measured: &[Trace],
     ) -> anyhow::Result<EstimateSummary> {
@@ -132,7 +135,7 @@ impl Diagnose {
             ..self.origin(version)
         };
         let investigation = Investigation::new(measured, scenario, &settings, origin)?;
-        let estimate = self.with_progress(output, &investigation, |on_progress| {
+        let estimate = self.with_progress(progress, &investigation, |on_progress| {
             investigation.estimate(on_progress)
         })?;
         let cores = self.jobs.count();
@@ -182,11 +185,11 @@ impl Diagnose {
     }
 
     /// Diagnoses the runs and writes what came of it.
-    pub(super) fn investigate(&self, output: &Output) -> anyhow::Result<Summary> {
+    pub(super) fn investigate(&self, progress: &Progress) -> anyhow::Result<Summary> {
         let (scenario, measured) = (self.scenario()?, self.read()?);
         let budget = match self.time {
             Some(_) => {
-                let estimate = self.estimate(output, &scenario, &measured)?;
+                let estimate = self.estimate(progress, &scenario, &measured)?;
                 estimate.driving_s.ceil()
             }
             None => self.budget,
@@ -204,7 +207,7 @@ impl Diagnose {
         output::make_folder(&self.out)?;
         let investigation =
             Investigation::new(&measured, &scenario, &settings, self.origin(version))?;
-        let (diagnosis, variants) = self.diagnose(output, &investigation)?;
+        let (diagnosis, variants) = self.diagnose(progress, &investigation)?;
         let widest = diagnosis.widest(investigation.cases());
         let traces =
             widest.and_then(|case| ArmTraces::of(case, &measured, &variants, settings.seed));
@@ -290,12 +293,16 @@ impl Diagnose {
         }
     }
 
+    fn progress(output: &Output) -> Progress {
+        Progress::of_runs(output, "random rigs", 0)
+    }
+
     fn diagnose(
         &self,
-        output: &Output,
+        progress: &Progress,
         investigation: &Investigation,
     ) -> anyhow::Result<(Diagnosis, Variants)> {
-        self.with_progress(output, investigation, |on_progress| {
+        self.with_progress(progress, investigation, |on_progress| {
             investigation.run(on_progress)
         })
     }
@@ -303,11 +310,10 @@ impl Diagnose {
     /// What comes of an investigation, on the threads asked for, with its progress shown.
     fn with_progress<Found: Send>(
         &self,
-        output: &Output,
+        progress: &Progress,
         investigation: &Investigation,
         work: impl FnOnce(OnProgress) -> Result<Found, InvestigationError> + Send,
     ) -> anyhow::Result<Found> {
-        let progress = Progress::of_runs(output, "random rigs", 0);
         // Before the time is spent: another ground or other lugs may be a wrong scenario.
         for caveat in investigation.caveats() {
             progress.warn(caveat);

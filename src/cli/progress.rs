@@ -5,7 +5,7 @@ use super::output::Output;
 use clap::builder::styling::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
-use std::sync::Once;
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How the word `warning` looks; plain where stderr is no terminal or `NO_COLOR` is set.
@@ -31,6 +31,31 @@ pub struct Progress {
     console: Attached,
     shown: Once,
     next: Once,
+    /// What the bar is over, where its work has several stages.
+    stage: Mutex<Option<Stage>>,
+}
+
+/// A part of a work: what it fills of the bar, and how much of it is done.
+#[derive(Debug)]
+struct Stage {
+    /// Share of the bar [-] at its beginning and end.
+    span: [f64; 2],
+    /// Done and total, in the same unit.
+    done: f64,
+    total: f64,
+}
+
+impl Stage {
+    /// Share of the bar [-] that is filled.
+    fn share(&self) -> f64 {
+        let [from, to] = self.span;
+        let part = if self.total > 0.0 {
+            self.done / self.total
+        } else {
+            0.0
+        };
+        from + part.min(1.0) * (to - from)
+    }
 }
 
 impl Progress {
@@ -57,13 +82,48 @@ impl Progress {
             console: output.console.clone(),
             shown: Once::new(),
             next: Once::new(),
+            stage: Mutex::new(None),
         }
+    }
+
+    /// A bar over a work of several stages, each of which [`begin`](Self::begin)s.
+    pub fn of_stages(output: &Output, name: &str) -> Self {
+        Self::with_style(output, name, 1.0, style_of_runs())
+    }
+
+    /// Begins a stage of `total` [s of simulated time, or runs], which fills the bar over this span of shares [-].
+    pub fn begin(&self, name: &str, span: [f64; 2], total: f64) {
+        self.add_to_name(name);
+        *self.locked_stage() = Some(Stage {
+            span,
+            done: 0.0,
+            total,
+        });
+    }
+
+    fn locked_stage(&self) -> MutexGuard<'_, Option<Stage>> {
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the stage and shows it; whether there is one. The bar does not go back where a stage has parts.
+    fn in_stage(&self, change: impl FnOnce(&mut Stage)) -> bool {
+        let mut stage = self.locked_stage();
+        let Some(stage) = stage.as_mut() else {
+            return false;
+        };
+        change(stage);
+        let position = (stage.share() * FINENESS) as u64;
+        self.bar.set_position(position.max(self.bar.position()));
+        self.show();
+        true
     }
 
     /// `simulated` [s] more are done.
     pub fn advance(&self, simulated: f64) {
-        self.bar.inc((simulated * FINENESS) as u64);
-        self.show();
+        if !self.in_stage(|stage| stage.done += simulated) {
+            self.bar.inc((simulated * FINENESS) as u64);
+            self.show();
+        }
     }
 
     /// This share of all is done.
@@ -111,6 +171,13 @@ impl Progress {
 
     /// `done` of `total` runs are done; both may change on the way.
     pub fn reach(&self, done: u64, total: u64) {
+        let in_stage = self.in_stage(|stage| {
+            stage.done = done as f64;
+            stage.total = total as f64;
+        });
+        if in_stage {
+            return;
+        }
         let length = total as f64 * FINENESS;
         if self.bar.length() != Some(length as u64) {
             self.bar.set_length(length as u64);
