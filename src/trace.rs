@@ -49,11 +49,12 @@ pub fn behind_number(unit: &str) -> String {
     }
 }
 
-/// A steady value of a channel [SI], 0 where it is nothing but rounding of the solver.
+/// A steady value of a channel [SI], 0 where it is below what a simulated mean resolves: rounding of the solver, and
+/// the part of a lug pass by which a record is no whole number of them.
 pub fn without_rounding(channel: &str, value: f64) -> f64 {
     let least = match channel {
-        "normal_force" | "drawbar_pull" => 1.0e-4,
-        "driving_torque" | "slip_ratio" => 1.0e-5,
+        "normal_force" | "drawbar_pull" | "slip_ratio" => 1.0e-4,
+        "driving_torque" => 1.0e-5,
         "sinkage" => 1.0e-8,
         _ => 1.0e-6,
     };

@@ -376,7 +376,8 @@ fn feature_values_show_every_window_in_every_panel_with_medians() {
         ", mean value",
         ", mean square",
     ] {
-        assert_eq!(count(&svg, header), 1, "{header}");
+        // The header, and the reading of each of the 21 windows drawn.
+        assert_eq!(count(&svg, header), 1 + 21, "{header}");
     }
     // The median of seven is the fourth.
     for median in ["0.03, n = 7", "1.23, n = 7", "−1.87, n = 7"] {

@@ -18,6 +18,7 @@ random_numbers = "independent"
 duration = 1.0
 lead_in = 0.5
 physics_rate = 4000
+window = 0.5
 [[sweep]]
 key = "rig.single_wheel.slip"
 values = [0.0, 0.3]
@@ -26,7 +27,6 @@ key = "rig.single_wheel.load"
 values = [60.0, 100.0]
 [recognition]
 methods = ["paper"]
-settings = { window = 0.5 }
 "#;
 
 /// The folder of the study, finished.

@@ -701,6 +701,11 @@ impl Panel {
                 Stroke::solid(GRID, 1.0),
             );
         }
+        self.draw_level_frame(canvas, header);
+    }
+
+    /// As [`draw_frame`](Self::draw_frame) without a grid of its own along the lower axis.
+    pub fn draw_level_frame(&self, canvas: &mut Canvas, header: &str) {
         self.draw_levels(canvas, header);
         canvas.frame(self, header);
     }

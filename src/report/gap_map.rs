@@ -1,7 +1,7 @@
 //! The gap map as a picture: where measured and simulated runs differ.
 
 use super::figure::{Anchor, Area, Canvas, Font, INK, Stroke};
-use crate::gap::{Colour, Condition, Domain, Entry, GapMap};
+use crate::gap::{Cell, Colour, Condition, Domain, Entry, GapMap};
 
 /// Room left of the grid for the channels [px].
 const LEFT: f64 = 250.0;
@@ -152,7 +152,9 @@ fn draw_field(canvas: &mut Canvas, field: &Area, entries: &[&Entry], conditions:
             height: field.height - STRIP,
             ..*field
         };
-        canvas.shade(&body, ink(entry.colour), depth(entry));
+        canvas.mark(&reading(entry), |canvas| {
+            canvas.shade(&body, ink(entry.colour), depth(entry));
+        });
         let middle = left + field.width / 2.0;
         let name = Font {
             colour: INK,
@@ -189,10 +191,22 @@ fn draw_strip(canvas: &mut Canvas, field: &Area, entries: &[&Entry], conditions:
             width,
             height: STRIP,
         };
-        canvas.shade(&part, ink(entry.colour), depth(entry).max(0.35));
+        canvas.mark(&reading(entry), |canvas| {
+            canvas.shade(&part, ink(entry.colour), depth(entry).max(0.35));
+        });
         let edges = [[part.left, part.top], [part.left, part.bottom()]];
         canvas.polyline(&edges, Stroke::solid("#ffffff", 1.0));
     }
+}
+
+/// The strongest difference of a field or strip, and at which condition.
+fn reading(entry: &Entry) -> String {
+    let Cell { channel, statistic } = &entry.cell;
+    format!(
+        "{channel}, {statistic}: z = {} at {}",
+        number(entry.z),
+        entry.condition
+    )
 }
 
 /// Opacity of a field [-].

@@ -127,13 +127,21 @@ fn draw_step(canvas: &mut Canvas, panel: &Panel, place: f64, step: &Step) {
     let [left, right] = [-HALF_BAR, HALF_BAR].map(|half| panel.x.pixel(place + 0.5 + half));
     let [from, to] = [step.from, step.to].map(|score| panel.y.pixel(score));
     let corners = [[left, from], [right, from], [right, to], [left, to]];
-    canvas.polygon(&corners, step.fill, Stroke::solid(INK, 1.0));
     let middle = panel.x.pixel(place + 0.5);
     let value = if step.is_total {
         four_digits(step.to)
     } else {
         signed(step.to - step.from)
     };
+    let reading = format!(
+        "{}: energy score {value} scatters per statistic, from {} to {}",
+        step.name,
+        four_digits(step.from),
+        four_digits(step.to)
+    );
+    canvas.mark(&reading, |canvas| {
+        canvas.polygon(&corners, step.fill, Stroke::solid(INK, 1.0));
+    });
     let number = Font {
         colour: INK,
         bold: true,

@@ -42,7 +42,10 @@ pub fn isolability_map(names: &[&str], cosines: &[Vec<f64>], alike: f64) -> Stri
                 height: field,
             };
             let cosine = cosines[effect].get(other).copied().unwrap_or(f64::NAN);
-            draw_field(&mut canvas, &area, cosine);
+            let reading = format!("{} and {}: cosine {cosine:.2}", names[effect], names[other]);
+            if is_drawn(cosine) {
+                canvas.mark(&reading, |canvas| draw_field(canvas, &area, cosine));
+            }
         }
     }
     // Frames last, or neighbours would cover them.
@@ -97,7 +100,9 @@ fn draw_legend(canvas: &mut Canvas, alike: f64) {
             width: 22.0,
             height: 14.0,
         };
-        draw_field(canvas, &swatch, cosine);
+        if is_drawn(cosine) {
+            draw_field(canvas, &swatch, cosine);
+        }
         frame(
             canvas,
             [left, 50.0],
@@ -125,10 +130,12 @@ fn draw_name(canvas: &mut Canvas, name: &str, number: usize, y: f64) {
 fn draw_field(canvas: &mut Canvas, area: &Area, cosine: f64) {
     let colour = if cosine < 0.0 { PALETTE[1] } else { PALETTE[0] };
     // Small cosines are common and mean nothing: the square keeps them pale.
-    let depth = (cosine * cosine).min(1.0);
-    if depth > 0.01 {
-        canvas.shade(area, colour, depth);
-    }
+    canvas.shade(area, colour, (cosine * cosine).min(1.0));
+}
+
+/// Whether a field is seen.
+fn is_drawn(cosine: f64) -> bool {
+    cosine.abs() > 0.1
 }
 
 fn frame(canvas: &mut Canvas, [left, top]: [f64; 2], [width, height]: [f64; 2], stroke: Stroke) {

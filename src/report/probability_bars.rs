@@ -105,7 +105,8 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, place: f64, name: &str, probabil
         width: end - panel.area.left,
         height: 0.72 * PITCH,
     };
-    canvas.rect(&bar, colour(name), name);
+    let reading = format!("{}: probability {:.1} %", label(name), 100.0 * probability);
+    canvas.rect(&bar, colour(name), &reading);
     let font = Font {
         colour: INK,
         ..Font::SMALL

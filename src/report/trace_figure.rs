@@ -211,7 +211,7 @@ impl Sheet {
     fn title(&mut self, id: &str, run: &RunAttributes) {
         self.below = 8.0;
         let terrain = run.terrain.map_or("terrain not given", terrain_name);
-        self.line(Font::TITLE, &format!("Run {id}: {terrain}"));
+        self.lines(Font::TITLE, &format!("Run {id}: {terrain}"));
         let condition = Font {
             colour: INK,
             ..Font::SMALL

@@ -37,7 +37,7 @@ impl Quantity {
         }
     }
 
-    /// A value of it as shown, 0 where it is nothing but rounding of the solver.
+    /// A value of it as shown, 0 where it is below what a simulated mean resolves.
     pub fn without_rounding(&self, value: f64) -> f64 {
         let channel = self.column.split("_mean").next().unwrap_or_default();
         self.factor * without_rounding(channel, value / self.factor)

@@ -81,6 +81,7 @@ struct Sweep<'s> {
 struct Line<'s> {
     /// Number of its scenario.
     scenario: usize,
+    colour: &'static str,
     /// Values of the other keys.
     others: Vec<&'s str>,
     /// Place across, and the condition.
@@ -113,13 +114,21 @@ impl<'s> Sweep<'s> {
                 Some(line) => line.points.push(point),
                 None => lines.push(Line {
                     scenario,
+                    colour: PALETTE[0],
                     others,
                     points: vec![point],
                 }),
             }
         }
-        for line in &mut lines {
+        let is_each_coloured = lines.len() <= PALETTE.len();
+        for (number, line) in lines.iter_mut().enumerate() {
             line.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let colour = if is_each_coloured {
+                number
+            } else {
+                line.scenario
+            };
+            line.colour = PALETTE[colour % PALETTE.len()];
         }
         Self {
             unit: unit_behind_number(swept.key),
@@ -153,8 +162,9 @@ impl<'s> Sweep<'s> {
                 canvas.text([16.0, below], Anchor::Start, Font::SMALL, &line);
             }
         }
-        if self.scenarios.len() < 2 {
-            return below;
+        let entries = self.legend();
+        if entries.len() < 2 {
+            return below + 6.0;
         }
         let font = Font {
             colour: INK,
@@ -162,7 +172,7 @@ impl<'s> Sweep<'s> {
         };
         let mut left = 16.0;
         below += LINE;
-        for (number, name) in self.scenarios.iter().enumerate() {
+        for (name, colour) in &entries {
             let name = font.fit(name, room - 30.0);
             let width = 46.0 + font.width(&name);
             if left > 16.0 && left + width > room {
@@ -170,18 +180,56 @@ impl<'s> Sweep<'s> {
                 below += LINE;
             }
             let swatch = [[left, below - 5.0], [left + 22.0, below - 5.0]];
-            canvas.polyline(&swatch, Stroke::solid(colour(number), 2.5));
+            canvas.polyline(&swatch, Stroke::solid(colour, 2.5));
             canvas.text([left + 28.0, below], Anchor::Start, font, &name);
             left += width;
         }
         below + 6.0
     }
 
+    /// Names and colours: of the lines where each has its own, else of the scenarios.
+    fn legend(&self) -> Vec<(String, &'static str)> {
+        let mut entries: Vec<(String, &str)> = Vec::new();
+        let is_each_coloured = self.lines.len() <= PALETTE.len();
+        for line in &self.lines {
+            let scenario = self.scenarios[line.scenario];
+            let name = match is_each_coloured {
+                true => self.name(line),
+                false => scenario.to_owned(),
+            };
+            if entries.iter().all(|(known, _)| *known != name) {
+                entries.push((name, line.colour));
+            }
+        }
+        entries
+    }
+
+    /// The scenario, where there are several, and the values of the other keys by the last part of their names.
+    fn name(&self, line: &Line) -> String {
+        let scenario = (self.scenarios.len() > 1).then(|| self.scenarios[line.scenario].to_owned());
+        let others = self.other_keys().zip(&line.others);
+        let others = others.map(|(key, value)| {
+            let last = key.rsplit('.').next().unwrap_or(key);
+            let value = Cell::toml(value).written();
+            format!("{last} = {value}{}", unit_behind_number(key))
+        });
+        scenario
+            .into_iter()
+            .chain(others)
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    fn other_keys(&self) -> impl Iterator<Item = &'s str> {
+        let keys = self.swept.keys.iter().copied();
+        keys.filter(|key| *key != self.swept.key)
+    }
+
     fn remark(&self) -> String {
-        let others = self.swept.keys.iter().copied();
-        let others: Vec<&str> = others.filter(|key| *key != self.swept.key).collect();
+        let others: Vec<&str> = self.other_keys().collect();
         let of_each = match others.as_slice() {
             [] => String::new(),
+            [key] => format!(" A line for each value of {key}."),
             _ => format!(" A line for each combination of {}.", others.join(", ")),
         };
         let bars = match self.means(0).any(|mean| mean.ci95.is_some()) {
@@ -226,7 +274,12 @@ impl<'s> Sweep<'s> {
             canvas.polyline(&line, Stroke::solid(GRID, 1.0));
         }
         let unit = QUANTITIES[quantity].unit.replace(' ', "·");
-        panel.draw_category_frame(canvas, &format!("{name} [{unit}]"));
+        let header = format!("{name} [{unit}]");
+        if self.is_numeric {
+            panel.draw_level_frame(canvas, &header);
+        } else {
+            panel.draw_category_frame(canvas, &header);
+        }
         canvas.clip(&area);
         for line in &self.lines {
             self.draw_line(canvas, &panel, quantity, line);
@@ -247,7 +300,7 @@ impl<'s> Sweep<'s> {
     }
 
     fn draw_line(&self, canvas: &mut Canvas, panel: &Panel, quantity: usize, line: &Line) {
-        let colour = colour(line.scenario);
+        let colour = line.colour;
         let points = line.points.iter().filter_map(|(x, condition)| {
             let mean = condition.means[quantity]?;
             Some((panel.at([*x, mean.value]), mean, *condition))
@@ -315,10 +368,6 @@ impl<'s> Sweep<'s> {
             canvas.text(at, Anchor::Middle, Font::SMALL, &name);
         }
     }
-}
-
-fn colour(number: usize) -> &'static str {
-    PALETTE[number % PALETTE.len()]
 }
 
 /// The values that occur, each once: numbers by size at their size, others in their order side by side.
