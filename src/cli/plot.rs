@@ -35,8 +35,9 @@ pub struct Plot {
     /// Swept key of a study over which its results are drawn; each of them if not given
     #[arg(long, value_name = "KEY")]
     over: Option<String>,
-    /// File to write, .svg, .png, .pdf, .html or .mcap [default: the run's id, beside the run file; in the folder
-    /// of a study `over_KEY`]
+    /// File to write, .svg, .png, .pdf, .html or .mcap [default: beside what is drawn]
+    ///
+    /// By default a run is drawn into a file of its id beside the run file, and a study into `over_KEY` in its folder.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// What to write [default: as --out ends, else svg]

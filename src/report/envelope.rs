@@ -87,7 +87,7 @@ mod tests {
         samples[700] = 90.0;
         let Extent { range, farthest } = extent(&samples).unwrap();
         assert_eq!(farthest, Some(90.0));
-        assert!(range[1] < 1.7 && range[0] == -1.0, "{range:?}");
+        assert!(range[1] < 1.7 && range[0] < -0.999, "{range:?}");
         // A spike in ten samples is no rare one.
         let impacts: Vec<f64> = (0..4000)
             .map(|i| if i % 10 == 0 { 90.0 } else { tone(i) })

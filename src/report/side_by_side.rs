@@ -144,7 +144,7 @@ mod tests {
         let runs = [("weak", &weak), ("strong", &strong)];
         assert_eq!(range(&runs, &DRAWBAR_PULL, [0.0, 2.0]), Some([1.0, 60.0]));
         let svg = side_by_side(&runs, [0.0, 2.0]);
-        assert_eq!(svg.matches("Drawbar pull [N]").count(), 1);
+        assert_eq!(svg.matches(">Drawbar pull [N]<").count(), 1);
         assert_eq!(
             svg.matches(">60<").count(),
             2,

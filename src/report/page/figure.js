@@ -95,7 +95,9 @@ class Drawing {
       if (known) known.points.push(...vertices(part)); else lines.push({ name, points: vertices(part) });
     } else {
       const { x, y, name } = part.dataset;
-      this.frames.push({ x: new Axis(x), y: new Axis(y), up: nameAndUnit(name), lines: [] });
+      // In a row of frames the first has the header.
+      const row = this.frames.find(frame => frame.row === y);
+      this.frames.push({ x: new Axis(x), y: new Axis(y), row: y, up: name || !row ? nameAndUnit(name) : row.up, lines: [] });
     }
   }
 
