@@ -252,7 +252,7 @@ fn every_command_of_an_installed_copy_works_in_an_empty_folder() {
     let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
     for name in names.filter(|name| !["help", ""].contains(name)) {
         let is_run = |words: &&str| words.split(' ').next() == Some(name);
-        assert!(EVERYTHING.iter().any(|words| is_run(words)), "{name}");
+        assert!(EVERYTHING.iter().any(is_run), "{name}");
     }
     for words in EVERYTHING {
         let output = run(words);

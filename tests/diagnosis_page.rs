@@ -1,6 +1,6 @@
 //! The page of a diagnosis, as a reader meets it who was not there.
 
-use crate::chromium::{look, sheets};
+use crate::chromium::{look, point_at, sheets};
 use lugwheel::diagnosis::arm::Arm;
 use lugwheel::diagnosis::condition::{Case, Cases, LONGEST};
 use lugwheel::diagnosis::inference::{BaseRates, SelfTest};
@@ -584,6 +584,24 @@ fn the_page_stays_within_the_width_of_a_telephone() {
     let found = look(&sample(), 375);
     assert_eq!(found["pageWidth"], 375, "{}", found["wideBoxes"]);
     assert_eq!(found["wideBoxes"], serde_json::json!([]));
+}
+
+#[test]
+fn every_figure_of_the_page_is_read_off() {
+    let found = point_at(&sample(), 1280, &[0.5]);
+    assert_eq!(found["errors"], serde_json::json!([]));
+    let figures = found["figures"].as_array().unwrap();
+    assert_eq!(figures.len(), 6);
+    for figure in figures {
+        let marks = figure["marks"].as_array().unwrap();
+        let is_read = |mark: &serde_json::Value| mark.is_string();
+        let lines = figure["lines"][0].as_str().unwrap_or_default();
+        assert!(
+            !marks.is_empty() || lines.contains(" s\nmeasured "),
+            "{figure}"
+        );
+        assert!(marks.iter().all(is_read), "{figure}");
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Pages as a reader meets them: on a screen, on a telephone, on paper.
 
-use crate::chromium::{look, sheets};
+use crate::chromium::{look, point_at, sheets};
 use lugwheel::recognition::confusion::Confusion;
 use lugwheel::report::page::{Cell, Code, Column, Figure, Page, Provenance, Section, Table};
 use lugwheel::report::{StudyReport, confusion_figure, page, study_page};
@@ -206,6 +206,22 @@ fn the_page_of_a_study_draws_what_it_asked_for_within_its_frames() {
     }
     assert!(found["tables"].as_array().unwrap().len() >= 8);
     assert_eq!(found["cutTables"], serde_json::json!([]));
+}
+
+#[test]
+fn every_figure_of_a_study_is_read_off() {
+    let found = point_at(&STUDY_PAGE, SCREEN, &[0.5]);
+    assert_eq!(found["errors"], serde_json::json!([]));
+    let figures = found["figures"].as_array().unwrap();
+    assert!(figures.len() >= 12);
+    for figure in figures {
+        let marks = figure["marks"].as_array().unwrap();
+        assert!(
+            !marks.is_empty() || figure["lines"][0].is_string(),
+            "{figure}"
+        );
+        assert!(marks.iter().all(serde_json::Value::is_string), "{figure}");
+    }
 }
 
 #[test]

@@ -82,6 +82,7 @@ and a figure of the parameters,
 one with [diagnosis] diagnosis.txt and .csv (what every campaign is read as) and diagnosis.svg,
 one with [dataset] dataset.h5 with its windows, splits, datasheet and Croissant metadata.
 runs.h5 is runs.csv, typed, a dataset a column with its unit.
+`lugwheel plot FOLDER` draws the results over each swept key for a paper.
 Exit code 4: finished, with failed runs.";
 
 /// The study was finished, but some of its runs failed.

@@ -61,7 +61,12 @@ fn draw_row(canvas: &mut Canvas, row: usize, counts: &[u64; 4]) {
         } else {
             PALETTE[1]
         };
-        canvas.shade(&cell, colour, 0.85 * share);
+        let [truth, answer] = [row, column].map(|class| CLASSES[class].as_str());
+        let reading = format!(
+            "{truth} answered {answer}: {count} of {total} windows, {:.1} %",
+            100.0 * share
+        );
+        canvas.mark(&reading, |canvas| canvas.shade(&cell, colour, 0.85 * share));
         let [left, right, top, bottom] = [cell.left, cell.right(), cell.top, cell.bottom()];
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
         canvas.polygon(&corners, "none", Stroke::solid("#9aa1ad", 1.0));

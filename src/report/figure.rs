@@ -726,7 +726,12 @@ impl Panel {
     fn draw_levels(&self, canvas: &mut Canvas, header: &str) {
         let area = &self.area;
         let spacing = if area.height < 90.0 { 22.0 } else { 30.0 };
-        for (value, text) in self.y.ticks(spacing) {
+        let mut ticks = self.y.ticks(spacing);
+        if ticks.len() < 2 {
+            // One tick is no scale.
+            ticks = self.y.ticks(0.6 * spacing);
+        }
+        for (value, text) in ticks {
             let y = self.y.pixel(value);
             canvas.polyline(
                 &[[area.left, y], [area.right(), y]],
@@ -765,15 +770,22 @@ impl Panel {
         canvas.axis_name(middle, name);
     }
 
-    /// A remark in the upper right corner: that values up to `farthest` lie beyond the scale.
-    pub fn draw_beyond(&self, canvas: &mut Canvas, farthest: f64, unit: &str) {
-        let sign = if farthest > self.y.high {
+    /// A remark in the upper right corner on that of some `values` which is farthest beyond the scale, if one is.
+    pub fn draw_beyond(&self, canvas: &mut Canvas, values: &[f64], unit: &str) {
+        let distance = |value: &f64| (self.y.low - value).max(value - self.y.high);
+        let farthest = values
+            .iter()
+            .max_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let Some(farthest) = farthest.filter(|value| distance(value) > 0.0) else {
+            return;
+        };
+        let side = if *farthest > self.y.high {
             "above"
         } else {
             "below"
         };
-        let value = four_digits(farthest);
-        let text = format!("{sign} this scale: up to {value}{}", behind_number(unit));
+        let value = four_digits(*farthest);
+        let text = format!("{side} this scale: up to {value}{}", behind_number(unit));
         let font = Font {
             colour: REMARK,
             ..Font::SMALL

@@ -74,9 +74,9 @@ pub fn side_by_side(runs: &[(&str, &Trace)], time: [f64; 2]) -> String {
                 line.draw(&mut canvas, &panel);
             }
             canvas.unclip();
-            let channel = drawable(trace, row.channel);
-            if let Some(farthest) = channel.and_then(|it| beyond(&panel, it, row.factor)) {
-                panel.draw_beyond(&mut canvas, farthest, row.unit());
+            if let Some(channel) = drawable(trace, row.channel) {
+                let ends = ends(&panel, channel, row.factor);
+                panel.draw_beyond(&mut canvas, &ends, row.unit());
             }
             if is_last {
                 panel.draw_footer(&mut canvas, "time [s]");
@@ -106,15 +106,11 @@ fn range(runs: &[(&str, &Trace)], row: &ChannelRow, [start, end]: [f64; 2]) -> O
     extent(&samples).map(|extent| extent.range)
 }
 
-/// The value of a run farthest beyond the scale of a panel in this time; none where all are on it.
-fn beyond(panel: &Panel, channel: &Channel, factor: f64) -> Option<f64> {
-    let [start, end] = [panel.x.low, panel.x.high];
-    let ends = bounds(channel.between(start, end))?.map(|value| value * factor);
-    let distance = |value: &f64| (panel.y.low - value).max(value - panel.y.high);
-    let farthest = ends
-        .into_iter()
-        .max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    (distance(&farthest) > 0.0).then_some(farthest)
+/// Least and greatest value of a channel in the time of a panel, in the unit shown.
+fn ends(panel: &Panel, channel: &Channel, factor: f64) -> Vec<f64> {
+    let ends = bounds(channel.between(panel.x.low, panel.x.high));
+    let ends = ends.into_iter().flatten();
+    ends.map(|value| value * factor).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! spectrum, and what is missing.
 
 use super::ReportError;
-use super::channel_groups::{GROUPS, Group, drawable, remarks_on_channels, time_range};
+use super::channel_groups::{GROUPS, Group, Line, drawable, remarks_on_channels, time_range};
 use super::class_strip::{self, ClassSpan, merged};
 use super::envelope::{Extent, bounds, envelope, extent};
 use super::figure::{
@@ -380,6 +380,13 @@ struct Shown<'a> {
 }
 
 impl Shown<'_> {
+    /// The entry of a line in the legend; none where the group has one line.
+    fn entry(&self, line: &Line) -> Option<(String, Stroke)> {
+        let name = if self.compact { line.symbol } else { line.name };
+        let is_named = !line.name.is_empty();
+        is_named.then(|| (name.to_owned(), Stroke::solid(line.colour, 2.5)))
+    }
+
     fn header(&self) -> String {
         if self.compact {
             self.group.short_header()
@@ -435,21 +442,12 @@ fn draw_group(
             colour: line.colour,
         };
         drawn.draw(canvas, &panel);
-        if !line.name.is_empty() {
-            let name = if shown.compact {
-                line.symbol
-            } else {
-                line.name
-            };
-            legend.push((name.to_owned(), Stroke::solid(line.colour, 2.5)));
-        }
+        legend.extend(shown.entry(line));
     }
     canvas.unclip();
-    let beyond = extents.iter().filter_map(|extent| extent.farthest);
-    let beyond = beyond.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    if let Some(farthest) = beyond {
-        panel.draw_beyond(canvas, group.factor * farthest, group.unit);
-    }
+    let farthest = extents.iter().filter_map(|extent| extent.farthest);
+    let farthest: Vec<f64> = farthest.map(|value| group.factor * value).collect();
+    panel.draw_beyond(canvas, &farthest, group.unit);
     panel.draw_legend(canvas, &shown.header(), &legend);
     panel
 }

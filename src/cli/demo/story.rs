@@ -277,7 +277,11 @@ fn next_steps(findings: &[Finding]) -> Section {
                 row("recognise classes", format!("lugwheel recognize {file}")),
                 row(
                     "sweep a key",
-                    "lugwheel study scenarios/studies/sweep_slip.toml".to_owned(),
+                    "lugwheel study sweep_slip".to_owned(),
+                ),
+                row(
+                    "draw a sweep for a paper",
+                    "lugwheel plot output/sweep_slip --format pdf --width 88mm".to_owned(),
                 ),
                 row("know all commands", "lugwheel --help".to_owned()),
             ],

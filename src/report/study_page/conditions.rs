@@ -4,6 +4,7 @@ use crate::report::figure::Layout;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::sweep_figure::unit_behind_number;
 use crate::report::{SweptKey, sweep_figure};
+use crate::scenario::keys::unit_of;
 use crate::study::Study;
 use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady, varied};
 use crate::table::four_digits;
@@ -93,37 +94,7 @@ fn written(pull: &Mean) -> String {
 
 /// The means of every condition: a figure for every swept key, and a table.
 pub fn section(study: &Study, conditions: &[Condition]) -> Section {
-    let shown: Vec<usize> = (0..QUANTITIES.len())
-        .filter(|&i| {
-            conditions
-                .iter()
-                .any(|condition| condition.means[i].is_some())
-        })
-        .collect();
-    let quantities = shown.iter().map(|&i| &QUANTITIES[i]);
-    let quantities = quantities.map(|quantity| Column::new(quantity.name, quantity.unit));
-    let keys = study.keys().map(|key| Column::new(key, ""));
-    let is_any_unsteady = conditions.iter().any(|c| !c.unsteady.is_empty());
-    let unsteady = is_any_unsteady.then(|| Column::new("not steady", ""));
-    let columns = std::iter::once(Column::new("scenario", ""))
-        .chain(keys)
-        .chain([Column::new("runs", "")])
-        .chain(quantities)
-        .chain(unsteady);
-    let row = |condition: &Condition| {
-        let mut cells = vec![Cell::text(&condition.scenario)];
-        cells.extend(condition.values.iter().map(|value| Cell::toml(value)));
-        cells.push(Cell::Count(condition.runs as u64));
-        cells.extend(shown.iter().map(|&i| mean_cell(i, condition.means[i])));
-        cells.extend(is_any_unsteady.then(|| unsteady_cell(&condition.unsteady)));
-        cells
-    };
-    let intervals = if study.repeats() > 1 {
-        ", with Student's 95 % interval over the runs"
-    } else {
-        "; one run has no interval"
-    };
-    let tested = if is_any_unsteady {
+    let tested = if is_any_unsteady(conditions) {
         " \"Drifting\" values still change along the run and are not those of a steady state; \"too short\" are \
          runs of less than two and a half lug passes in that half, which cannot show it. runs.csv has the rates of \
          every run."
@@ -144,11 +115,7 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     let section = figures(study, conditions)
         .into_iter()
         .fold(section, Section::figure)
-        .table(Table {
-            caption: format!("Means of the runs of a condition{intervals}"),
-            columns: columns.collect(),
-            rows: conditions.iter().take(SHOWN).map(row).collect(),
-        });
+        .table(table(study, conditions));
     if conditions.len() <= SHOWN {
         return section;
     }
@@ -156,6 +123,49 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     section.prose(format!(
         "These are the first {SHOWN} of {all} conditions; runs.csv has all."
     ))
+}
+
+fn is_any_unsteady(conditions: &[Condition]) -> bool {
+    conditions.iter().any(|it| !it.unsteady.is_empty())
+}
+
+fn table(study: &Study, conditions: &[Condition]) -> Table {
+    let shown: Vec<usize> = (0..QUANTITIES.len())
+        .filter(|&i| {
+            conditions
+                .iter()
+                .any(|condition| condition.means[i].is_some())
+        })
+        .collect();
+    let quantities = shown.iter().map(|&i| &QUANTITIES[i]);
+    let quantities = quantities.map(|quantity| Column::new(quantity.name, quantity.unit));
+    let keys = study.keys();
+    let keys = keys.map(|key| Column::new(key, &unit_of(key).unwrap_or_default()));
+    let is_any_unsteady = is_any_unsteady(conditions);
+    let unsteady = is_any_unsteady.then(|| Column::new("not steady", ""));
+    let columns = std::iter::once(Column::new("scenario", ""))
+        .chain(keys)
+        .chain([Column::new("runs", "")])
+        .chain(quantities)
+        .chain(unsteady);
+    let row = |condition: &Condition| {
+        let mut cells = vec![Cell::text(&condition.scenario)];
+        cells.extend(condition.values.iter().map(|value| Cell::toml(value)));
+        cells.push(Cell::Count(condition.runs as u64));
+        cells.extend(shown.iter().map(|&i| mean_cell(i, condition.means[i])));
+        cells.extend(is_any_unsteady.then(|| unsteady_cell(&condition.unsteady)));
+        cells
+    };
+    let intervals = if study.repeats() > 1 {
+        ", with Student's 95 % interval over the runs"
+    } else {
+        "; one run has no interval"
+    };
+    Table {
+        caption: format!("Means of the runs of a condition{intervals}"),
+        columns: columns.collect(),
+        rows: conditions.iter().take(SHOWN).map(row).collect(),
+    }
 }
 
 /// A figure for every key swept over two values or more.
