@@ -90,10 +90,10 @@ const EDITS: [&str; 4] = [
 const RUNS: u64 = 3;
 
 /// Shares of the progress bar that the stages fill, by their usual times on two cores.
-const GROUND_RUNS: [f64; 2] = [0.0, 0.4];
-const IDENTIFICATION: [f64; 2] = [0.45, 0.55];
-const RIG: [f64; 2] = [0.55, 0.6];
-const DIAGNOSIS: [f64; 2] = [0.6, 1.0];
+const GROUND_RUNS: [f64; 2] = [0.0, 0.26];
+const IDENTIFICATION: [f64; 2] = [0.27, 0.42];
+const RIG: [f64; 2] = [0.42, 0.44];
+const DIAGNOSIS: [f64; 2] = [0.44, 1.0];
 
 /// What was found on one ground.
 struct Finding {

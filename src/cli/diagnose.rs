@@ -105,6 +105,10 @@ pub(super) const RESULTS: [&str; 5] = [
     "with_effect.toml",
 ];
 
+/// Shares [-] of the time of a diagnosis that its stages usually take, where it is a stage of another work.
+const RIGS: [f64; 2] = [0.0, 0.8];
+const VALIDATION: [f64; 2] = [0.8, 1.0];
+
 impl Diagnose {
     /// Diagnoses the runs and prints the result.
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
@@ -319,11 +323,11 @@ impl Diagnose {
             progress.warn(caveat);
         }
         let on_progress = |now: diagnosis::Progress| {
-            let stage = match now.stage {
-                Stage::Rigs => "random rigs",
-                Stage::Validation => "validation",
+            let (stage, part) = match now.stage {
+                Stage::Rigs => ("random rigs", RIGS),
+                Stage::Validation => ("validation", VALIDATION),
             };
-            progress.reach_next(stage, now.done, now.total);
+            progress.reach_part(stage, part, now.done, now.total);
             if interrupt::is_requested() {
                 ControlFlow::Break(())
             } else {

@@ -171,13 +171,6 @@ impl Progress {
 
     /// `done` of `total` runs are done; both may change on the way.
     pub fn reach(&self, done: u64, total: u64) {
-        let in_stage = self.in_stage(|stage| {
-            stage.done = done as f64;
-            stage.total = total as f64;
-        });
-        if in_stage {
-            return;
-        }
         let length = total as f64 * FINENESS;
         if self.bar.length() != Some(length as u64) {
             self.bar.set_length(length as u64);
@@ -185,6 +178,21 @@ impl Progress {
         }
         self.bar.set_position((done as f64 * FINENESS) as u64);
         self.advance(0.0);
+    }
+
+    /// As [`reach_next`](Self::reach_next) of a bar of one stage; in a stage of several, `done` of `total` are done of
+    /// the part between these shares [-] of it.
+    pub fn reach_part(&self, name: &str, [from, to]: [f64; 2], done: u64, total: u64) {
+        let part = done as f64 / total.max(1) as f64;
+        let in_stage = self.in_stage(|stage| {
+            stage.done = from + part * (to - from);
+            stage.total = 1.0;
+        });
+        if in_stage {
+            self.add_to_name(name);
+        } else {
+            self.reach_next(name, done, total);
+        }
     }
 
     /// As [`reach`](Self::reach) in the next stage, named `name`, when what the bar was made for

@@ -29,7 +29,7 @@ pub fn bounds(values: &[f64]) -> Option<[f64; 2]> {
 /// Share [-] of the values at either end that may lie beyond a scale.
 const RARE: f64 = 1.0e-3;
 /// How many times wider all values have to lie than all but the rare ones, that these get no scale.
-const FLATTENED: f64 = 5.0;
+const FLATTENED: f64 = 3.0;
 /// Room [-] beside the others, by their range.
 const ROOM: f64 = 0.3;
 /// Values below which none is rare.
@@ -45,7 +45,7 @@ pub struct Extent {
 }
 
 /// The scale of many values: from the least to the greatest finite one, but where one in a thousand would flatten all
-/// others to less than a fifth of it, that of the others. `None` without any.
+/// others to less than a third of it, that of the others. `None` without any.
 pub fn extent(values: &[f64]) -> Option<Extent> {
     let [low, high] = bounds(values)?;
     let all = Extent {
