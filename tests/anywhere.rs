@@ -228,10 +228,10 @@ const EVERYTHING: [&str; 24] = [
     "dataset my_rig --set duration=2 --set lead_in=1 --runs 2 --out rig.h5",
     "diagnose --measured rig.h5 --scenario single_wheel_st --dry-run",
     "challenge make --out trial --set C0 --cases 1 --ground hard --duration 1",
-    "challenge run trial --budget 600",
+    "challenge run trial --budget 1200",
     "challenge score trial",
     "demo --out shown",
-    "identify shown/st.h5",
+    "identify mine.h5",
 ];
 
 #[test]
