@@ -167,6 +167,8 @@ mod readme {}
 // What things are.
 pub mod quantity;
 
+pub mod statistics;
+
 pub mod document;
 pub mod wheel;
 pub mod whole_file;

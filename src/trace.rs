@@ -9,6 +9,7 @@ pub mod truth;
 pub mod turning;
 pub mod wheel;
 
+use crate::statistics::finite_mean;
 pub use turning::unwrapped;
 
 use crate::terrain::class::{TerrainLabel, Wtic};
@@ -383,13 +384,6 @@ pub fn turned_along(speed: &Channel, per_speed: f64) -> Channel {
         samples: samples.collect(),
         ..speed.clone()
     }
-}
-
-/// Mean of the samples that are numbers.
-pub(crate) fn finite_mean(samples: &[f64]) -> Option<f64> {
-    let finite = samples.iter().filter(|x| x.is_finite());
-    let (sum, count) = finite.fold((0.0, 0_u64), |(sum, count), x| (sum + x, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ use super::answering::{has_failed, known, seconds};
 use super::folder::{self, Campaigns};
 use super::order::{Family, Set};
 use super::truth::{Level, Rig};
-use interval::mean;
+use crate::statistics::mean;
 use judged::Judged;
 use serde::Serialize;
 use std::collections::BTreeMap;

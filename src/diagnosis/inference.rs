@@ -22,6 +22,7 @@ mod self_test;
 mod shrinkage;
 mod trees;
 
+use crate::statistics::{quantile_upper, sorted};
 pub use evidence::{Evidence, Fit, Pair, Signatures, Size};
 pub use pool::{BaseRates, Judgement};
 pub use self_test::{EffectPower, SelfTest};
@@ -220,10 +221,7 @@ fn widening(rigs: &[Calibrating]) -> f64 {
         [part] => rig.opinion.evidence.distance(part),
         _ => None,
     });
-    let mut distances: Vec<f64> = distances.collect();
-    distances.sort_by(f64::total_cmp);
-    let place = (INTERVALS * distances.len() as f64) as usize;
-    distances.get(place).map_or(1.0, |factor| factor.max(1.0))
+    quantile_upper(&sorted(distances), INTERVALS).map_or(1.0, |factor| factor.max(1.0))
 }
 
 /// Where columns belong.

@@ -4,7 +4,8 @@
 //! A wheel that hangs in the air vibrates as little as one in sand, and so does a dead
 //! accelerometer. Normal force and sinkage part them.
 
-use crate::trace::{Channel, Trace, finite_mean};
+use crate::statistics::finite_mean;
+use crate::trace::{Channel, Trace};
 
 /// Normal force over the load [-] below which nothing carries the wheel, and above which ground
 /// does.

@@ -5,10 +5,10 @@ use super::estimate::Estimate;
 use super::model::Model;
 use super::parameter::Coordinates;
 use super::point::{DEPTH, Point, by, values};
-use super::precision::student;
 use super::row::{RIGID_SINKAGE, Setting, SteadyLoad};
 use super::{Identification, LocalModel};
 use crate::soil::wheel_load::WheelLoad;
+use crate::statistics::student_quantile;
 use crate::terrain::class::Wtic;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -107,7 +107,7 @@ impl Predictor {
             at,
             sigma: precision.sigma,
             directions,
-            quantile: student(freedom),
+            quantile: student_quantile(0.975, freedom),
             scatter: scatter(&model, &at, &rows, taken),
         }
     }

@@ -10,8 +10,8 @@
 //! places.
 
 use super::plates::{LogSums, PlateError, common_exponent, is_pressed};
-use super::precision::student;
 use super::pressing::Pressing;
+use crate::statistics::student_quantile;
 use crate::trace::wheel::Plate;
 use std::fmt;
 
@@ -296,7 +296,7 @@ fn half_widths(sizes: &[Size], count: usize, freedom: usize) -> Option<Vec<f64>>
             *variance += squares.sum::<f64>() * (units - 1) as f64 / units as f64;
         }
     }
-    let quantile = student(freedom as f64);
+    let quantile = student_quantile(0.975, freedom as f64);
     Some(
         variances
             .iter()

@@ -1,7 +1,8 @@
 //! Where along a swept value classes are recognised: right answers against the value.
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
-use crate::recognition::confusion::{CLASSES, Share};
+use crate::recognition::confusion::CLASSES;
+use crate::statistics::Share;
 use crate::study::score::Part;
 use crate::table::Cell;
 use crate::terrain::class::Wtic;

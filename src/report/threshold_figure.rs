@@ -1,6 +1,7 @@
 //! How the windows of a study lie to one of the limits of Eq. (55) to (58).
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Scale, Stroke};
+use crate::statistics::{quantile_nearest_rank, quantile_upper, sorted};
 use crate::study;
 use crate::study::thresholds::{Point, Statement};
 
@@ -113,12 +114,9 @@ impl<'s> Layout<'s> {
     }
 
     fn draw_panel(&self, canvas: &mut Canvas, area: &Area) {
-        let mut ratios: Vec<f64> = self.points.iter().map(|p| p.bounded.ratio()).collect();
-        ratios.sort_by(f64::total_cmp);
+        let ratios = sorted(self.points.iter().map(|p| p.bounded.ratio()));
         // The lowest few lie at the foot, where they would cost a decade.
-        let low = ratios
-            .get(ratios.len() / 50)
-            .map_or(0.5, |low| low.clamp(0.01, 0.5));
+        let low = quantile_upper(&ratios, 0.02).map_or(0.5, |low| low.clamp(0.01, 0.5));
         let high = ratios.last().map_or(2.0, |high| high.max(2.0));
         let y = Axis::decades([low, high], [area.bottom(), area.top]);
         self.draw_frame(canvas, area, &y);
@@ -224,16 +222,15 @@ fn draw_lane(
     y: &Axis,
     colour: &'static str,
 ) {
-    let mut sorted = ratios.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(ratios.iter().copied());
     for (number, ratio) in sorted.iter().enumerate() {
         // Neighbours in height stand apart.
         let aside = [-0.25, 0.25, 0.0, -0.12, 0.12][number % 5] * width;
         let at = [x + aside, y.pixel(*ratio)];
         canvas.circle(at, 2.2, "none", Stroke::solid(colour, 1.0));
     }
-    if let Some(median) = sorted.get(sorted.len().saturating_sub(1) / 2) {
-        let level = y.pixel(*median);
+    if !sorted.is_empty() {
+        let level = y.pixel(quantile_nearest_rank(&sorted, 0.5));
         let line = [[x - 0.42 * width, level], [x + 0.42 * width, level]];
         canvas.polyline(&line, Stroke::solid(colour, 3.0));
     }

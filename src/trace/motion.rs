@@ -5,7 +5,8 @@
 
 use super::encoder::between_steps;
 use super::turning::unwrapped;
-use super::{Channel, Trace, finite_mean};
+use super::{Channel, Trace};
+use crate::statistics::finite_mean;
 
 /// Length [s] of the blocks in which a wheel moves or rests: starting and stopping take as long.
 const BLOCK: f64 = 0.5;

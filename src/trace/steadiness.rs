@@ -35,6 +35,7 @@
 use super::unwrapped;
 use super::{Channel, RunAttributes, Trace};
 use crate::quantity::SlipRatio;
+use crate::statistics::finite_mean;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::f64::consts::TAU;
@@ -125,7 +126,7 @@ impl Trace {
     pub fn steadiness_between(&self, name: &str, interval: [f64; 2]) -> Option<Steadiness> {
         let channel = self.channel(name)?;
         let samples = channel.between(interval[0], interval[1]);
-        super::finite_mean(samples)?;
+        finite_mean(samples)?;
         let stretch = Stretch {
             samples,
             sample_rate: channel.sample_rate,
@@ -206,8 +207,7 @@ impl Stretch<'_> {
     pub fn steadiness(&self) -> Steadiness {
         let duration = self.samples.len() as f64 / self.sample_rate;
         let passes = self.pass.map_or(f64::INFINITY, |pass| duration / pass);
-        let (Some(differences), Some(mean)) =
-            (self.differences(), super::finite_mean(self.samples))
+        let (Some(differences), Some(mean)) = (self.differences(), finite_mean(self.samples))
         else {
             return Steadiness::TooShort;
         };
@@ -253,7 +253,7 @@ impl Stretch<'_> {
         }
         let number = count.min(BLOCKS);
         let edge = |block: usize| block * count / number;
-        let block = |index| super::finite_mean(&differences[edge(index)..edge(index + 1)]);
+        let block = |index| finite_mean(&differences[edge(index)..edge(index + 1)]);
         Some(Differences {
             blocks: (0..number).map(block).collect::<Option<_>>()?,
             lag: lag as f64 / self.sample_rate,

@@ -18,6 +18,7 @@ use super::doubts::Doubts;
 use super::subject::Subject;
 use super::{Finding, Severity, number};
 use crate::sensors::drive_vibration::{CORNER, STATED_AT};
+use crate::statistics::upper_median;
 use crate::trace::Trace;
 use realfft::RealFftPlanner;
 use std::f64::consts::{FRAC_2_PI, LN_2, TAU};
@@ -363,9 +364,7 @@ struct Peak {
 ///
 /// Powers of noise are distributed exponentially, with a median of `ln 2` of their mean.
 fn peak(powers: &[f64]) -> Option<Peak> {
-    let mut sorted = powers.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let level = sorted[sorted.len() / 2] / LN_2;
+    let level = upper_median(powers.iter().copied())? / LN_2;
     let (line, largest) = powers
         .iter()
         .enumerate()
