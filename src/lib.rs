@@ -20,7 +20,8 @@
 //! ([`scenario::ready`]), and [`scenario::keys`] lists the keys of a file. From it come the [`terrain`] along the track, the
 //! [`wheel`], and the rig that carries and drives it; [`simulation`] integrates the motion, state by state, with the
 //! equations of [`soil`] on sand. The kinematics of a rigid wheel are in [`vibration`]. [`quantity`] holds the typed
-//! numbers. A stream of random numbers belongs to seed, run and stage, so that results do not depend on threads.
+//! numbers, [`statistics`] the moments and quantiles that all rooms use. A stream of random numbers belongs to seed, run
+//! and stage, so that results do not depend on threads.
 //!
 //! ```
 //! use lugwheel::quantity::Seed;
@@ -48,7 +49,7 @@
 //! # 2. Measure
 //!
 //! [`sensors`] convert states to sampled channels; a [`Trace`](trace::Trace) holds the channels and the ground truth
-//! of one run; [`dataset`] reads and writes runs as HDF5 and imports a rig's CSV files. One motion can be measured by
+//! of one run; [`signal`] has their transforms, spectra and filters; [`dataset`] reads and writes runs as HDF5 and imports a rig's CSV files. One motion can be measured by
 //! many sets of sensors.
 //!
 //! ```
@@ -183,6 +184,8 @@ pub mod simulation;
 
 // What is measured.
 pub mod trace;
+
+pub mod signal;
 
 pub mod sensors;
 

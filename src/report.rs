@@ -57,7 +57,6 @@ mod run_view;
 mod run_words;
 mod scene;
 mod side_by_side;
-pub mod spectrum;
 pub mod study_page;
 mod sweep_figure;
 mod threshold_figure;

@@ -137,7 +137,6 @@
 //! slurm/         logs of the jobs of a cluster, see `study::slurm`
 //! ```
 
-mod band;
 pub mod conditions;
 pub mod diagnosis;
 mod execution;

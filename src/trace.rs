@@ -1,7 +1,7 @@
 //! Record of one run: channels with units and rates, ground truth, provenance.
 
-pub mod clipping;
 pub mod encoder;
+mod knots;
 pub mod motion;
 pub mod slope;
 pub mod steadiness;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order of the tour in `lib.rs`: each uses only those before it.
-const ORDER: [&str; 26] = [
+const ORDER: [&str; 27] = [
     "quantity",
     "statistics",
     "document",
@@ -16,6 +16,7 @@ const ORDER: [&str; 26] = [
     "vibration",
     "simulation",
     "trace",
+    "signal",
     "sensors",
     "dataset",
     "features",

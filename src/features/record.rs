@@ -3,7 +3,7 @@
 use super::Window;
 use super::support::Support;
 use crate::quantity::SlipRatio;
-use crate::trace::clipping::clipped_levels;
+use crate::signal::clipped_levels;
 use crate::trace::motion::turned;
 use crate::trace::wheel::Lugs;
 use crate::trace::{Channel, Trace, turned_along, unit_of};

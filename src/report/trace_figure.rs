@@ -8,8 +8,8 @@ use super::envelope::{bounds, envelope};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Layout, MUTED, PALETTE, Panel, Stroke};
 use super::run_words::{origin, terrain_name, wheel_and_condition};
 use super::scene::Scene;
-use super::spectrum::{OrderSpectrum, order_spectrum};
 use super::wheel_picture::{Ground, draw_wheel_on_ground};
+use crate::signal::{OrderSpectrum, order_spectrum};
 use crate::table::four_digits;
 use crate::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace};
 
