@@ -144,6 +144,7 @@ mod folder;
 mod group;
 pub mod identification;
 mod kept;
+mod progress;
 mod recognition;
 mod references;
 pub mod runs;
@@ -157,7 +158,8 @@ pub mod thresholds;
 mod traces;
 pub mod windows;
 
-pub use execution::{Diagnosing, Failure, Options, Outcome, Progress};
+pub use execution::{Failure, Options, Outcome};
+pub use progress::{Diagnosing, Progress};
 pub use scores::Scores;
 
 use crate::dataset::hdf5::RunFileError;
