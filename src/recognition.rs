@@ -78,9 +78,9 @@ impl Answer {
 /// A window of a run and its class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recognized {
-    /// Begin [s].
+    /// Begin \[s\].
     pub start: f64,
-    /// End [s].
+    /// End \[s\].
     pub end: f64,
     /// Lug passes in it [-].
     pub lug_passes: f64,

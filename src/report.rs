@@ -24,7 +24,6 @@
 //! - [`diagnosis_page()`]: what a diagnosis found, as such a document.
 //! - [`study_page()`]: what a study asked, what came of it and what was run, as such a document.
 //! - [`image`]: any of the drawings as PNG or PDF.
-//! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
 mod arm_column;
 mod arm_curves;

@@ -50,9 +50,9 @@ use vision::Vision;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sensors {
-    /// Rate [Hz] at which accelerometer and force sensor are sampled.
+    /// Rate \[Hz\] at which accelerometer and force sensor are sampled.
     pub rate: SampleRate,
-    /// Rate [Hz] of the stored samples; divides `rate`.
+    /// Rate \[Hz\] of the stored samples; divides `rate`.
     pub output_rate: SampleRate,
     /// Whether to store the samples of the fast channels at the sensor rate too, as `<channel>_raw`. Above
     /// half of the physics rate they contain only noise.
@@ -129,9 +129,9 @@ impl Sensors {
 /// The run observed by the sensors. Their noise depends on it, one random stream per channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observed {
-    /// Rate [Hz] of the states.
+    /// Rate \[Hz\] of the states.
     pub physics_rate: SampleRate,
-    /// Rim radius [m].
+    /// Rim radius \[m\].
     pub wheel_radius: f64,
     /// Where the series' draws come from.
     pub seed: Seed,

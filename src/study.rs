@@ -334,7 +334,7 @@ impl Study {
         self.condition_count() * u64::from(self.repeats)
     }
 
-    /// Time [s] simulated in all runs.
+    /// Time \[s\] simulated in all runs.
     pub fn simulated(&self) -> f64 {
         let conditions = 0..self.condition_count();
         let durations = conditions.map(|condition| self.scenario_of(condition).duration);

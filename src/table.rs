@@ -1,4 +1,4 @@
-//! Tables of results: one value, written as text, and by [`report::page`](crate::report::page) as HTML.
+//! Tables of results: one value, written as text, and by [`report::page`](mod@crate::report::page) as HTML.
 
 use crate::statistics::Share;
 

@@ -157,7 +157,7 @@ pub struct Scores {
     pub probability_on_truth: Score,
     /// Expected calibration error.
     pub calibration_error: Score,
-    /// Median time of a diagnosis [s].
+    /// Median time of a diagnosis \[s\].
     pub seconds: Score,
     /// Number of cases by truth and answer.
     pub confusion: Matrix,

@@ -35,7 +35,7 @@ pub struct EndResults {
     pub step: Step,
     /// Errors of steady means.
     pub means: Vec<MeanError>,
-    /// Distance of the mean feature vectors [decades], a mean over conditions; none without features.
+    /// Distance of the mean feature vectors \[decades\], a mean over conditions; none without features.
     pub features: Option<f64>,
     /// Share [-] of windows that are recognised as another class, as far as shares of classes show it: a mean
     /// over conditions; none without windows.

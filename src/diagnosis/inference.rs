@@ -189,7 +189,7 @@ impl Model {
         rows.collect()
     }
 
-    /// What parameters leave of a campaign without effects: used columns with their departures [scatters].
+    /// What parameters leave of a campaign without effects: used columns with their departures \[scatters\].
     pub fn residuals(&self, values: &[f32], parameters: &[f64]) -> Vec<(usize, f64)> {
         let row = self.scale.row(values);
         let predicted = self.emulator.statistics(parameters);

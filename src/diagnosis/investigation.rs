@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Simulated driving [s] of a diagnosis by default: some seven minutes of two cores for a campaign of
+/// Simulated driving \[s\] of a diagnosis by default: some seven minutes of two cores for a campaign of
 /// seven conditions of 10 s on sand or hard ground.
 pub const BUDGET: f64 = 32_000.0;
 
@@ -52,9 +52,9 @@ const STRONG: f64 = 4.0;
 /// How a diagnosis is made.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// Longest part [s] of a run that is compared.
+    /// Longest part \[s\] of a run that is compared.
     pub longest: f64,
-    /// Simulated driving allowed [s]: of rigs to learn from.
+    /// Simulated driving allowed \[s\]: of rigs to learn from.
     pub budget: f64,
     /// Effects that are held to be impossible.
     pub without: Vec<String>,
@@ -78,9 +78,9 @@ pub enum InvestigationError {
          compare fewer or shorter runs"
     )]
     Budget {
-        /// Driving allowed [s].
+        /// Driving allowed \[s\].
         budget: f64,
-        /// Driving of the fewest rigs [s].
+        /// Driving of the fewest rigs \[s\].
         least: f64,
     },
     /// The scenario cannot be simulated.
@@ -147,7 +147,7 @@ pub struct Compared {
     pub candidates: Vec<String>,
     /// Random rigs that were simulated.
     pub rigs: usize,
-    /// Driving of them [s].
+    /// Driving of them \[s\].
     pub driven: f64,
 }
 
@@ -217,9 +217,9 @@ impl Diagnosis {
 pub struct Estimate {
     /// Random rigs.
     pub rigs: usize,
-    /// Driving of one [s].
+    /// Driving of one \[s\].
     pub driven_per_rig: f64,
-    /// Time of one core that one takes [s], estimated.
+    /// Time of one core that one takes \[s\], estimated.
     pub seconds_per_rig: f64,
 }
 

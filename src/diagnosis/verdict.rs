@@ -90,7 +90,7 @@ pub struct Located {
     pub condition: Condition,
     /// In which cell.
     pub cell: Cell,
-    /// Measured less predicted [deviations].
+    /// Measured less predicted \[deviations\].
     pub deviations: f64,
 }
 

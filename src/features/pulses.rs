@@ -178,7 +178,7 @@ fn flat_hard_ground(record: &Record) -> (Vec<f64>, f64) {
 }
 
 impl Pulses {
-    /// Lug angle [rad].
+    /// Lug angle \[rad\].
     pub fn lug_angle(&self) -> f64 {
         self.lug_angle
     }

@@ -15,15 +15,15 @@ use std::ops::Range;
 pub struct Record {
     /// The wheel's outline; its mass is not known.
     pub wheel: Wheel,
-    /// Lug angle `α` [rad].
+    /// Lug angle `α` \[rad\].
     pub lug_angle: f64,
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate: f64,
-    /// Time [s] of the first sample.
+    /// Time \[s\] of the first sample.
     pub start: f64,
     /// Vertical acceleration [m/s²], gravity removed.
     pub acceleration: Vec<f64>,
-    /// Wheel angle [rad] at the same times.
+    /// Wheel angle \[rad\] at the same times.
     pub angle: Vec<f64>,
     /// Whether the angle is measured, so that the lugs' positions are known; otherwise it is integrated from
     /// the speed and only the rotation is known.
@@ -76,7 +76,7 @@ pub enum RecordError {
     Rate {
         /// Which channel.
         channel: String,
-        /// Its rate [Hz].
+        /// Its rate \[Hz\].
         rate: f64,
     },
     /// The channels do not overlap.
@@ -120,11 +120,11 @@ pub enum Unusable {
         "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs: record faster, or reduce the bandwidth"
     )]
     SlowRate {
-        /// The rate [Hz].
+        /// The rate \[Hz\].
         rate: f64,
-        /// The rate it takes [Hz].
+        /// The rate it takes \[Hz\].
         needed: f64,
-        /// Corner of the low-pass [Hz].
+        /// Corner of the low-pass \[Hz\].
         bandwidth: f64,
     },
 }
@@ -184,12 +184,12 @@ impl Record {
         self.acceleration.is_empty()
     }
 
-    /// Time [s] at which a sample's period begins.
+    /// Time \[s\] at which a sample's period begins.
     pub fn time(&self, sample: usize) -> f64 {
         self.start + sample as f64 / self.sample_rate
     }
 
-    /// Length of a window [s].
+    /// Length of a window \[s\].
     pub fn seconds(&self, window: &Range<usize>) -> f64 {
         window.len() as f64 / self.sample_rate
     }

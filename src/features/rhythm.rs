@@ -78,12 +78,12 @@ pub struct Rhythm {
     pub height: f64,
     /// Posterior probability that more than [`MOST`] of all cells are struck.
     pub probability: f64,
-    /// Wheel angle [rad] at which a lug points straight down, its delay included; within half a
+    /// Wheel angle \[rad\] at which a lug points straight down, its delay included; within half a
     /// lug angle of 0.
     pub offset: f64,
-    /// Standard error of the offset [rad]: scatter of the pulses, and half a bin.
+    /// Standard error of the offset \[rad\]: scatter of the pulses, and half a bin.
     pub offset_error: f64,
-    /// By how much a pulse comes later than the one before it, less a period [periods], and its
+    /// By how much a pulse comes later than the one before it, less a period \[periods\], and its
     /// standard error.
     pub drift: [f64; 2],
 }

@@ -102,7 +102,7 @@ fn shapley(count: usize, value: &[f64]) -> Vec<f64> {
 /// The vibration's answers by stages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VibrationStages {
-    /// Of the feature vector, averaged over windows [decades].
+    /// Of the feature vector, averaged over windows \[decades\].
     pub features: Stages,
     /// Of the class by the paper's regions: share of windows in which it is another [-].
     pub class: Stages,

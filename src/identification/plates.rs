@@ -39,7 +39,7 @@ pub enum PlateError {
 }
 
 impl PlateFit {
-    /// Least-squares fit to `points` of sinkage [m] and pressure [Pa] during loading; points above the
+    /// Least-squares fit to `points` of sinkage \[m\] and pressure \[Pa\] during loading; points above the
     /// surface or without pressure are excluded.
     ///
     /// Fitted in logarithms with weights in proportion to pressure squared, so that errors are weighted as in

@@ -49,9 +49,9 @@ impl Serialize for Predicted {
 /// Sinkage, pull and torque at a load and slip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Sinkage `z` [m] of the rim; [`RIGID_SINKAGE`] where the class sets it.
+    /// Sinkage `z` \[m\] of the rim; [`RIGID_SINKAGE`] where the class sets it.
     pub sinkage: Predicted,
-    /// Drawbar pull `F_DP` [N].
+    /// Drawbar pull `F_DP` \[N\].
     pub drawbar_pull: Predicted,
     /// Driving torque `T_D` [N·m].
     pub driving_torque: Predicted,
@@ -122,7 +122,7 @@ impl Predictor {
         &self.model.setting
     }
 
-    /// Prediction at a `load` [N] and `slip` [-] by the rim's radius; `None` where the soil does not carry
+    /// Prediction at a `load` \[N\] and `slip` [-] by the rim's radius; `None` where the soil does not carry
     /// the load.
     pub fn at(&self, load: f64, slip: f64) -> Option<Prediction> {
         let slip = self.model.setting.slip_on_cylinder(slip);

@@ -76,7 +76,7 @@ pub struct PressureSinkage {
     pub sizes: Vec<PlateSize>,
     /// `k_c` and `k_φ`; `None` for one size, which cannot separate them.
     pub moduli: Option<Moduli>,
-    /// Range of sinkage [m] of the fit: points are weighted by squared pressure, and those shallower than the
+    /// Range of sinkage \[m\] of the fit: points are weighted by squared pressure, and those shallower than the
     /// first have a twentieth of the weight. The second is the deepest.
     pub sinkages: [f64; 2],
     /// Resampling unit of the intervals.
@@ -155,7 +155,7 @@ impl PressureSinkage {
         })
     }
 
-    /// `k_s` [N·m⁻⁽ⁿ⁺²⁾] under a wheel of `width` [m]: `k_c/b + k_φ`; `None` where one size cannot separate
+    /// `k_s` [N·m⁻⁽ⁿ⁺²⁾] under a wheel of `width` \[m\]: `k_c/b + k_φ`; `None` where one size cannot separate
     /// the two.
     pub fn modulus_under(&self, width: f64) -> Option<f64> {
         let Moduli {

@@ -41,7 +41,7 @@ pub enum SteadyError {
 /// An interval of steady slip with its row, or the reason why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
-    /// Its middle half [s], which gives the row.
+    /// Its middle half \[s\], which gives the row.
     pub interval: [f64; 2],
     /// The row.
     pub row: Result<SteadyRow, SteadyError>,

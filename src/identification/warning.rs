@@ -51,9 +51,9 @@ pub enum Warning {
     NoFreedom,
     /// Loads differ although the class sets one sinkage for all, so that `k_s zᴺ` is a mean.
     LoadsDiffer {
-        /// Least load [N].
+        /// Least load \[N\].
         least: f64,
-        /// Greatest load [N].
+        /// Greatest load \[N\].
         most: f64,
     },
     /// Rows of a braking wheel, whose shear stress reverses within the contact.

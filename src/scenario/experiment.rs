@@ -102,7 +102,7 @@ impl Scenario {
 
     /// Runs the experiment: run `run` of the series that `seed` begins.
     ///
-    /// `progress` is called with the simulated time [s] from time to time, and may stop the run.
+    /// `progress` is called with the simulated time \[s\] from time to time, and may stop the run.
     ///
     /// # Errors
     /// `Simulation` where the ground does not carry the wheel or the motion is not defined,

@@ -19,7 +19,7 @@ pub enum SpectrumError {
     NotFinite {
         /// Which channel.
         channel: String,
-        /// When [s].
+        /// When \[s\].
         time: f64,
     },
     /// The wheel did not turn far enough.
@@ -37,7 +37,7 @@ pub enum SpectrumError {
 /// One-sided amplitude spectral density over frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensitySpectrum {
-    /// Distance of two lines [Hz]: line `i` stands at `i` times that.
+    /// Distance of two lines \[Hz\]: line `i` stands at `i` times that.
     pub spacing: f64,
     /// Density of each line [channel's unit per root hertz], root mean square over the blocks.
     pub density: Vec<f64>,

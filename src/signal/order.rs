@@ -36,7 +36,7 @@ impl OrderSpectrum {
     }
 }
 
-/// Order spectrum of `signal` over `wheel_angle` [rad] of a wheel with `lug_count` lugs (0: smooth, or
+/// Order spectrum of `signal` over `wheel_angle` \[rad\] of a wheel with `lug_count` lugs (0: smooth, or
 /// of an unknown number).
 ///
 /// ```text

@@ -47,17 +47,17 @@ pub struct Profile {
     made: [f64; 2],
 }
 
-/// Height [m] and slope [-] at one place.
+/// Height \[m\] and slope [-] at one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Height above the datum [m].
+    /// Height above the datum \[m\].
     pub height: f64,
     /// Slope along the track [-].
     pub slope: f64,
 }
 
 impl Profile {
-    /// A profile with nodes every `spacing` [m]; without any relief it is flat.
+    /// A profile with nodes every `spacing` \[m\]; without any relief it is flat.
     pub fn new(relief: &Relief, spacing: f64, seed: Seed, run: u64) -> Self {
         let roughness = relief.roughness.as_ref();
         let waves = roughness.map_or_else(Vec::new, |roughness| waves(roughness, seed, run));
@@ -77,7 +77,7 @@ impl Profile {
         }
     }
 
-    /// Makes sure that `[low, high]` [m] can be asked for.
+    /// Makes sure that `[low, high]` \[m\] can be asked for.
     pub fn extend(&mut self, low: f64, high: f64) {
         let [from, to] = self.made;
         if low >= from && high <= to {
@@ -108,7 +108,7 @@ impl Profile {
         self.made = [self.first + 3, last - 4].map(|node| node as f64 * self.spacing);
     }
 
-    /// Height and slope at `x` [m], which [`Profile::extend`] must have reached.
+    /// Height and slope at `x` \[m\], which [`Profile::extend`] must have reached.
     pub fn at(&self, x: f64) -> Surface {
         let place = x / self.spacing - self.first as f64;
         let i = place as usize;
@@ -127,21 +127,21 @@ impl Profile {
         }
     }
 
-    /// Highest node in `[low, high]` [m].
+    /// Highest node in `[low, high]` \[m\].
     pub fn highest(&self, low: f64, high: f64) -> f64 {
         self.nodes(low, high)
             .map(|[_, height]| height)
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Largest difference [m] between neighbouring nodes in `[low, high]` [m].
+    /// Largest difference \[m\] between neighbouring nodes in `[low, high]` \[m\].
     pub fn steepest_step(&self, low: f64, high: f64) -> f64 {
         let nodes: Vec<[f64; 2]> = self.nodes(low, high).collect();
         let steps = nodes.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs());
         steps.fold(0.0, f64::max)
     }
 
-    /// Nodes in `[low, high]` [m] that have been made: position and height [m].
+    /// Nodes in `[low, high]` \[m\] that have been made: position and height \[m\].
     pub fn nodes(&self, low: f64, high: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         let from = ((low / self.spacing).ceil() as i64 - self.first).max(0) as usize;
         let to = ((high / self.spacing).floor() as i64 - self.first + 1).max(0) as usize;
@@ -154,7 +154,7 @@ impl Profile {
         })
     }
 
-    /// Distance between nodes [m].
+    /// Distance between nodes \[m\].
     pub fn spacing(&self) -> f64 {
         self.spacing
     }

@@ -22,7 +22,7 @@ struct Stay {
     angle: f64,
 }
 
-/// Continuous `angles` [rad] with those between the steps of a coarse encoder interpolated; of a fine one as they are.
+/// Continuous `angles` \[rad\] with those between the steps of a coarse encoder interpolated; of a fine one as they are.
 /// What is no number stays so.
 pub fn between_steps(angles: &[f64]) -> Vec<f64> {
     let stays = stays(angles);

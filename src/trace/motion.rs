@@ -126,7 +126,7 @@ impl Motion {
         !self.moves.contains(&true)
     }
 
-    /// Whether the wheel moves at `time` [s].
+    /// Whether the wheel moves at `time` \[s\].
     pub fn moves_at(&self, time: f64) -> bool {
         let block = ((time - self.start) / BLOCK + 1.0e-9).max(0.0) as usize;
         self.moves[block.min(self.moves.len() - 1)]

@@ -103,9 +103,9 @@ impl Steadiness {
 pub struct Stretch<'s> {
     /// The samples; those that are not numbers are left out.
     pub samples: &'s [f64],
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate: f64,
-    /// Period of the lug passes [s], where it is known.
+    /// Period of the lug passes \[s\], where it is known.
     pub pass: Option<f64>,
     /// Change of the value, in its unit, below which it counts as steady however small it is.
     pub least_change: f64,
@@ -121,7 +121,7 @@ impl Trace {
         self.steadiness_between(name, steady_interval(self.channel(name)?))
     }
 
-    /// Whether the mean of the quantity `name` over an interval [s] is a steady value; `None` where there is no
+    /// Whether the mean of the quantity `name` over an interval \[s\] is a steady value; `None` where there is no
     /// time series of it or one without numbers.
     pub fn steadiness_between(&self, name: &str, interval: [f64; 2]) -> Option<Steadiness> {
         let channel = self.channel(name)?;
