@@ -12,6 +12,7 @@
 //! ```
 
 pub mod experiment;
+pub mod extensions;
 pub mod keys;
 pub mod ready;
 pub mod recording;

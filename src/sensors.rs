@@ -220,11 +220,21 @@ impl Quantities {
     }
 }
 
+/// A sensor that a user brings.
+pub trait Sensor {
+    /// Looks at the next state of the record, one a physics step.
+    fn push(&mut self, state: &WheelState);
+
+    /// What it measured.
+    fn finish(self: Box<Self>) -> Channel;
+}
+
 /// The sensors of one run; memory grows with the stored samples, not with the physics rate.
 pub struct SensorChain {
     quantities: Quantities,
     fast: Vec<FastChannel>,
     slow: SlowChannels,
+    own: Vec<Box<dyn Sensor>>,
     /// Time [s] of the first state.
     start: f64,
     steps: u64,
@@ -247,9 +257,15 @@ impl SensorChain {
             quantities: Quantities::new(sensors, observed, physics_rate.hertz()),
             fast: fast.collect::<Result<_, _>>()?,
             slow: SlowChannels::new(sensors, observed),
+            own: Vec::new(),
             start: 0.0,
             steps: 0,
         })
+    }
+
+    /// Adds sensors of the user's own, whose channels come last.
+    pub fn add(&mut self, sensors: impl IntoIterator<Item = Box<dyn Sensor>>) {
+        self.own.extend(sensors);
     }
 
     /// Measures the next state.
@@ -257,6 +273,7 @@ impl SensorChain {
         if self.steps == 0 {
             self.start = state.time;
         }
+        self.own.iter_mut().for_each(|sensor| sensor.push(state));
         let values = self.quantities.of(state);
         for (channel, value) in self.fast.iter_mut().zip(values) {
             channel.push(value);
@@ -275,6 +292,7 @@ impl SensorChain {
         let count = channels[0].samples.len();
         channels.extend(self.slow.finish(start, count));
         channels.extend(raw.into_iter().flatten());
+        channels.extend(self.own.into_iter().map(|sensor| sensor.finish()));
         channels
     }
 }

@@ -32,7 +32,8 @@ use ground_force::GroundForce;
 use motion::{WheelMotion, Wrench};
 use mount::{AtLimits, Mount};
 use rig::flaws::GuideFriction;
-use rig::{Command, Commanded, Leg, Rig};
+use rig::{Command, Commanded, DriveProfile, Leg, Rig};
+use std::sync::Arc;
 use stone_bed::OnBed;
 use world::{WheelBody, World};
 
@@ -138,6 +139,7 @@ pub struct Simulation {
     geometry: WheelGeometry,
     rig: Rig,
     command: Command,
+    profile: Option<Arc<dyn DriveProfile>>,
     leg: Option<Leg>,
     guide: GuideFriction,
     /// Drawbar pull [N] in the last step.
@@ -201,6 +203,7 @@ impl Simulation {
             geometry,
             rig,
             command,
+            profile: None,
             leg,
             guide: GuideFriction::default(),
             pull: 0.0,
@@ -212,6 +215,14 @@ impl Simulation {
         };
         simulation.let_down()?;
         Ok(simulation)
+    }
+
+    /// The wheel driven by a profile from now on, in place of the constant speeds of its rig.
+    pub fn following(self, profile: Arc<dyn DriveProfile>) -> Self {
+        Self {
+            profile: Some(profile),
+            ..self
+        }
     }
 
     /// Label of the ground under the axle.
@@ -376,7 +387,11 @@ impl Iterator for Simulation {
             return None;
         }
         self.step += 1;
-        let commanded = self.command.at(self.step as f64 * self.rate.period());
+        let time = self.step as f64 * self.rate.period();
+        let commanded = match &self.profile {
+            None => self.command.at(time),
+            Some(profile) => self.command.of(profile.speeds(time), time),
+        };
         let result = self.advance(&commanded, 0.0).and_then(|state| {
             self.check_sinkage(&state)?;
             Ok(state)

@@ -33,6 +33,7 @@ pub mod closed_form;
 pub mod contact;
 pub mod departures;
 pub mod hard_base;
+pub mod law;
 pub mod lug_action;
 pub mod penetration_rate;
 pub(crate) mod power;

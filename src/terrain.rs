@@ -6,12 +6,14 @@ pub mod stones;
 
 use crate::quantity::{RangeError, Seed};
 use crate::soil::Soil;
+use crate::soil::law::SoilLaw;
 use class::TerrainLabel;
-use profile::Profile;
+use profile::{Heights, Profile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 /// Hunt-Crossley contact of lug edge or rim with stone: `F = F_0 (δ/δ_0)ⁿ (1 + d δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -468,9 +470,11 @@ pub struct Stretch {
 }
 
 /// The ground of one run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Terrain {
     stretches: Vec<Stretch>,
+    heights: Option<Arc<dyn Heights>>,
+    soil_law: Option<Arc<dyn SoilLaw>>,
     seed: Seed,
     run: u64,
 }
@@ -539,9 +543,33 @@ impl Terrain {
         }
         Self {
             stretches,
+            heights: None,
+            soil_law: None,
             seed,
             run,
         }
+    }
+
+    /// The ground with these heights added to its hard surfaces and to its undisturbed soil; those of a pile of gravel
+    /// are made by its stones.
+    pub fn with_heights(self, heights: Arc<dyn Heights>) -> Self {
+        Self {
+            heights: Some(heights),
+            ..self
+        }
+    }
+
+    /// The ground whose soil bears and shears by this law.
+    pub fn with_soil_law(self, law: Arc<dyn SoilLaw>) -> Self {
+        Self {
+            soil_law: Some(law),
+            ..self
+        }
+    }
+
+    /// The law of its soil, where it is not the soil's own.
+    pub fn soil_law(&self) -> Option<&Arc<dyn SoilLaw>> {
+        self.soil_law.as_ref()
     }
 
     /// The stretches in their order along the track.
@@ -567,7 +595,11 @@ impl Terrain {
     /// Height of the fixed surface of `stretch`.
     pub fn profile(&self, stretch: &Stretch) -> Profile {
         let relief = stretch.ground.relief();
-        Profile::new(&relief, NODE, self.seed, self.run)
+        let profile = Profile::new(&relief, NODE, self.seed, self.run);
+        match &self.heights {
+            Some(heights) => profile.with_heights(Arc::clone(heights)),
+            None => profile,
+        }
     }
 
     /// Where the run's draws come from.

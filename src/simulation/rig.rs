@@ -13,6 +13,7 @@ use libm::{cos, sin};
 use motor::{Motor, MotorDrive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// How the carriage moves and the motor turns.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -530,10 +531,28 @@ impl Rig {
     }
 }
 
+/// Speeds at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Speeds {
+    /// Forward speed [m/s].
+    pub forward: f64,
+    /// Wheel speed [rad/s].
+    pub wheel: f64,
+}
+
+/// Speeds over time that a user brings, such as a logged manoeuvre.
+pub trait DriveProfile: fmt::Debug + Send + Sync {
+    /// What is commanded at `time` \[s\] after the wheel was let down, lead-in included. A rigid carriage or motor follows
+    /// at once, so that a jump of the speed is an impact.
+    fn speeds(&self, time: f64) -> Speeds;
+}
+
 /// Speeds commanded over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
     full: [f64; 2],
+    /// What of a speed comes to the carriage and to the wheel [-].
+    scale: [f64; 2],
     start_up: f64,
     stop_at: Option<f64>,
 }
@@ -578,9 +597,22 @@ impl Command {
         ];
         Ok(Self {
             full,
+            scale: [carriage_scale, wheel_scale],
             start_up: drive.start_up,
             stop_at: drive.stop_at,
         })
+    }
+
+    /// Command at `time` \[s\] of a profile that commands these speeds then.
+    pub(super) fn of(&self, speeds: Speeds, time: f64) -> Commanded {
+        let wheel_speed = speeds.wheel * self.scale[1];
+        let share = wheel_speed / self.full[1];
+        Commanded {
+            time,
+            forward_speed: speeds.forward * self.scale[0],
+            wheel_speed,
+            share: if share.is_finite() { share } else { 0.0 },
+        }
     }
 
     /// Command at `time` \[s\]: both speeds rise and fall together, smoothly, so that slip is constant from the

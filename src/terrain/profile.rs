@@ -12,6 +12,8 @@ use libm::{cos, log, pow, sqrt};
 use rand::RngExt;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
 
 /// Cosines that stand for a roughness spectrum.
 const MODES: usize = 192;
@@ -19,9 +21,18 @@ const MODES: usize = 192;
 /// Nodes made at once.
 const BLOCK: i64 = 256;
 
+/// Heights along the track that a user brings, such as a scan.
+pub trait Heights: fmt::Debug + Send + Sync {
+    /// Height \[m\] above the datum at `x` \[m\] from the start of the track, below 0 behind it.
+    ///
+    /// It is read every 0.25 mm, in any order; between these places the ground is a cubic with continuous slope.
+    fn height(&self, x: f64) -> f64;
+}
+
 /// What makes the heights.
 #[derive(Debug, Clone)]
 struct Generator {
+    own: Option<Arc<dyn Heights>>,
     waves: Vec<Wave>,
     joints: Option<Joints>,
     ledge: Option<Ledge>,
@@ -62,6 +73,7 @@ impl Profile {
         let roughness = relief.roughness.as_ref();
         let waves = roughness.map_or_else(Vec::new, |roughness| waves(roughness, seed, run));
         let generator = Generator {
+            own: None,
             waves,
             joints: relief.joints,
             ledge: relief.ledge,
@@ -75,6 +87,12 @@ impl Profile {
             heights: VecDeque::new(),
             made: [f64::INFINITY, f64::NEG_INFINITY],
         }
+    }
+
+    /// The profile with these heights added; before any is made.
+    pub fn with_heights(mut self, heights: Arc<dyn Heights>) -> Self {
+        self.generator.own = Some(heights);
+        self
     }
 
     /// Makes sure that `[low, high]` \[m\] can be asked for.
@@ -169,7 +187,9 @@ impl Generator {
             .sum();
         let joints = self.joints.as_ref();
         let ledge = self.ledge.as_ref();
+        let own = self.own.as_ref();
         rough
+            + own.map_or(0.0, |own| own.height(x))
             + joints.map_or(0.0, |joints| self.brick(joints, x))
             + ledge.map_or(0.0, |ledge| risen(ledge, x))
     }
