@@ -41,6 +41,7 @@ use std::ops::Range;
 /// Which mean Eq. (53) takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum MeanValue {
     /// Of the rectified acceleration.
     Rectified,
@@ -51,6 +52,7 @@ pub enum MeanValue {
 /// How Eq. (51) takes the frequency of the vibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Frequency {
     /// The line of the lug pass where it stands out, else the contact rate, see
     /// [`frequency::lug_line`].
@@ -64,6 +66,7 @@ pub enum Frequency {
 /// How windows are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Window {
     /// Of this length \[s\].
     Seconds(f64),

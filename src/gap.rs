@@ -50,6 +50,7 @@ use crate::recognition::RecognitionError;
 
 /// Why runs cannot be compared.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GapError {
     /// The sides share no condition with a cell in common.
     #[error(

@@ -93,6 +93,7 @@ pub use wheel_picture::wheel_picture;
 
 /// Why there is nothing to report.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReportError {
     /// The run holds no finite sample, mean or ground.
     #[error(

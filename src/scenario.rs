@@ -589,6 +589,7 @@ pub struct OutOfRange {
 
 /// Why a file or an assignment is no scenario.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScenarioError {
     /// The file cannot be read.
     #[error("cannot read scenario {}", path.display())]

@@ -90,6 +90,7 @@ pub struct WheelState {
 
 /// Why a run could not go on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SimulationError {
     /// The wheel sank to its axle.
     #[error(

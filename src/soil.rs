@@ -53,6 +53,7 @@ use serde::{Deserialize, Serialize};
 /// Which distribution of stress over the contact arc the soil follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum StressConvention {
     /// Wong-Reece: `σ = k_s rᴺ (cos θ - cos θ_1)ᴺ` ahead of `θ_m`, mirrored behind it.
     WongReece,

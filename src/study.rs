@@ -735,6 +735,7 @@ fn way_on(action: &str, refusal: &io::Error) -> String {
 
 /// Why a study is none, or was not finished.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StudyError {
     /// The file cannot be read.
     #[error("cannot read study {}", path.display())]

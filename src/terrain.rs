@@ -168,6 +168,7 @@ pub struct SizeRange {
 /// Reading one from a file settles its shape; [`TerrainSpec::check`] its values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum TerrainSpec {
     /// REF: flat and hard.
     Reference {

@@ -136,6 +136,7 @@ pub struct Campaign {
 
 /// Why a campaign cannot be imported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CampaignError {
     /// The file cannot be read.
     #[error("cannot read campaign {}", path.display())]

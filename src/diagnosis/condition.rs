@@ -55,6 +55,7 @@ pub struct Cases {
 
 /// Why a campaign cannot be compared with a scenario.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CaseError {
     /// There are no runs.
     #[error("there are no measured runs")]

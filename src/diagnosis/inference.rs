@@ -64,6 +64,7 @@ pub struct Model {
 
 /// Rigs from which nothing can be learned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TrainingError {
     /// There are too few.
     #[error("{rigs} rigs are too few for the training: allow at least {least}")]

@@ -68,6 +68,7 @@ pub struct Settings {
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum InvestigationError {
     /// The runs cannot be repeated.
     #[error(transparent)]

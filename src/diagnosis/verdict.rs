@@ -21,6 +21,7 @@ const LEAST_COVERAGE: f64 = 0.8;
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Answer {
     /// Nothing is wrong.
     None,

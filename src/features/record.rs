@@ -36,6 +36,7 @@ pub struct Record {
 
 /// Why a run has no windows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecordError {
     /// There is no acceleration.
     #[error("no channel acceleration_y; vibration cannot be recognised without it")]

@@ -14,6 +14,7 @@ use std::sync::Arc;
 /// Domain of a statistic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Domain {
     /// Samples, whatever their order in the turn of the wheel.
     Time,
@@ -73,6 +74,7 @@ impl fmt::Display for Domain {
 
 /// What changes from run to run of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Covariate {
     /// Commanded slip ratio [-].
     Slip,
@@ -127,6 +129,7 @@ impl Kappa {
 /// What is read from a channel. "Own unit" is the channel's; a level is 20 lg of an amplitude in
 /// it, or 10 lg of a share \[dB\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Statistic {
     /// Mean [own unit].
     Mean,

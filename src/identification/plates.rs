@@ -15,6 +15,7 @@ pub struct PlateFit {
 
 /// Why points give no pressure-sinkage law.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlateError {
     /// A run of a wheel.
     #[error("the run has no plate: state plate_diameter_m, or plate_length_m and plate_width_m")]

@@ -8,6 +8,7 @@ use crate::trace::{Channel, Trace};
 
 /// Why a run gives no rows.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SteadyError {
     /// A quantity is neither a channel nor a mean.
     #[error(

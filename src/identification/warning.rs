@@ -13,6 +13,7 @@ const ROLLING: f64 = -0.02;
 
 /// A condition that limits the validity of an estimate.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Warning {
     /// A parameter ended at a bound of the search.
     AtBound {

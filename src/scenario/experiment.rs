@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 /// Why an experiment left no trace.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExperimentError {
     /// The wheel's run could not begin or go on.
     #[error(transparent)]

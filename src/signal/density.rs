@@ -10,6 +10,7 @@ pub(super) const FEWEST_PASSES: usize = 4;
 
 /// Why a channel has no spectrum.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SpectrumError {
     /// Fewer than two samples, or a rate that is not above 0.
     #[error("channel {0} has no samples to speak of (it needs two, at a rate above 0 Hz)")]

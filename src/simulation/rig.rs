@@ -110,6 +110,7 @@ impl Leg {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", try_from = "RigTable")]
 #[schemars(!try_from, deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Rig {
     /// The single-wheel test bed.
     SingleWheel(SingleWheel),
@@ -119,6 +120,7 @@ pub enum Rig {
 
 /// Why a table does not describe a rig.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RigError {
     /// A value has no meaning.
     #[error(transparent)]

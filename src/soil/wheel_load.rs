@@ -224,6 +224,7 @@ pub(crate) fn loads_to<T: Real>(
 
 /// Why no sinkage carries a load.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SinkageError {
     /// The load is not a positive number.
     #[error(transparent)]
