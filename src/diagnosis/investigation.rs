@@ -7,12 +7,12 @@ use super::condition::{Case, CaseError, Cases, statistician};
 use super::discrepancy;
 use super::end_results::{EndResults, Step};
 use super::inference::{
-    BaseRates, FEWEST_RIGS, Fit, Judgement, Model, SelfTest, Signatures, TrainingError,
+    BaseRates, FEWEST_RIGS, Fit, Judgement, Model, OfColumn, SelfTest, Signatures, TrainingError,
 };
 use super::model_file;
 use super::next_run::{Rival, Search};
 use super::parameter::{Offsets, Parameter, parameters};
-use super::rigs::{self, Column, Origin, Population, RigError, RigSet};
+use super::rigs::{self, Column, Origin, Part, Population, RigError, RigSet};
 use super::screen::{Screened, screen};
 use super::simulated_runs::SimulatedRuns;
 use super::validation::{Gaps, InUnits, Validation, Variants, Yardstick, in_units, validate};
@@ -545,7 +545,7 @@ impl<'a> Investigation<'a> {
 
     fn with_effects(&self, chosen: &Chosen, fit: &Fit) -> Option<Arm> {
         let effects = chosen.effects.iter();
-        let effects = effects.map(|(effect, size)| self.candidates[*effect].application(*size));
+        let effects = effects.map(|part| self.candidates[part.candidate].application(part.size));
         let effects = effects.collect::<Result<Vec<_>, _>>().ok()?;
         let arm = Arm::of_offsets(self.offsets(fit));
         (!effects.is_empty()).then(|| effects.into_iter().fold(arm, Arm::with_effect))
@@ -583,12 +583,12 @@ impl<'a> Investigation<'a> {
     fn spread(&self, fitted: &Fitted) -> ParameterSpread {
         let Yardstick { model, columns } = fitted.yardstick;
         let mut spread = ParameterSpread::new();
-        for (column, deviation) in model.parameter_spread(&fitted.healthy) {
+        for OfColumn { column, value } in model.parameter_spread(&fitted.healthy) {
             let Column {
                 condition, cell, ..
             } = &columns[column];
             let own = spread.entry(self.cases[*condition].condition.clone());
-            own.or_default().insert(cell.clone(), deviation);
+            own.or_default().insert(cell.clone(), value);
         }
         spread
     }
@@ -604,16 +604,16 @@ impl<'a> Investigation<'a> {
     }
 
     /// The strongest of what parameters leave.
-    fn located(&self, columns: &[Column], residuals: Vec<(usize, f64)>) -> Vec<Located> {
-        let strong = residuals.into_iter().filter(|(_, z)| z.abs() > STRONG);
-        let located = strong.map(|(column, deviations)| {
+    fn located(&self, columns: &[Column], residuals: Vec<OfColumn>) -> Vec<Located> {
+        let strong = residuals.into_iter().filter(|of| of.value.abs() > STRONG);
+        let located = strong.map(|OfColumn { column, value }| {
             let Column {
                 condition, cell, ..
             } = &columns[column];
             Located {
                 condition: self.cases[*condition].condition.clone(),
                 cell: cell.clone(),
-                deviations,
+                deviations: value,
             }
         });
         let mut located: Vec<Located> = located.collect();
@@ -635,7 +635,10 @@ impl<'a> Investigation<'a> {
             let effect = self.candidates.iter().position(|it| it.name() == name)?;
             let sizes = &fitted.judgement.opinion.evidence.sizes;
             let chosen = Chosen {
-                effects: vec![(effect, sizes[effect].middle)],
+                effects: vec![Part {
+                    candidate: effect,
+                    size: sizes[effect].middle,
+                }],
             };
             let model = fitted.yardstick.model;
             let fit = model.fit(fitted.values, &chosen.effects);
