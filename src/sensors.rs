@@ -311,6 +311,7 @@ fn channel(name: &str, unit: &str, sample_rate: f64, start: f64, samples: Vec<f6
 mod tests {
     use super::spectrum::{amplitude, decibels};
     use super::*;
+    use crate::signal::Plans;
     use sha2::{Digest, Sha256};
     use std::f64::consts::TAU;
 
@@ -460,12 +461,8 @@ mod tests {
         };
         let noise = chain(0);
         // Power in the flat band, by tones spread over it (bins of a 20 000-point transform).
-        let mut planner = realfft::RealFftPlanner::<f64>::new();
-        let transform = planner.plan_fft_forward(noise.len());
-        let mut spectrum = transform.make_output_vec();
-        transform
-            .process(&mut noise.clone(), &mut spectrum)
-            .unwrap();
+        let transform = Plans::default().forward(noise.len());
+        let spectrum = transform.apply(noise.clone());
         let flat = &spectrum[10..8000];
         let power = flat.iter().map(|c| c.norm_sqr()).sum::<f64>() / flat.len() as f64;
         let density = libm::sqrt(2.0 * power / (2000.0 * noise.len() as f64));

@@ -120,6 +120,7 @@ fn every_module_of_the_library_has_its_place_in_the_order() {
 fn every_foreign_world_has_one_door() {
     let doors = [
         ("rapier2d::", "simulation"),
+        ("RealFftPlanner", "signal"),
         ("hdf5::", "dataset"),
         ("hdf5_sys::", "dataset"),
         ("clap::", "cli"),
