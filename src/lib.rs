@@ -49,8 +49,8 @@
 //! # 2. Measure
 //!
 //! [`sensors`] convert states to sampled channels; a [`Trace`](trace::Trace) holds the channels and the ground truth
-//! of one run; [`signal`] has their transforms, spectra and filters; [`dataset`] reads and writes runs as HDF5 and imports a rig's CSV files. One motion can be measured by
-//! many sets of sensors.
+//! of one run; [`signal`] has their transforms, spectra and filters; [`dataset`] reads and writes runs as HDF5 and
+//! imports a rig's CSV files. One motion can be measured by many sets of sensors.
 //!
 //! ```
 //! # use lugwheel::{quantity::Seed, scenario::Scenario};
