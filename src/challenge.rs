@@ -56,6 +56,7 @@ fn way_out(refusal: &io::Error) -> String {
 
 /// Why a trial cannot go on.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChallengeError {
     /// A file of the trial cannot be read.
     #[error("cannot read {}: {}", path.display(), whole_file::reason(source))]

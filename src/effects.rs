@@ -164,6 +164,7 @@ pub enum Source {
 
 /// Why an effect cannot be applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EffectError {
     /// No effect has that name.
     #[error("there is no effect `{name}`; did you mean {}?", quoted(near))]

@@ -1,7 +1,7 @@
 //! Speed-independent vibration features of a window (Section 3): `κ_f`, `κ_A`, `κ_mv`, `κ_ms`.
 //!
 //! Each is a statistic of the vertical acceleration over the same statistic of the reference: the
-//! acceleration of the same wheel on flat hard ground ([`reference`]), turned by the same angle in
+//! acceleration of the same wheel on flat hard ground ([`mod@reference`]), turned by the same angle in
 //! the same window and passed through the same filter. Unknown properties of the wheel's rig then cancel, and
 //! so does the speed as far as the vibration consists of impacts of lugs.
 //!
@@ -41,6 +41,7 @@ use std::ops::Range;
 /// Which mean Eq. (53) takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum MeanValue {
     /// Of the rectified acceleration.
     Rectified,
@@ -51,6 +52,7 @@ pub enum MeanValue {
 /// How Eq. (51) takes the frequency of the vibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Frequency {
     /// The line of the lug pass where it stands out, else the contact rate, see
     /// [`frequency::lug_line`].
@@ -64,8 +66,9 @@ pub enum Frequency {
 /// How windows are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Window {
-    /// Of this length [s].
+    /// Of this length \[s\].
     Seconds(f64),
     /// Of this many lug passes.
     LugPasses(f64),
@@ -77,7 +80,7 @@ pub enum Window {
 pub struct Settings {
     /// How windows are cut.
     pub window: Window,
-    /// Corner [Hz] of the Gaussian low-pass, 3 dB down.
+    /// Corner \[Hz\] of the Gaussian low-pass, 3 dB down.
     pub bandwidth: f64,
     /// Which mean Eq. (53) takes.
     pub mean: MeanValue,
@@ -228,7 +231,7 @@ impl Extractor {
         Ok(band_powers::of_lines(&powers, record.sample_rate))
     }
 
-    /// `κ_A` and `κ_ms` [-] of a displacement [m] over the `reference`'s [m], both sampled at the same
+    /// `κ_A` and `κ_ms` [-] of a displacement \[m\] over the `reference`'s \[m\], both sampled at the same
     /// equally spaced wheel angles: Eq. (52) and (54) with displacements for accelerations. Means
     /// are taken off and nothing is filtered. Not finite where the reference does not move.
     pub fn displacement_ratios(&mut self, displacement: &[f64], reference: &[f64]) -> [f64; 2] {

@@ -10,7 +10,7 @@
 //! A [`Statistician`] computes some hundred [`statistics`] of every run, each identified by its [`Cell`]:
 //! channel, domain, statistic. A [`Comparison`] matches measured runs with replicates by condition and lists
 //! those without a counterpart. Its [`map()`](Comparison::map) tests every cell against the spread of the
-//! replicates; the result is gap, equivalent or undecided. [`Whitening`] and [`closed`] reduce it to one
+//! replicates; the result is gap, equivalent or undecided. Whitening and [`closed`] reduce it to one
 //! number, [`stages`] attributes it to the stages of processing.
 //!
 //! The comparison does not depend on the simulator: replicates and measured runs are both traces.
@@ -50,6 +50,7 @@ use crate::recognition::RecognitionError;
 
 /// Why runs cannot be compared.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GapError {
     /// The sides share no condition with a cell in common.
     #[error(

@@ -109,6 +109,7 @@ use weight::Scale;
 
 /// Why parameters cannot be identified from the rows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum IdentifyError {
     /// A number of the setting is out of its range.
     #[error("setting: {0}")]

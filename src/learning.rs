@@ -43,7 +43,7 @@ pub struct ChannelFact {
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate: f64,
 }
 
@@ -64,7 +64,7 @@ impl ChannelFact {
 pub struct FileFact {
     /// Its name, without folders.
     pub name: String,
-    /// Its size [B].
+    /// Its size \[B\].
     pub bytes: u64,
     /// SHA-256 of its bytes, in hexadecimal digits.
     pub sha256: String,

@@ -20,7 +20,8 @@
 //! ([`scenario::ready`]), and [`scenario::keys`] lists the keys of a file. From it come the [`terrain`] along the track, the
 //! [`wheel`], and the rig that carries and drives it; [`simulation`] integrates the motion, state by state, with the
 //! equations of [`soil`] on sand. The kinematics of a rigid wheel are in [`vibration`]. [`quantity`] holds the typed
-//! numbers. A stream of random numbers belongs to seed, run and stage, so that results do not depend on threads.
+//! numbers, [`statistics`] the moments and quantiles that all rooms use. A stream of random numbers belongs to seed, run
+//! and stage, so that results do not depend on threads.
 //!
 //! ```
 //! use lugwheel::quantity::Seed;
@@ -48,8 +49,8 @@
 //! # 2. Measure
 //!
 //! [`sensors`] convert states to sampled channels; a [`Trace`](trace::Trace) holds the channels and the ground truth
-//! of one run; [`dataset`] reads and writes runs as HDF5 and imports a rig's CSV files. One motion can be measured by
-//! many sets of sensors.
+//! of one run; [`signal`] has their transforms, spectra and filters; [`dataset`] reads and writes runs as HDF5 and
+//! imports a rig's CSV files. One motion can be measured by many sets of sensors.
 //!
 //! ```
 //! # use lugwheel::{quantity::Seed, scenario::Scenario};
@@ -111,12 +112,114 @@
 //! pages. [`document`] parses the files that describe experiments and reports faults by line; [`whole_file`] writes
 //! every file completely or not at all.
 //!
-//! # Extending
+//! # Extension points
+//!
+//! Ground, soil, drive and sensors of a user's own need no change of the program: each is a small trait, and
+//! [`run_with`](scenario::Scenario::run_with) runs a scenario with them.
+//!
+//! A scanned profile is added to the ground's own heights:
+//!
+//! ```
+//! # use lugwheel::{quantity::Seed, scenario::Scenario};
+//! # use std::ops::ControlFlow;
+//! use lugwheel::scenario::extensions::Extensions;
+//! use lugwheel::{signal::cubic, terrain::profile::Heights};
+//!
+//! /// Heights \[m\] every `spacing` \[m\] from `start` on.
+//! #[derive(Debug)]
+//! struct Scan { start: f64, spacing: f64, heights: Vec<f64> }
+//!
+//! impl Heights for Scan {
+//!     fn height(&self, x: f64) -> f64 {
+//!         cubic(&self.heights, (x - self.start) / self.spacing)
+//!     }
+//! }
+//!
+//! # let text = std::fs::read_to_string("scenarios/single_wheel_ref.toml")?;
+//! # let scenario = Scenario::from_toml(&text, "ref.toml")?.with_all(&["duration=0.1", "lead_in=0.0"])?;
+//! let heights = (0..500).map(|i| 0.01 * libm::sin(0.05 * f64::from(i))).collect();
+//! let scan = Scan { start: -1.0, spacing: 0.005, heights };
+//! let own = Extensions::default().heights(scan);
+//! let trace = scenario.run_with(own, Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
+//! assert!(trace.truth.unwrap().profile.iter().any(|[_, height]| *height > 0.005));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A soil law states pressure over sinkage, and how much of the strength a shear displacement mobilises:
+//!
+//! ```
+//! # use lugwheel::{quantity::Seed, scenario::{Scenario, extensions::Extensions}};
+//! # use std::ops::ControlFlow;
+//! use lugwheel::soil::law::SoilLaw;
+//!
+//! /// A muskeg: its pressure has an upper limit, its strength a peak (Wong 2008, *Theory of Ground Vehicles*).
+//! #[derive(Debug)]
+//! struct Muskeg { limit: f64, depth: f64, peak: f64 }
+//!
+//! impl SoilLaw for Muskeg {
+//!     fn pressure(&self, sinkage: f64, _width: f64, _slip: f64) -> f64 {
+//!         self.limit * -libm::expm1(-sinkage / self.depth)
+//!     }
+//!     fn mobilised(&self, displacement: f64) -> f64 {
+//!         let j = displacement / self.peak;
+//!         j * libm::exp(1.0 - j.abs())
+//!     }
+//! }
+//!
+//! # let text = std::fs::read_to_string("scenarios/quick.toml")?;
+//! # let scenario = Scenario::from_toml(&text, "quick.toml")?.with_all(&["duration=0.2", "lead_in=0.0"])?;
+//! let own = Extensions::default().soil_law(Muskeg { limit: 3.0e4, depth: 0.02, peak: 0.02 });
+//! let trace = scenario.run_with(own, Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
+//! assert!(trace.steady_mean("sinkage").unwrap() > 0.005);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A drive profile commands the speeds over time, and a sensor looks at every state:
+//!
+//! ```
+//! # use lugwheel::{quantity::Seed, scenario::{Scenario, extensions::Extensions}};
+//! # use std::ops::ControlFlow;
+//! use lugwheel::sensors::Sensor;
+//! use lugwheel::simulation::WheelState;
+//! use lugwheel::simulation::rig::{DriveProfile, Speeds};
+//! use lugwheel::trace::Channel;
+//!
+//! /// There and back again, without slip.
+//! #[derive(Debug)]
+//! struct Swing { speed: f64, radius: f64 }
+//!
+//! impl DriveProfile for Swing {
+//!     fn speeds(&self, time: f64) -> Speeds {
+//!         let forward = self.speed * libm::sin(20.0 * time);
+//!         Speeds { forward, wheel: forward / self.radius }
+//!     }
+//! }
+//!
+//! /// Height of the axle, step by step.
+//! struct Laser(Channel);
+//!
+//! impl Sensor for Laser {
+//!     fn push(&mut self, state: &WheelState) { self.0.samples.push(state.height); }
+//!     fn finish(self: Box<Self>) -> Channel { self.0 }
+//! }
+//!
+//! # let text = std::fs::read_to_string("scenarios/single_wheel_ref.toml")?;
+//! # let scenario = Scenario::from_toml(&text, "ref.toml")?.with_all(&["duration=0.2", "lead_in=0.0"])?;
+//! let swing = Swing { speed: 0.05, radius: scenario.wheel.radius };
+//! let (name, unit, sample_rate) = ("height".to_owned(), "m".to_owned(), scenario.physics_rate().hertz());
+//! let laser = Laser(Channel { name, unit, sample_rate, start: 0.0, samples: Vec::new() });
+//! let own = Extensions::default().drive(swing).sensor(laser);
+//! let trace = scenario.run_with(own, Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
+//! assert!(trace.channel("height").is_some());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Extending the program
 //!
 //! | to add | edit |
 //! |---|---|
-//! | a terrain | a variant of [`TerrainSpec`](terrain::TerrainSpec), and its contact forces in `src/simulation/ground_force.rs` |
-//! | a soil law | a file in `src/soil`, used by the columns (`src/simulation/soil_track`) and the quadrature (`src/soil/wheel_load`) |
+//! | a terrain of a scenario file | a variant of [`TerrainSpec`](terrain::TerrainSpec), and its contact forces in `src/simulation/ground_force.rs` |
+//! | a soil law of a scenario file | a file in `src/soil`, used by the columns (`src/simulation/soil_track`) and the quadrature (`src/soil/wheel_load`) |
 //! | a sensor stage | a file in `src/sensors`, neutral by default, and a line of [`SensorChain`](sensors::SensorChain) |
 //! | an effect | one entry in a file of `src/effects`: a law that edits a parameter whose ideal value is neutral |
 //! | a recognition method | a file in `src/recognition` and a variant of [`Method`](recognition::Method) |
@@ -124,7 +227,7 @@
 //! | a statistic of the comparison | a variant of [`Statistic`](gap::Statistic) and a file in `src/gap/statistics` |
 //! | a parameter of the recalibration | one entry in `src/diagnosis/parameter.rs` |
 //! | a distribution of a study | a variant of `Distribution` in `src/study/sweep/distribution.rs` |
-//! | a table of a study | an implementation of `Table` in `src/study/table.rs` |
+//! | an analysis of a study | an implementation of `Table` of `src/study/table.rs`, and its line in each list of `src/study/scores.rs` |
 //!
 //! # Glossary
 //!
@@ -167,6 +270,8 @@ mod readme {}
 // What things are.
 pub mod quantity;
 
+pub mod statistics;
+
 pub mod document;
 pub mod wheel;
 pub mod whole_file;
@@ -181,6 +286,8 @@ pub mod simulation;
 
 // What is measured.
 pub mod trace;
+
+pub mod signal;
 
 pub mod sensors;
 

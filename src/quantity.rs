@@ -106,7 +106,7 @@ impl SlipRatio {
         RangeError::check("slip ratio", "-", value, [-1.0, 1.0]).map(Self)
     }
 
-    /// Slip of a rim of `radius` [m] that turns at `wheel_speed` [rad/s] and moves at
+    /// Slip of a rim of `radius` \[m\] that turns at `wheel_speed` [rad/s] and moves at
     /// `forward_speed` [m/s]. A wheel at rest has none; directions that disagree read ±1.
     pub fn from_motion(radius: f64, wheel_speed: f64, forward_speed: f64) -> Self {
         let rim_speed = radius * wheel_speed;
@@ -122,7 +122,7 @@ impl SlipRatio {
         Self(((rim_speed - forward_speed) / (faster * direction.signum())).clamp(-1.0, 1.0))
     }
 
-    /// Wheel speed [rad/s] that gives this slip at `forward_speed` [m/s] on a rim of `radius` [m]; `None` at
+    /// Wheel speed [rad/s] that gives this slip at `forward_speed` [m/s] on a rim of `radius` \[m\]; `None` at
     /// s = 1, where it is not determined by the forward speed.
     pub fn wheel_speed(self, radius: f64, forward_speed: f64) -> Option<f64> {
         match self.0 {
@@ -151,7 +151,7 @@ impl From<SlipRatio> for f64 {
     }
 }
 
-/// Rate of sampling or of stepping [Hz], a whole number.
+/// Rate of sampling or of stepping \[Hz\], a whole number.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
@@ -179,17 +179,17 @@ impl SampleRate {
         Ok(Self(hertz as u32))
     }
 
-    /// The rate [Hz].
+    /// The rate \[Hz\].
     pub fn hertz(self) -> f64 {
         f64::from(self.0)
     }
 
-    /// The rate [Hz] as a whole number.
+    /// The rate \[Hz\] as a whole number.
     pub fn whole(self) -> u32 {
         self.0
     }
 
-    /// Time between samples [s].
+    /// Time between samples \[s\].
     pub fn period(self) -> f64 {
         1.0 / self.hertz()
     }

@@ -33,6 +33,7 @@ use std::ops::Range;
 /// Method of recognition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Method {
     /// By the paper's regions, see [`paper`].
     Paper,
@@ -78,9 +79,9 @@ impl Answer {
 /// A window of a run and its class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recognized {
-    /// Begin [s].
+    /// Begin \[s\].
     pub start: f64,
-    /// End [s].
+    /// End \[s\].
     pub end: f64,
     /// Lug passes in it [-].
     pub lug_passes: f64,
@@ -92,6 +93,7 @@ pub struct Recognized {
 
 /// Why a run has no answers.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecognitionError {
     /// The run lacks what every method needs.
     #[error(transparent)]

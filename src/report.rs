@@ -24,7 +24,6 @@
 //! - [`diagnosis_page()`]: what a diagnosis found, as such a document.
 //! - [`study_page()`]: what a study asked, what came of it and what was run, as such a document.
 //! - [`image`]: any of the drawings as PNG or PDF.
-//! - [`spectrum`]: amplitude per turn of the wheel, which the first of them draws.
 
 mod arm_column;
 mod arm_curves;
@@ -57,7 +56,6 @@ mod run_view;
 mod run_words;
 mod scene;
 mod side_by_side;
-pub mod spectrum;
 pub mod study_page;
 mod sweep_figure;
 mod threshold_figure;
@@ -95,6 +93,7 @@ pub use wheel_picture::wheel_picture;
 
 /// Why there is nothing to report.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReportError {
     /// The run holds no finite sample, mean or ground.
     #[error(

@@ -12,6 +12,7 @@
 //! ```
 
 pub mod experiment;
+pub mod extensions;
 pub mod keys;
 pub mod ready;
 pub mod recording;
@@ -50,16 +51,16 @@ const SLOWEST: f64 = 4_000.0;
 pub struct Scenario {
     /// Version of the format: 1.
     version: i64,
-    /// Duration of the run [s].
+    /// Duration of the run \[s\].
     pub duration: f64,
-    /// Time [s] the wheel drives before the record begins: until it has sunk in and runs steadily.
+    /// Time \[s\] the wheel drives before the record begins: until it has sunk in and runs steadily.
     #[serde(skip_serializing_if = "is_zero")]
     #[schemars(default)]
     pub lead_in: f64,
-    /// Steps per second of the simulation [Hz]; the terrain's own rate if absent.
+    /// Steps per second of the simulation \[Hz\]; the terrain's own rate if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub physics_rate: Option<SampleRate>,
-    /// Length [s] of the windows in which the run is labelled; if absent 15 s, or the whole of a shorter run.
+    /// Length \[s\] of the windows in which the run is labelled; if absent 15 s, or the whole of a shorter run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<f64>,
     /// The ground.
@@ -214,19 +215,19 @@ impl Scenario {
         toml::to_string(self).expect("a scenario holds tables, numbers and names only")
     }
 
-    /// Steps per second of the simulation [Hz]: the scenario's, or the terrain's default.
+    /// Steps per second of the simulation \[Hz\]: the scenario's, or the terrain's default.
     pub fn physics_rate(&self) -> SampleRate {
         self.physics_rate
             .unwrap_or_else(|| default_physics_rate(&self.terrain))
     }
 
-    /// Length [s] of the windows in which the run is labelled: the scenario's, or
+    /// Length \[s\] of the windows in which the run is labelled: the scenario's, or
     /// 15 s, or the whole of a shorter run.
     pub fn window(&self) -> f64 {
         self.window.unwrap_or(PAPER_WINDOW.min(self.duration))
     }
 
-    /// Time [s] the wheel drives: the lead-in and the record.
+    /// Time \[s\] the wheel drives: the lead-in and the record.
     pub fn driven(&self) -> f64 {
         self.lead_in + self.duration
     }
@@ -588,6 +589,7 @@ pub struct OutOfRange {
 
 /// Why a file or an assignment is no scenario.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScenarioError {
     /// The file cannot be read.
     #[error("cannot read scenario {}", path.display())]

@@ -50,9 +50,9 @@ use vision::Vision;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sensors {
-    /// Rate [Hz] at which accelerometer and force sensor are sampled.
+    /// Rate \[Hz\] at which accelerometer and force sensor are sampled.
     pub rate: SampleRate,
-    /// Rate [Hz] of the stored samples; divides `rate`.
+    /// Rate \[Hz\] of the stored samples; divides `rate`.
     pub output_rate: SampleRate,
     /// Whether to store the samples of the fast channels at the sensor rate too, as `<channel>_raw`. Above
     /// half of the physics rate they contain only noise.
@@ -129,9 +129,9 @@ impl Sensors {
 /// The run observed by the sensors. Their noise depends on it, one random stream per channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observed {
-    /// Rate [Hz] of the states.
+    /// Rate \[Hz\] of the states.
     pub physics_rate: SampleRate,
-    /// Rim radius [m].
+    /// Rim radius \[m\].
     pub wheel_radius: f64,
     /// Where the series' draws come from.
     pub seed: Seed,
@@ -220,11 +220,21 @@ impl Quantities {
     }
 }
 
+/// A sensor that a user brings.
+pub trait Sensor {
+    /// Looks at the next state of the record, one a physics step.
+    fn push(&mut self, state: &WheelState);
+
+    /// What it measured.
+    fn finish(self: Box<Self>) -> Channel;
+}
+
 /// The sensors of one run; memory grows with the stored samples, not with the physics rate.
 pub struct SensorChain {
     quantities: Quantities,
     fast: Vec<FastChannel>,
     slow: SlowChannels,
+    own: Vec<Box<dyn Sensor>>,
     /// Time [s] of the first state.
     start: f64,
     steps: u64,
@@ -247,9 +257,15 @@ impl SensorChain {
             quantities: Quantities::new(sensors, observed, physics_rate.hertz()),
             fast: fast.collect::<Result<_, _>>()?,
             slow: SlowChannels::new(sensors, observed),
+            own: Vec::new(),
             start: 0.0,
             steps: 0,
         })
+    }
+
+    /// Adds sensors of the user's own, whose channels come last.
+    pub fn add(&mut self, sensors: impl IntoIterator<Item = Box<dyn Sensor>>) {
+        self.own.extend(sensors);
     }
 
     /// Measures the next state.
@@ -257,6 +273,7 @@ impl SensorChain {
         if self.steps == 0 {
             self.start = state.time;
         }
+        self.own.iter_mut().for_each(|sensor| sensor.push(state));
         let values = self.quantities.of(state);
         for (channel, value) in self.fast.iter_mut().zip(values) {
             channel.push(value);
@@ -275,6 +292,7 @@ impl SensorChain {
         let count = channels[0].samples.len();
         channels.extend(self.slow.finish(start, count));
         channels.extend(raw.into_iter().flatten());
+        channels.extend(self.own.into_iter().map(|sensor| sensor.finish()));
         channels
     }
 }
@@ -293,6 +311,7 @@ fn channel(name: &str, unit: &str, sample_rate: f64, start: f64, samples: Vec<f6
 mod tests {
     use super::spectrum::{amplitude, decibels};
     use super::*;
+    use crate::signal::Plans;
     use sha2::{Digest, Sha256};
     use std::f64::consts::TAU;
 
@@ -442,12 +461,8 @@ mod tests {
         };
         let noise = chain(0);
         // Power in the flat band, by tones spread over it (bins of a 20 000-point transform).
-        let mut planner = realfft::RealFftPlanner::<f64>::new();
-        let transform = planner.plan_fft_forward(noise.len());
-        let mut spectrum = transform.make_output_vec();
-        transform
-            .process(&mut noise.clone(), &mut spectrum)
-            .unwrap();
+        let transform = Plans::default().forward(noise.len());
+        let spectrum = transform.apply(noise.clone());
         let flat = &spectrum[10..8000];
         let power = flat.iter().map(|c| c.norm_sqr()).sum::<f64>() / flat.len() as f64;
         let density = libm::sqrt(2.0 * power / (2000.0 * noise.len() as f64));

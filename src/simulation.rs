@@ -32,16 +32,17 @@ use ground_force::GroundForce;
 use motion::{WheelMotion, Wrench};
 use mount::{AtLimits, Mount};
 use rig::flaws::GuideFriction;
-use rig::{Command, Commanded, Leg, Rig};
+use rig::{Command, Commanded, DriveProfile, Leg, Rig};
+use std::sync::Arc;
 use stone_bed::OnBed;
 use world::{WheelBody, World};
 
 /// Loads on the wheel in the plane of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Loads {
-    /// Normal force `F_N` [N], upward.
+    /// Normal force `F_N` \[N\], upward.
     pub normal_force: f64,
-    /// Drawbar pull `F_DP` [N], above 0 where the ground pulls the wheel forward.
+    /// Drawbar pull `F_DP` \[N\], above 0 where the ground pulls the wheel forward.
     pub drawbar_pull: f64,
     /// Torque [N·m] about the axle, above 0 where the motor drives forward against the ground.
     pub driving_torque: f64,
@@ -52,13 +53,13 @@ pub struct Loads {
 /// `x` runs forward along the track, `y` away from it; the wheel angle grows when driving forward.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WheelState {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
-    /// Position of the axle along the track [m].
+    /// Position of the axle along the track \[m\].
     pub position: f64,
-    /// Height of the axle above the track's datum [m].
+    /// Height of the axle above the track's datum \[m\].
     pub height: f64,
-    /// Angle turned since the start [rad].
+    /// Angle turned since the start \[rad\].
     pub wheel_angle: f64,
     /// Speed along the track [m/s].
     pub forward_speed: f64,
@@ -75,7 +76,7 @@ pub struct WheelState {
     /// Loads that pass from the wheel to its axle, as a transducer there feels them that was tared
     /// on the level: the ground's, less the wheel's inertia, and less its weight along a slope.
     pub hub: Loads,
-    /// Depth of the rim's lowest point below the undisturbed surface [m].
+    /// Depth of the rim's lowest point below the undisturbed surface \[m\].
     pub sinkage: f64,
     /// Whether the ground under the axle is soil that lugs can enter.
     pub on_soil: bool,
@@ -89,6 +90,7 @@ pub struct WheelState {
 
 /// Why a run could not go on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SimulationError {
     /// The wheel sank to its axle.
     #[error(
@@ -96,13 +98,13 @@ pub enum SimulationError {
         (1.0e3 * load).round() / 1.0e3
     )]
     Sunk {
-        /// When [s].
+        /// When \[s\].
         time: f64,
-        /// How deep [m].
+        /// How deep \[m\].
         sinkage: f64,
-        /// Rim radius [m].
+        /// Rim radius \[m\].
         radius: f64,
-        /// Vertical load [N].
+        /// Vertical load \[N\].
         load: f64,
     },
     /// A quantity stopped being a number.
@@ -110,9 +112,9 @@ pub enum SimulationError {
         "at {time:.3} s the wheel's motion was no longer a number; raise physics_rate above {rate} Hz"
     )]
     NotFinite {
-        /// When [s].
+        /// When \[s\].
         time: f64,
-        /// Steps per second [Hz].
+        /// Steps per second \[Hz\].
         rate: f64,
     },
     /// A value of the rig has no meaning.
@@ -138,6 +140,7 @@ pub struct Simulation {
     geometry: WheelGeometry,
     rig: Rig,
     command: Command,
+    profile: Option<Arc<dyn DriveProfile>>,
     leg: Option<Leg>,
     guide: GuideFriction,
     /// Drawbar pull [N] in the last step.
@@ -201,6 +204,7 @@ impl Simulation {
             geometry,
             rig,
             command,
+            profile: None,
             leg,
             guide: GuideFriction::default(),
             pull: 0.0,
@@ -214,13 +218,21 @@ impl Simulation {
         Ok(simulation)
     }
 
+    /// The wheel driven by a profile from now on, in place of the constant speeds of its rig.
+    pub fn following(self, profile: Arc<dyn DriveProfile>) -> Self {
+        Self {
+            profile: Some(profile),
+            ..self
+        }
+    }
+
     /// Label of the ground under the axle.
     pub fn label(&mut self) -> TerrainLabel {
         let x = self.world.motion().x;
         self.ground.label(x)
     }
 
-    /// The ground before the wheel came, stones included, every `spacing` [m]: position and height [m].
+    /// The ground before the wheel came, stones included, every `spacing` \[m\]: position and height \[m\].
     pub fn undisturbed(&mut self, low: f64, high: f64, spacing: f64) -> Vec<[f64; 2]> {
         let nodes = (low / spacing).floor() as i64..=(high / spacing).ceil() as i64;
         nodes
@@ -229,7 +241,7 @@ impl Simulation {
             .collect()
     }
 
-    /// The ground's surface as it is now between two places: position and height [m].
+    /// The ground's surface as it is now between two places: position and height \[m\].
     pub fn surface(&mut self, low: f64, high: f64) -> Vec<[f64; 2]> {
         self.ground.surface(low, high)
     }
@@ -376,7 +388,11 @@ impl Iterator for Simulation {
             return None;
         }
         self.step += 1;
-        let commanded = self.command.at(self.step as f64 * self.rate.period());
+        let time = self.step as f64 * self.rate.period();
+        let commanded = match &self.profile {
+            None => self.command.at(time),
+            Some(profile) => self.command.of(profile.speeds(time), time),
+        };
         let result = self.advance(&commanded, 0.0).and_then(|state| {
             self.check_sinkage(&state)?;
             Ok(state)

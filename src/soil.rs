@@ -3,7 +3,7 @@
 //! The one truth of these equations: the simulator runs them forward, and whoever identifies soil
 //! from loads can invert the same functions.
 //!
-//! Symbols of the whole project, SI units, angles [rad] at the axle from straight down, positive
+//! Symbols of the whole project, SI units, angles \[rad\] at the axle from straight down, positive
 //! ahead:
 //!
 //! | symbol | quantity | unit | here |
@@ -33,6 +33,7 @@ pub mod closed_form;
 pub mod contact;
 pub mod departures;
 pub mod hard_base;
+pub mod law;
 pub mod lug_action;
 pub mod penetration_rate;
 pub(crate) mod power;
@@ -52,6 +53,7 @@ use serde::{Deserialize, Serialize};
 /// Which distribution of stress over the contact arc the soil follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum StressConvention {
     /// Wong-Reece: `σ = k_s rᴺ (cos θ - cos θ_1)ᴺ` ahead of `θ_m`, mirrored behind it.
     WongReece,
@@ -76,11 +78,11 @@ pub struct Soil<T = f64> {
     pub sinkage_exponent: T,
     /// Growth of the sinkage exponent with slip `n_1` [-]: `N = n_0 + n_1 |s|`.
     pub sinkage_exponent_slip: T,
-    /// Cohesion `c` [Pa].
+    /// Cohesion `c` \[Pa\].
     pub cohesion: T,
     /// Internal friction angle `φ` [°].
     pub friction_angle_deg: T,
-    /// Shear deformation modulus `K` [m].
+    /// Shear deformation modulus `K` \[m\].
     pub shear_modulus: T,
     /// Maximum-stress angle coefficient `c_1` [-]: `θ_m = (c_1 + c_2 s) θ_1`.
     pub stress_angle: T,
@@ -102,12 +104,12 @@ pub struct Soil<T = f64> {
 }
 
 impl<T: Real> Soil<T> {
-    /// `k_s = k_c/b + k_φ` [N·m⁻⁽ᴺ⁺²⁾] under a plate or wheel of `width` [m].
+    /// `k_s = k_c/b + k_φ` [N·m⁻⁽ᴺ⁺²⁾] under a plate or wheel of `width` \[m\].
     pub fn sinkage_modulus(&self, width: f64) -> T {
         self.cohesive_modulus / width + self.frictional_modulus
     }
 
-    /// This soil as a wheel of `diameter` [m] meets it: its moduli are of flat plates.
+    /// This soil as a wheel of `diameter` \[m\] meets it: its moduli are of flat plates.
     pub fn under_wheel_of(&self, diameter: f64) -> Self {
         let factor = self.departures.diameter_factor(diameter);
         Self {

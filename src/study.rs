@@ -137,7 +137,6 @@
 //! slurm/         logs of the jobs of a cluster, see `study::slurm`
 //! ```
 
-mod band;
 pub mod conditions;
 pub mod diagnosis;
 mod execution;
@@ -145,6 +144,7 @@ mod folder;
 mod group;
 pub mod identification;
 mod kept;
+mod progress;
 mod recognition;
 mod references;
 pub mod results;
@@ -159,7 +159,8 @@ pub mod thresholds;
 mod traces;
 pub mod windows;
 
-pub use execution::{Diagnosing, Failure, Options, Outcome, Progress};
+pub use execution::{Failure, Options, Outcome};
+pub use progress::{Diagnosing, Progress};
 pub use scores::Scores;
 
 use crate::dataset::hdf5::RunFileError;
@@ -334,7 +335,7 @@ impl Study {
         self.condition_count() * u64::from(self.repeats)
     }
 
-    /// Time [s] simulated in all runs.
+    /// Time \[s\] simulated in all runs.
     pub fn simulated(&self) -> f64 {
         let conditions = 0..self.condition_count();
         let durations = conditions.map(|condition| self.scenario_of(condition).duration);
@@ -735,6 +736,7 @@ fn way_on(action: &str, refusal: &io::Error) -> String {
 
 /// Why a study is none, or was not finished.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StudyError {
     /// The file cannot be read.
     #[error("cannot read study {}", path.display())]

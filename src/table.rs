@@ -1,6 +1,6 @@
-//! Tables of results: one value, written as text, and by [`report::page`](crate::report::page) as HTML.
+//! Tables of results: one value, written as text, and by [`report::page`](mod@crate::report::page) as HTML.
 
-use crate::recognition::confusion::Share;
+use crate::statistics::Share;
 
 /// A table.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -6,26 +6,28 @@ pub mod stones;
 
 use crate::quantity::{RangeError, Seed};
 use crate::soil::Soil;
+use crate::soil::law::SoilLaw;
 use class::TerrainLabel;
-use profile::Profile;
+use profile::{Heights, Profile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 /// Hunt-Crossley contact of lug edge or rim with stone: `F = F_0 (δ/δ_0)ⁿ (1 + d δ̇)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardContact {
-    /// Load `F_0` [N] at the reference indentation.
+    /// Load `F_0` \[N\] at the reference indentation.
     pub reference_load: f64,
-    /// Indentation `δ_0` [m] at that load.
+    /// Indentation `δ_0` \[m\] at that load.
     pub reference_indentation: f64,
     /// Exponent `n` [-].
     pub exponent: f64,
     /// Dissipation `d` [s/m].
     pub dissipation: f64,
-    /// Thickness [m] of the dust on the stone; none if absent. It takes friction away; a cover that
+    /// Thickness \[m\] of the dust on the stone; none if absent. It takes friction away; a cover that
     /// also bears is a soil over a hard base ([`crate::soil::hard_base`]).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub dust: f64,
@@ -35,13 +37,13 @@ pub struct HardContact {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Roughness {
-    /// Root-mean-square height [m].
+    /// Root-mean-square height \[m\].
     pub rms: f64,
     /// Hurst exponent `H` [-].
     pub hurst: f64,
-    /// Longest wavelength [m].
+    /// Longest wavelength \[m\].
     pub longest: f64,
-    /// Shortest wavelength [m].
+    /// Shortest wavelength \[m\].
     pub shortest: f64,
 }
 
@@ -49,15 +51,15 @@ pub struct Roughness {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Joints {
-    /// Mean length of a brick [m].
+    /// Mean length of a brick \[m\].
     pub spacing: f64,
-    /// Width of a joint [m].
+    /// Width of a joint \[m\].
     pub width: f64,
-    /// Depth of a joint [m].
+    /// Depth of a joint \[m\].
     pub depth: f64,
-    /// Standard deviation of the height of neighbouring bricks [m].
+    /// Standard deviation of the height of neighbouring bricks \[m\].
     pub step: f64,
-    /// Radius [m] of the bricks' edges, at least the joint's depth; if absent, that of edges which meet the joint's
+    /// Radius \[m\] of the bricks' edges, at least the joint's depth; if absent, that of edges which meet the joint's
     /// bottom at 45°.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_radius: Option<f64>,
@@ -74,7 +76,7 @@ impl Joints {
         edge_radius: None,
     };
 
-    /// Radius [m] of the bricks' edges.
+    /// Radius \[m\] of the bricks' edges.
     ///
     /// A lug under load `W` leaves a flank of slope `m` only at a pull of `W (m + μ) / (1 - m μ)`, which grows without bound
     /// towards `m μ = 1`. With edges that end at 45° and the friction of metal on stone, 0.6, the lug needs `4 W`.
@@ -89,11 +91,11 @@ impl Joints {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Ledge {
-    /// Where its face begins, from the start of the track [m].
+    /// Where its face begins, from the start of the track \[m\].
     pub position: f64,
-    /// Height [m].
+    /// Height \[m\].
     pub height: f64,
-    /// Radius [m] of its upper edge; 5 mm if absent.
+    /// Radius \[m\] of its upper edge; 5 mm if absent.
     #[serde(default = "Ledge::usual_edge")]
     pub edge_radius: f64,
 }
@@ -131,7 +133,7 @@ impl From<Joints> for Relief {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stones {
-    /// Smallest and largest size [m] (mean diameter, log-uniform between them).
+    /// Smallest and largest size \[m\] (mean diameter, log-uniform between them).
     pub size: SizeRange,
     /// Angularity [-]: 0 rounded, 1 sharp and irregular.
     pub angularity: f64,
@@ -139,7 +141,7 @@ pub struct Stones {
     pub density: f64,
     /// Friction coefficient [-] stone on stone.
     pub friction: f64,
-    /// Effective modulus [Pa] of a contact, `E / (2 (1 - ν²))` of two equal stones.
+    /// Effective modulus \[Pa\] of a contact, `E / (2 (1 - ν²))` of two equal stones.
     #[serde(default = "Stones::default_contact_modulus")]
     pub contact_modulus: f64,
     /// Coefficient of restitution [-] of two stones, or of a stone and the wheel.
@@ -151,13 +153,13 @@ pub struct Stones {
     pub drag: f64,
 }
 
-/// Smallest and largest size [m].
+/// Smallest and largest size \[m\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SizeRange {
-    /// Smallest [m].
+    /// Smallest \[m\].
     pub min: f64,
-    /// Largest [m].
+    /// Largest \[m\].
     pub max: f64,
 }
 
@@ -166,6 +168,7 @@ pub struct SizeRange {
 /// Reading one from a file settles its shape; [`TerrainSpec::check`] its values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum TerrainSpec {
     /// REF: flat and hard.
     Reference {
@@ -189,7 +192,7 @@ pub enum TerrainSpec {
     Gravel {
         /// The stones.
         stones: Stones,
-        /// Depth of the pile [m].
+        /// Depth of the pile \[m\].
         depth: f64,
     },
     /// HGT: free stones scattered on slate.
@@ -231,7 +234,7 @@ pub enum TerrainSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
-    /// Length [m].
+    /// Length \[m\].
     pub length: f64,
     /// What the ground is there; no sequence.
     pub ground: TerrainSpec,
@@ -459,7 +462,7 @@ impl TerrainSpec {
 /// One ground between two places of the track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
-    /// From and to [m].
+    /// From and to \[m\].
     pub range: [f64; 2],
     /// What the ground is; no sequence.
     pub ground: TerrainSpec,
@@ -468,9 +471,11 @@ pub struct Stretch {
 }
 
 /// The ground of one run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Terrain {
     stretches: Vec<Stretch>,
+    heights: Option<Arc<dyn Heights>>,
+    soil_law: Option<Arc<dyn SoilLaw>>,
     seed: Seed,
     run: u64,
 }
@@ -539,9 +544,33 @@ impl Terrain {
         }
         Self {
             stretches,
+            heights: None,
+            soil_law: None,
             seed,
             run,
         }
+    }
+
+    /// The ground with these heights added to its hard surfaces and to its undisturbed soil; those of a pile of gravel
+    /// are made by its stones.
+    pub fn with_heights(self, heights: Arc<dyn Heights>) -> Self {
+        Self {
+            heights: Some(heights),
+            ..self
+        }
+    }
+
+    /// The ground whose soil bears and shears by this law.
+    pub fn with_soil_law(self, law: Arc<dyn SoilLaw>) -> Self {
+        Self {
+            soil_law: Some(law),
+            ..self
+        }
+    }
+
+    /// The law of its soil, where it is not the soil's own.
+    pub fn soil_law(&self) -> Option<&Arc<dyn SoilLaw>> {
+        self.soil_law.as_ref()
     }
 
     /// The stretches in their order along the track.
@@ -567,7 +596,11 @@ impl Terrain {
     /// Height of the fixed surface of `stretch`.
     pub fn profile(&self, stretch: &Stretch) -> Profile {
         let relief = stretch.ground.relief();
-        Profile::new(&relief, NODE, self.seed, self.run)
+        let profile = Profile::new(&relief, NODE, self.seed, self.run);
+        match &self.heights {
+            Some(heights) => profile.with_heights(Arc::clone(heights)),
+            None => profile,
+        }
     }
 
     /// Where the run's draws come from.

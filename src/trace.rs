@@ -1,7 +1,7 @@
 //! Record of one run: channels with units and rates, ground truth, provenance.
 
-pub mod clipping;
 pub mod encoder;
+mod knots;
 pub mod motion;
 pub mod slope;
 pub mod steadiness;
@@ -9,6 +9,7 @@ pub mod truth;
 pub mod turning;
 pub mod wheel;
 
+use crate::statistics::finite_mean;
 pub use turning::unwrapped;
 
 use crate::terrain::class::{TerrainLabel, Wtic};
@@ -68,9 +69,9 @@ pub struct Channel {
     pub name: String,
     /// Unit, for example `m/s^2`.
     pub unit: String,
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate: f64,
-    /// Time of the first sample [s].
+    /// Time of the first sample \[s\].
     pub start: f64,
     /// The samples.
     pub samples: Vec<f64>,
@@ -84,17 +85,17 @@ impl Channel {
         unit_of(name).is_some() && name != "wheel_angle"
     }
 
-    /// Time [s] of sample `index`.
+    /// Time \[s\] of sample `index`.
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 / self.sample_rate
     }
 
-    /// Length of the record [s]: its samples times their period.
+    /// Length of the record \[s\]: its samples times their period.
     pub fn duration(&self) -> f64 {
         self.samples.len() as f64 / self.sample_rate
     }
 
-    /// The samples in `[start, end)` [s], none where the channel has none.
+    /// The samples in `[start, end)` \[s\], none where the channel has none.
     pub fn between(&self, start: f64, end: f64) -> &[f64] {
         let index = |time: f64| {
             // Times are whole multiples of the period up to rounding.
@@ -157,9 +158,9 @@ pub struct Mean {
 pub struct Contact {
     /// Which lug, from 0.
     pub lug: u32,
-    /// First touch [s].
+    /// First touch \[s\].
     pub start: f64,
-    /// Last touch [s].
+    /// Last touch \[s\].
     pub end: f64,
     /// Whether its edge went more than 1 mm below the undisturbed soil.
     pub entered: bool,
@@ -168,9 +169,9 @@ pub struct Contact {
 /// The true class over a stretch of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClassWindow {
-    /// Start [s].
+    /// Start \[s\].
     pub start: f64,
-    /// End [s].
+    /// End \[s\].
     pub end: f64,
     /// How the lugs met the ground.
     pub class: Wtic,
@@ -200,7 +201,7 @@ pub struct Truth {
     pub class_windows: Vec<ClassWindow>,
     /// Terrain parameters by name.
     pub parameters: BTreeMap<String, f64>,
-    /// The ground before the wheel came: position [m], height [m].
+    /// The ground before the wheel came: position \[m\], height \[m\].
     pub profile: Vec<[f64; 2]>,
     /// How much of the run the drives were at their limits.
     pub at_limit: AtLimit,
@@ -225,24 +226,24 @@ impl AtLimit {
 /// Attributes of a run in its file. Unknown numbers are NaN.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunAttributes {
-    /// Rim radius [m].
+    /// Rim radius \[m\].
     pub wheel_radius: f64,
-    /// Wheel width [m].
+    /// Wheel width \[m\].
     pub wheel_width: f64,
     /// Number of lugs; 0 on a smooth wheel, `None` where it is unknown.
     pub lug_count: Option<u32>,
-    /// Lug height [m].
+    /// Lug height \[m\].
     pub lug_height: f64,
-    /// Lug thickness [m] along the circumference; `None` where it is unknown.
+    /// Lug thickness \[m\] along the circumference; `None` where it is unknown.
     pub lug_thickness: Option<f64>,
-    /// Mass [kg] on the wheel's side of the force sensors, the wheel's and what turns or hangs with
+    /// Mass \[kg\] on the wheel's side of the force sensors, the wheel's and what turns or hangs with
     /// it; 0 where the forces are those of the contact alone, `None` where it is unknown.
     pub wheel_mass: Option<f64>,
     /// The plate pressed into the soil; `None` where it was a wheel.
     pub plate: Option<Plate>,
     /// Slope of the track [°], above 0 uphill.
     pub slope_deg: f64,
-    /// Commanded load [N]; 0 for a lifted wheel.
+    /// Commanded load \[N\]; 0 for a lifted wheel.
     pub load: f64,
     /// Commanded forward speed [m/s].
     pub speed: f64,
@@ -258,7 +259,7 @@ pub struct RunAttributes {
     pub day: String,
     /// Remarks.
     pub notes: String,
-    /// Steps per second of the simulation [Hz]; `None` on a measured run.
+    /// Steps per second of the simulation \[Hz\]; `None` on a measured run.
     pub physics_rate: Option<f64>,
     /// Whether the wheel angle was summed up from the wheel's speed, so that it is unknown where its
     /// zero lies: it has turn and no position of the lugs.
@@ -321,7 +322,7 @@ impl Trace {
         self.truth.is_some() || self.attributes.physics_rate.is_some()
     }
 
-    /// Length of the longest channel [s]; 0 where there is none.
+    /// Length of the longest channel \[s\]; 0 where there is none.
     pub fn duration(&self) -> f64 {
         let durations = self.channels.iter().map(Channel::duration);
         durations.fold(0.0, f64::max)
@@ -357,7 +358,7 @@ impl Truth {
         agree.then_some(first)
     }
 
-    /// The class window in which `[start, end]` [s] lies for the most part.
+    /// The class window in which `[start, end]` \[s\] lies for the most part.
     pub fn window_of(&self, [start, end]: [f64; 2]) -> Option<&ClassWindow> {
         let overlap = |other: &ClassWindow| end.min(other.end) - start.max(other.start);
         let windows = self.class_windows.iter();
@@ -373,7 +374,7 @@ impl LugTally {
     }
 }
 
-/// The angle [rad] that a wheel turns through along a channel of `speed`, with `per_speed` the wheel
+/// The angle \[rad\] that a wheel turns through along a channel of `speed`, with `per_speed` the wheel
 /// speed per unit of it: [rad/m] for a forward speed [m/s], 1 for a wheel speed [rad/s].
 ///
 /// The speed is taken as linear between samples (trapezoidal rule), over gaps as well; within a gap the
@@ -395,13 +396,6 @@ pub fn turned_along(speed: &Channel, per_speed: f64) -> Channel {
         samples: samples.collect(),
         ..speed.clone()
     }
-}
-
-/// Mean of the samples that are numbers.
-pub(crate) fn finite_mean(samples: &[f64]) -> Option<f64> {
-    let finite = samples.iter().filter(|x| x.is_finite());
-    let (sum, count) = finite.fold((0.0, 0_u64), |(sum, count), x| (sum + x, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //! Heights `h` are those of the rim's lowest point above the reference surface, in every equation;
 //! the axle lies `r` above. The printed equations mix the two.
 //!
-//! [`flat_ground`] is the reference terrain, [`reference`] what an accelerometer feels on it.
+//! [`flat_ground`] is the reference terrain, [`mod@reference`] what an accelerometer feels on it.
 //! [`outline`] lets a wheel down on any ground and [`rolling`] rolls it on (ALCT and SLCT);
 //! [`soft_ground`] has lugs in soil (LEIS). [`simplified`] reduces all three to the reference with two
 //! factors, [`harmonics`] the reference to its series, [`bounds`] the limits of the first.

@@ -18,11 +18,11 @@ use std::f64::consts::TAU;
 pub struct Lugs {
     /// Number of lugs `n_l` [-], at most 64.
     pub count: u32,
-    /// Height `l` [m] from the rim to the edge.
+    /// Height `l` \[m\] from the rim to the edge.
     pub height: f64,
-    /// Thickness [m] along the rim.
+    /// Thickness \[m\] along the rim.
     pub thickness: f64,
-    /// Radius [m] of the edges of its end; half the thickness, an end that is all round, if absent.
+    /// Radius \[m\] of the edges of its end; half the thickness, an end that is all round, if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_radius: Option<f64>,
 }
@@ -31,7 +31,7 @@ pub struct Lugs {
 const SHARPEST: f64 = 5.0e-5;
 
 impl Lugs {
-    /// Radius [m] of the edges of its end.
+    /// Radius \[m\] of the edges of its end.
     pub fn edge_radius(&self) -> f64 {
         self.edge_radius.unwrap_or(0.5 * self.thickness)
     }
@@ -42,11 +42,11 @@ impl Lugs {
 #[serde(try_from = "WheelTable")]
 #[schemars(!try_from, deny_unknown_fields)]
 pub struct Wheel {
-    /// Rim radius `r` [m].
+    /// Rim radius `r` \[m\].
     pub radius: f64,
-    /// Width `b` [m] along the axle.
+    /// Width `b` \[m\] along the axle.
     pub width: f64,
-    /// Mass [kg] of all that turns with the wheel.
+    /// Mass \[kg\] of all that turns with the wheel.
     pub mass: f64,
     /// Moment of inertia [kg·m²] about the axle.
     pub inertia: f64,
@@ -182,29 +182,29 @@ impl Wheel {
         self.lugs.map_or(0, |lugs| lugs.count)
     }
 
-    /// Height of the lugs `l` [m], 0 on a smooth wheel.
+    /// Height of the lugs `l` \[m\], 0 on a smooth wheel.
     pub fn lug_height(&self) -> f64 {
         self.lugs.map_or(0.0, |lugs| lugs.height)
     }
 
-    /// Height [m] of one lug, with its flaws.
+    /// Height \[m\] of one lug, with its flaws.
     pub fn height_of_lug(&self, lug: u32) -> f64 {
         let place = f64::from(lug) * self.lug_angle().unwrap_or(0.0);
         self.lug_height() * self.flaws.height_left(lug, place)
     }
 
-    /// Angle between neighbouring lugs `α` [rad], `None` on a smooth wheel.
+    /// Angle between neighbouring lugs `α` \[rad\], `None` on a smooth wheel.
     pub fn lug_angle(&self) -> Option<f64> {
         self.lugs.map(|lugs| TAU / f64::from(lugs.count))
     }
 
-    /// Radius to the lugs' edges `r + l` [m].
+    /// Radius to the lugs' edges `r + l` \[m\].
     pub fn tip_radius(&self) -> f64 {
         self.radius + self.lug_height()
     }
 
-    /// A wheel known only by its outline, as in a file of measured runs: rim radius and width [m], number of
-    /// lugs and their height [m]. All other properties are NaN.
+    /// A wheel known only by its outline, as in a file of measured runs: rim radius and width \[m\], number of
+    /// lugs and their height \[m\]. All other properties are NaN.
     pub fn of_outline(radius: f64, width: f64, lug_count: u32, lug_height: f64) -> Self {
         Self {
             radius,
@@ -230,7 +230,7 @@ impl Wheel {
             .is_some_and(|alpha| self.tip_radius() * libm::cos(alpha / 2.0) >= self.radius)
     }
 
-    /// Angle [rad] of a lug from straight down, positive ahead, in (-π, π].
+    /// Angle \[rad\] of a lug from straight down, positive ahead, in (-π, π].
     ///
     /// At wheel angle 0 lug 0 points straight down; a wheel that drives forward carries the
     /// lugs below the axle backward.

@@ -60,7 +60,7 @@ pub struct Made {
 }
 
 /// Makes the campaigns of an order in `folder`, and seals their truth; existing ones of the same order are
-/// reused. `size` is first called with the total to be simulated [s], `progress` for every step [s], from
+/// reused. `size` is first called with the total to be simulated \[s\], `progress` for every step \[s\], from
 /// several threads, and may stop. Cases are made on the current thread pool; the bytes do not depend on its
 /// size.
 ///

@@ -147,7 +147,7 @@ pub struct Order {
     pub cases: Option<usize>,
     /// Names of the grounds, of [`GROUNDS`].
     pub grounds: Vec<String>,
-    /// Duration [s] of every run, and the longest lead-in; the design's where not given.
+    /// Duration \[s\] of every run, and the longest lead-in; the design's where not given.
     pub duration: Option<f64>,
     /// Where all randomness comes from.
     pub seed: Seed,

@@ -35,7 +35,7 @@ use super::answering::{has_failed, known, seconds};
 use super::folder::{self, Campaigns};
 use super::order::{Family, Set};
 use super::truth::{Level, Rig};
-use interval::mean;
+use crate::statistics::mean;
 use judged::Judged;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -157,7 +157,7 @@ pub struct Scores {
     pub probability_on_truth: Score,
     /// Expected calibration error.
     pub calibration_error: Score,
-    /// Median time of a diagnosis [s].
+    /// Median time of a diagnosis \[s\].
     pub seconds: Score,
     /// Number of cases by truth and answer.
     pub confusion: Matrix,

@@ -43,7 +43,7 @@ pub enum Rig {
 pub struct Edit {
     /// Its key, as in `terrain.sand.soil.cohesion`.
     pub key: String,
-    /// Its value [SI].
+    /// Its value \[SI\].
     pub value: f64,
 }
 

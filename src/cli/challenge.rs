@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Put the diagnosis to blind trials
+/// Test the diagnosis in blind trials
 ///
 /// `make` simulates campaigns whose truth is sealed, `run` diagnoses them, `score` opens the truth
 /// and counts.
@@ -39,11 +39,11 @@ Examples:
   lugwheel challenge run output/trial
   lugwheel challenge score output/trial
 
-The folder holds campaigns/ (what may be published: manifest.json with a SHA-256 of every truth, a
-scenario a ground, a run file a case), truth/ (what may not, until the answers are in: the truths,
-and the seed), bank/ and answers/ of the diagnoses, and score/ (scores.json, figures).
-All three commands go on where they were stopped. `sha256sum truth/case_0001.json` opens a seal by
-hand.
+Written to the folder: campaigns/ (may be published: manifest.json with a SHA-256 of every truth, one scenario
+per ground, one run file per case), truth/ (secret until all cases are answered: the truths and the seed),
+bank/ and answers/ of the diagnoses, and score/ (scores.json, figures).
+All three commands continue after an interruption. `sha256sum truth/case_0001.json` verifies a truth against
+the manifest.
 
 Sets: C0 nothing withheld, C1 one effect, C2 one effect in another form than the catalogue's,
 C3 one effect that is excluded from the diagnosis, C4 two effects; all; and calibration, whose seeds
@@ -75,7 +75,7 @@ struct Make {
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
     /// Seed of all cases and salts: it determines the truth. Drawn by the operating system
-    /// if not given, and kept in truth/
+    /// if not given, and stored in truth/
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     #[command(flatten)]
@@ -91,7 +91,7 @@ struct Run {
     /// Campaigns at a time, which share the cores. One is best until the bank is filled
     #[arg(long, value_name = "N", default_value = "1")]
     jobs: NonZeroUsize,
-    /// Driving that each diagnosis may simulate [s], as for `diagnose`
+    /// Simulated time of each diagnosis [s], as for `diagnose`
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = super::positive)]
     budget: Option<f64>,
     /// Folder of simulated statistics [default: DIR/bank]

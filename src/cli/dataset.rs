@@ -36,13 +36,13 @@ pub struct Dataset {
     /// Run file to write [default: output/<scenario>/runs.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
-    /// Keep the samples at the sensor rate [128 kHz] too, some 2 MB a second
+    /// Store the samples at the sensor rate [128 kHz] too, some 2 MB a second
     #[arg(long, conflicts_with = "features")]
     raw: bool,
-    /// Keep class and features of every window instead of the samples, some 0.5 kB a window
+    /// Store class and features of every window instead of the samples, some 0.5 kB a window
     #[arg(long)]
     features: bool,
-    /// Go on from the runs of an interrupted data set of the same name
+    /// Continue from the runs of an interrupted data set of the same name
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
@@ -55,10 +55,10 @@ Examples:
   lugwheel dataset single_wheel_st --runs 20 --set rig.single_wheel.slip=0.3 --out slip_03.h5
   lugwheel dataset single_wheel_gt --runs 1000 --features
 
-Beside runs.h5 stand runs.windows.csv (class and features of every window), runs.splits.csv (parts to
-train and test on that share no ground), runs.datasheet.md and runs.croissant.json.
-The file holds all runs, or it is not written: a run that fails is named with its reason. Until then
-they stand in runs.h5.parts; after Ctrl-C or a kill the same command with --resume goes on from them.
+Also written: runs.windows.csv (class and features of every window), runs.splits.csv (splits for training and
+testing that share no ground), runs.datasheet.md and runs.croissant.json.
+The file has all runs, or it is not written: a run that fails is named with its reason. Completed runs are
+stored in runs.h5.parts; after Ctrl-C or a kill the same command with --resume continues from them.
 A data set over several grounds or conditions is a study with a table [dataset].";
 
 /// What the runs came to.

@@ -40,7 +40,7 @@ use summary::{Input, Inputs, Summary};
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Diagnose {
-    /// Run file of the measurements; repeats and several conditions make the answer sure
+    /// Run file of the measurements; repeats and several conditions increase the certainty
     #[arg(long, value_name = "FILE.h5")]
     pub(super) measured: PathBuf,
     /// Scenario file of the rig, or the name of one of `lugwheel scenarios`; load, speed and slip are taken
@@ -50,7 +50,7 @@ pub struct Diagnose {
     /// Set a key of the scenario, in SI units, for example wheel.lugs.count=0
     #[arg(long, value_name = "KEY=VALUE")]
     pub(super) set: Vec<String>,
-    /// An effect held to be impossible, with or without its channel; may be given several times
+    /// Exclude this effect, with or without its channel; may be given several times
     #[arg(long, value_name = "EFFECT")]
     pub(super) without: Vec<String>,
     /// Only this measured run; may be given several times
@@ -59,16 +59,16 @@ pub struct Diagnose {
     /// Folder of the results
     #[arg(long, value_name = "DIR", default_value = "output/diagnosis")]
     pub(super) out: PathBuf,
-    /// Folder in which simulated rigs are kept for this diagnosis and the next
+    /// Folder of the simulation cache, shared by diagnoses
     #[arg(long, value_name = "DIR", default_value = "output/bank")]
     pub(super) bank: PathBuf,
-    /// Driving of random rigs that may be simulated [s]: more rigs, surer answers
+    /// Simulated time of the random rigs [s]: more rigs, more certain answers
     #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, allow_negative_numbers = true, value_parser = super::positive)]
     pub(super) budget: f64,
-    /// Time that the random rigs may take on this machine, for example 10min; sets --budget by an estimate
+    /// Computing time of the random rigs on this machine, for example 10min; sets --budget by an estimate
     #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "budget")]
     pub(super) time: Option<f64>,
-    /// Print what the diagnosis would take, and do nothing else
+    /// Print an estimate of the computing time, and do nothing else
     #[arg(long)]
     pub(super) dry_run: bool,
     /// How far any rig differs from any simulator, in margins of equivalence (5 % of a mean, 1 dB); 0 where the runs are
@@ -91,10 +91,10 @@ Examples:
   lugwheel diagnose --measured rig.h5 --scenario my_rig.toml --without slope --out output/rig
   lugwheel diagnose --measured rig.h5 --scenario single_wheel_st --budget 50000 --json
 
-The folder holds diagnosis.html (the answer, what it rests on, figures), diagnosis.json (all numbers),
-gap_map.svg, the scenario recalibrated (recalibrated.toml) and, where effects are named, with them
-(with_effect.toml). Simulated rigs are kept in --bank: a stopped diagnosis goes on with the same command,
-and one of other runs at the same conditions takes seconds.";
+Written to the folder: diagnosis.html (answer, evidence, figures), diagnosis.json (all numbers), gap_map.svg,
+the recalibrated scenario (recalibrated.toml) and, if effects are named, the scenario with them
+(with_effect.toml). Simulated rigs are stored in --bank: the same command continues an interrupted diagnosis,
+and a diagnosis of other runs at the same conditions takes seconds.";
 
 /// What a diagnosis writes into its folder.
 pub(super) const RESULTS: [&str; 5] = [

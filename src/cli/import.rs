@@ -37,7 +37,7 @@ Example campaign:
   slip_ratio = 0.1              # commanded
   terrain = \"ST\"
 
-Whatever is not known may be left out. The file holds all runs, or it is not written.";
+Unknown attributes may be omitted. The file has all runs, or it is not written.";
 
 /// What was gathered.
 #[derive(Debug, Serialize)]

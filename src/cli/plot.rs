@@ -46,7 +46,7 @@ pub struct Plot {
     /// Width on paper with its unit (88mm, 3.5in): letters of 7 pt, compact in a column
     #[arg(long, value_name = "LENGTH", value_parser = format::width)]
     width: Option<f64>,
-    /// Leave out title, condition and remarks, for a figure with a caption
+    /// Omit title, condition and remarks, for a figure with a caption
     #[arg(long)]
     no_title: bool,
 }

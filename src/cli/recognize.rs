@@ -36,10 +36,10 @@ pub struct Recognize {
     /// Cut windows by the turn of the wheel, of this many lug passes each
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = super::positive, conflicts_with = "window")]
     window_passes: Option<f64>,
-    /// Runs on flat hard ground (REF), measured on the same rig, to take features over
+    /// Runs on flat hard ground (REF), measured on the same rig, to normalise features by
     #[arg(long, value_name = "REF.h5")]
     reference: Option<PathBuf>,
-    /// Corner of the low-pass before features are taken [Hz] [default: 100]
+    /// Corner frequency of the low-pass before feature extraction [Hz] [default: 100]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = super::positive)]
     bandwidth: Option<f64>,
     /// Only this run; may be given several times
@@ -56,9 +56,9 @@ Examples:
   lugwheel recognize runs.h5 --method paper --reference ref.h5 --out output/classes
   lugwheel recognize runs.h5 --window-passes 4 --run run_000003 --json
 
-Features are taken over those of the same wheel on flat hard ground: measured with --reference,
-else computed, through the sensors of the scenario where the file holds one.
---out draws a figure of every run; choose with --run where there are many.";
+Features are normalised by those of the same wheel on flat hard ground: measured with --reference, otherwise
+computed, with the sensors of the scenario if the file contains one.
+--out draws a figure of every run; --run selects runs.";
 
 /// Method of recognition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

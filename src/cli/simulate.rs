@@ -27,7 +27,7 @@ pub struct Simulate {
     /// Run file to write [default: output/<scenario>/run.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
-    /// Keep the samples at the sensor rate [128 kHz] too, some 2 MB a second
+    /// Store the samples at the sensor rate [128 kHz] too, some 2 MB a second
     #[arg(long)]
     raw: bool,
 }

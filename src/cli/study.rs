@@ -39,23 +39,23 @@ pub struct StudyCommand {
     /// on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroU32>,
-    /// Go on with what the folder holds
+    /// Resume: reuse the complete shards in the folder
     #[arg(long)]
     resume: bool,
     /// Do only share I of N; several processes may work on one folder
     #[arg(long, value_name = "I/N", value_parser = share)]
     shard: Option<(u32, u32)>,
-    /// When to put the shards together into tables
+    /// When to merge the shards into tables
     #[arg(long, value_name = "WHEN", default_value = "whole")]
     collect: Collect,
     #[command(flatten)]
     cluster: Cluster,
 }
 
-/// When to put the shards together.
+/// When to merge the shards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Collect {
-    /// When all are there
+    /// When all are present
     Whole,
     /// Not now: others do
     Never,
@@ -70,18 +70,16 @@ Examples:
   lugwheel study table5 --shard 2/4
   lugwheel study table5 --slurm --slurm-option=--time=30
 
-With --slurm, program, study and folder must lie where all nodes see them. Ctrl-C leaves the jobs
-running; the same command with --resume follows them again and submits what is missing.
+With --slurm, program, study and folder must be on a file system that all nodes share. Ctrl-C does not stop
+the jobs; the same command with --resume follows them again and submits missing shards.
 
-The folder holds report.html (answer, tables, figures, how to run it again), runs.csv (one row a
-run), failed.txt (why runs failed) and the study's text; a study with [recognition] also windows.csv (one row a window) and recognition.txt (its scores) with
-figures of features and answers, one
-with [thresholds] thresholds.csv, thresholds.txt and a figure of every limit,
-one with [identification] steady.csv (loads), identification.txt and .csv (parameters, force errors)
-and a figure of the parameters,
-one with [diagnosis] diagnosis.txt and .csv (what every campaign is read as) and diagnosis.svg,
-one with [dataset] dataset.h5 with its windows, splits, datasheet and Croissant metadata.
-runs.h5 is runs.csv, typed, a dataset a column with its unit.
+Written to the folder: report.html (answer, tables, figures, command), runs.csv (one row per run), runs.h5 (the
+same with types and units), failed.txt (reasons of failed runs) and the study's text; for a table
+  [recognition]     windows.csv (one row per window), recognition.txt and .csv (scores), figures of the features
+  [thresholds]      thresholds.csv, thresholds.txt, a figure of every limit
+  [identification]  steady.csv (loads), identification.txt and .csv (parameters, force errors), a figure
+  [diagnosis]       diagnosis.txt and .csv (answer of every campaign), diagnosis.svg
+  [dataset]         dataset.h5 with its windows, splits, datasheet and Croissant metadata
 `lugwheel plot FOLDER` draws the results over each swept key for a paper.
 Exit code 4: finished, with failed runs.";
 

@@ -31,7 +31,7 @@
 //! smooth wheel; lugs that are not counted are unknown, and so is their `lug_thickness_m` where it is left
 //! out, which only `identify` uses. A plate in place of a wheel has
 //! `plate_diameter_m`, or `plate_length_m` and `plate_width_m`. On a slope, `mass_kg` of the wheel is
-//! what the force sensors carry of its own weight. In a [table] an attribute is a value for all rows or
+//! what the force sensors carry of its own weight. In a `[table]` an attribute is a value for all rows or
 //! a `{ column = "..." }`.
 //!
 //! Slip is by the rim's radius. Of a rig that counts it otherwise, `slip_radius = "tips"` takes the radius of
@@ -136,6 +136,7 @@ pub struct Campaign {
 
 /// Why a campaign cannot be imported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CampaignError {
     /// The file cannot be read.
     #[error("cannot read campaign {}", path.display())]

@@ -57,6 +57,7 @@ const FORMAT_VERSION: u32 = 1;
 
 /// A run file that cannot be written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunFileError {
     /// The file system or HDF5 refused.
     #[error("cannot write {}: {reason}; {way_out}", path.display())]

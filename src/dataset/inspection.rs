@@ -58,7 +58,7 @@ pub struct RunSummary {
     pub speed_m_s: f64,
     /// Commanded slip ratio [-].
     pub slip_ratio: f64,
-    /// Commanded load [N].
+    /// Commanded load \[N\].
     pub load_n: f64,
     /// Whether it was simulated and has ground truth.
     pub truth: bool,
@@ -78,11 +78,11 @@ pub struct ChannelSummary {
     pub channel: String,
     /// Unit as the file has it.
     pub unit: String,
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate_hz: f64,
-    /// Time of the first sample [s].
+    /// Time of the first sample \[s\].
     pub start_s: f64,
-    /// Length [s].
+    /// Length \[s\].
     pub duration_s: f64,
     /// Number of samples that are no numbers.
     pub missing: usize,

@@ -28,6 +28,7 @@ pub struct Arm {
 
 /// A text that is no arm.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ArmError {
     /// No parameter has that name.
     #[error("there is no parameter `{0}`")]

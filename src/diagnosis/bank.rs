@@ -71,6 +71,7 @@ fn way_out(refusal: &io::Error) -> String {
 
 /// Why a bank gives no answers.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum BankError {
     /// The file system refused.
     #[error("cannot {action} {}: {}; {}", path.display(), whole_file::reason(source), way_out(source))]

@@ -27,7 +27,7 @@ use limitations::{differences, not_simulated, not_steady, unlike_a_rig};
 use rand::Rng;
 use record::{Record, Repetition, Slips};
 
-/// Longest part [s] of a measured run that is compared, by default.
+/// Longest part \[s\] of a measured run that is compared, by default.
 pub const LONGEST: f64 = 20.0;
 
 /// One measured condition as the simulator repeats it.
@@ -55,6 +55,7 @@ pub struct Cases {
 
 /// Why a campaign cannot be compared with a scenario.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CaseError {
     /// There are no runs.
     #[error("there are no measured runs")]
@@ -67,9 +68,9 @@ pub enum CaseError {
     OtherWheel {
         /// `radius` or `width`.
         quantity: &'static str,
-        /// As measured [m].
+        /// As measured \[m\].
         measured: f64,
-        /// As in the scenario [m].
+        /// As in the scenario \[m\].
         scenario: f64,
     },
     /// No run and no condition is left.
@@ -87,7 +88,7 @@ pub fn statistician() -> Result<Statistician, RangeError> {
 
 impl Cases {
     /// The conditions of measured runs, each as `scenario` repeats it; of a run its first `longest`
-    /// [s] at most.
+    /// \[s\] at most.
     ///
     /// Radius and width have to be the scenario's within 2 %; other lugs are a caveat. Runs and
     /// conditions that cannot be repeated are left out with a caveat.

@@ -9,6 +9,7 @@ use crate::gap::stages::{self, Stages};
 use crate::gap::{Cell, Kappa, Run, Statistic, class_of};
 use crate::identification::{Setting, SteadyLoad};
 use crate::recognition::confusion::CLASSES;
+use crate::statistics::mean;
 use crate::trace::unit_of;
 use serde::Serialize;
 
@@ -34,7 +35,7 @@ pub struct EndResults {
     pub step: Step,
     /// Errors of steady means.
     pub means: Vec<MeanError>,
-    /// Distance of the mean feature vectors [decades], a mean over conditions; none without features.
+    /// Distance of the mean feature vectors \[decades\], a mean over conditions; none without features.
     pub features: Option<f64>,
     /// Share [-] of windows that are recognised as another class, as far as shares of classes show it: a mean
     /// over conditions; none without windows.
@@ -94,11 +95,6 @@ fn read(runs: &[&Run], channel: &str, statistic: Statistic) -> Option<f64> {
     mean(values.map(|reading| reading.value))
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let values: Vec<f64> = values.collect();
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
 fn error(channel: &'static str, sides: &[Sides]) -> Option<MeanError> {
     let of = |runs: &[&Run]| read(runs, channel, Statistic::SteadyMean);
     let squares = sides.iter().filter_map(|side| {
@@ -110,7 +106,7 @@ fn error(channel: &'static str, sides: &[Sides]) -> Option<MeanError> {
         channel,
         unit: unit_of(channel)?,
         conditions: squares.len(),
-        error: libm::sqrt(mean(squares.into_iter())?),
+        error: libm::sqrt(mean(squares)?),
     })
 }
 

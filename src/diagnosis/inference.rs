@@ -22,12 +22,13 @@ mod self_test;
 mod shrinkage;
 mod trees;
 
+use crate::statistics::{quantile_upper, sorted};
 pub use evidence::{Evidence, Fit, Pair, Signatures, Size};
 pub use pool::{BaseRates, Judgement};
 pub use self_test::{EffectPower, SelfTest};
 
 use super::candidate::Candidate;
-use super::rigs::{Column, Row, Table};
+use super::rigs::{Column, Part, Row, Table};
 use crate::gap::Readings;
 use crate::quantity::Seed;
 use emulator::{Emulator, Labels, Training};
@@ -63,6 +64,7 @@ pub struct Model {
 
 /// Rigs from which nothing can be learned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TrainingError {
     /// There are too few.
     #[error("{rigs} rigs are too few for the training: allow at least {least}")]
@@ -79,6 +81,15 @@ pub enum TrainingError {
 
 /// Rigs below which nothing is learned.
 pub const FEWEST_RIGS: usize = 40;
+
+/// A number of a statistic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OfColumn {
+    /// Number of its column.
+    pub column: usize,
+    /// The number.
+    pub value: f64,
+}
 
 impl Model {
     /// Learns from the rigs of a table with these candidates.
@@ -155,7 +166,7 @@ impl Model {
     }
 
     /// Parameters where these effects are there with these sizes.
-    pub fn fit(&self, values: &[f32], effects: &[(usize, f64)]) -> Fit {
+    pub fn fit(&self, values: &[f32], effects: &[Part]) -> Fit {
         let row = self.scale.row(values);
         self.curves().fit(&self.emulator.scores(&row), effects)
     }
@@ -188,19 +199,22 @@ impl Model {
         rows.collect()
     }
 
-    /// What parameters leave of a campaign without effects: used columns with their departures [scatters].
-    pub fn residuals(&self, values: &[f32], parameters: &[f64]) -> Vec<(usize, f64)> {
+    /// What parameters leave of a campaign without effects: used columns with their residuals \[scatters\].
+    pub fn residuals(&self, values: &[f32], parameters: &[f64]) -> Vec<OfColumn> {
         let row = self.scale.row(values);
         let predicted = self.emulator.statistics(parameters);
         let deviations = self.emulator.deviations();
         let used = self.scale.used.iter().enumerate();
         let residual = |place: usize| (row[place] - predicted[place]) / deviations[place];
-        used.map(|(place, column)| (*column, residual(place)))
-            .collect()
+        used.map(|(place, column)| OfColumn {
+            column: *column,
+            value: residual(place),
+        })
+        .collect()
     }
 
     /// Standard deviations that uncertain parameters give the used columns, in their units.
-    pub fn parameter_spread(&self, fit: &Fit) -> Vec<(usize, f64)> {
+    pub fn parameter_spread(&self, fit: &Fit) -> Vec<OfColumn> {
         let slopes = self.emulator.statistic_slopes(&fit.parameters);
         let used = self.scale.used.iter().enumerate();
         let spread = |place: usize| {
@@ -208,8 +222,11 @@ impl Model {
             let variance = slope.dot(&(&fit.covariance * slope));
             self.scale.in_unit(place, libm::sqrt(variance.max(0.0)))
         };
-        used.map(|(place, column)| (*column, spread(place)))
-            .collect()
+        used.map(|(place, column)| OfColumn {
+            column: *column,
+            value: spread(place),
+        })
+        .collect()
     }
 }
 
@@ -220,10 +237,7 @@ fn widening(rigs: &[Calibrating]) -> f64 {
         [part] => rig.opinion.evidence.distance(part),
         _ => None,
     });
-    let mut distances: Vec<f64> = distances.collect();
-    distances.sort_by(f64::total_cmp);
-    let place = (INTERVALS * distances.len() as f64) as usize;
-    distances.get(place).map_or(1.0, |factor| factor.max(1.0))
+    quantile_upper(&sorted(distances), INTERVALS).map_or(1.0, |factor| factor.max(1.0))
 }
 
 /// Where columns belong.

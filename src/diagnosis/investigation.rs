@@ -7,12 +7,12 @@ use super::condition::{Case, CaseError, Cases, statistician};
 use super::discrepancy;
 use super::end_results::{EndResults, Step};
 use super::inference::{
-    BaseRates, FEWEST_RIGS, Fit, Judgement, Model, SelfTest, Signatures, TrainingError,
+    BaseRates, FEWEST_RIGS, Fit, Judgement, Model, OfColumn, SelfTest, Signatures, TrainingError,
 };
 use super::model_file;
 use super::next_run::{Rival, Search};
 use super::parameter::{Offsets, Parameter, parameters};
-use super::rigs::{self, Column, Origin, Population, RigError, RigSet};
+use super::rigs::{self, Column, Origin, Part, Population, RigError, RigSet};
 use super::screen::{Screened, screen};
 use super::simulated_runs::SimulatedRuns;
 use super::validation::{Gaps, InUnits, Validation, Variants, Yardstick, in_units, validate};
@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Simulated driving [s] of a diagnosis by default: some seven minutes of two cores for a campaign of
+/// Simulated driving \[s\] of a diagnosis by default: some seven minutes of two cores for a campaign of
 /// seven conditions of 10 s on sand or hard ground.
 pub const BUDGET: f64 = 32_000.0;
 
@@ -52,9 +52,9 @@ const STRONG: f64 = 4.0;
 /// How a diagnosis is made.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// Longest part [s] of a run that is compared.
+    /// Longest part \[s\] of a run that is compared.
     pub longest: f64,
-    /// Simulated driving allowed [s]: of rigs to learn from.
+    /// Simulated driving allowed \[s\]: of rigs to learn from.
     pub budget: f64,
     /// Effects that are held to be impossible.
     pub without: Vec<String>,
@@ -68,6 +68,7 @@ pub struct Settings {
 
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum InvestigationError {
     /// The runs cannot be repeated.
     #[error(transparent)]
@@ -78,9 +79,9 @@ pub enum InvestigationError {
          compare fewer or shorter runs"
     )]
     Budget {
-        /// Driving allowed [s].
+        /// Driving allowed \[s\].
         budget: f64,
-        /// Driving of the fewest rigs [s].
+        /// Driving of the fewest rigs \[s\].
         least: f64,
     },
     /// The scenario cannot be simulated.
@@ -147,7 +148,7 @@ pub struct Compared {
     pub candidates: Vec<String>,
     /// Random rigs that were simulated.
     pub rigs: usize,
-    /// Driving of them [s].
+    /// Driving of them \[s\].
     pub driven: f64,
 }
 
@@ -217,9 +218,9 @@ impl Diagnosis {
 pub struct Estimate {
     /// Random rigs.
     pub rigs: usize,
-    /// Driving of one [s].
+    /// Driving of one \[s\].
     pub driven_per_rig: f64,
-    /// Time of one core that one takes [s], estimated.
+    /// Time of one core that one takes \[s\], estimated.
     pub seconds_per_rig: f64,
 }
 
@@ -544,7 +545,7 @@ impl<'a> Investigation<'a> {
 
     fn with_effects(&self, chosen: &Chosen, fit: &Fit) -> Option<Arm> {
         let effects = chosen.effects.iter();
-        let effects = effects.map(|(effect, size)| self.candidates[*effect].application(*size));
+        let effects = effects.map(|part| self.candidates[part.candidate].application(part.size));
         let effects = effects.collect::<Result<Vec<_>, _>>().ok()?;
         let arm = Arm::of_offsets(self.offsets(fit));
         (!effects.is_empty()).then(|| effects.into_iter().fold(arm, Arm::with_effect))
@@ -582,12 +583,12 @@ impl<'a> Investigation<'a> {
     fn spread(&self, fitted: &Fitted) -> ParameterSpread {
         let Yardstick { model, columns } = fitted.yardstick;
         let mut spread = ParameterSpread::new();
-        for (column, deviation) in model.parameter_spread(&fitted.healthy) {
+        for OfColumn { column, value } in model.parameter_spread(&fitted.healthy) {
             let Column {
                 condition, cell, ..
             } = &columns[column];
             let own = spread.entry(self.cases[*condition].condition.clone());
-            own.or_default().insert(cell.clone(), deviation);
+            own.or_default().insert(cell.clone(), value);
         }
         spread
     }
@@ -603,16 +604,16 @@ impl<'a> Investigation<'a> {
     }
 
     /// The strongest of what parameters leave.
-    fn located(&self, columns: &[Column], residuals: Vec<(usize, f64)>) -> Vec<Located> {
-        let strong = residuals.into_iter().filter(|(_, z)| z.abs() > STRONG);
-        let located = strong.map(|(column, deviations)| {
+    fn located(&self, columns: &[Column], residuals: Vec<OfColumn>) -> Vec<Located> {
+        let strong = residuals.into_iter().filter(|of| of.value.abs() > STRONG);
+        let located = strong.map(|OfColumn { column, value }| {
             let Column {
                 condition, cell, ..
             } = &columns[column];
             Located {
                 condition: self.cases[*condition].condition.clone(),
                 cell: cell.clone(),
-                deviations,
+                deviations: value,
             }
         });
         let mut located: Vec<Located> = located.collect();
@@ -634,7 +635,10 @@ impl<'a> Investigation<'a> {
             let effect = self.candidates.iter().position(|it| it.name() == name)?;
             let sizes = &fitted.judgement.opinion.evidence.sizes;
             let chosen = Chosen {
-                effects: vec![(effect, sizes[effect].middle)],
+                effects: vec![Part {
+                    candidate: effect,
+                    size: sizes[effect].middle,
+                }],
             };
             let model = fitted.yardstick.model;
             let fit = model.fit(fitted.values, &chosen.effects);

@@ -4,17 +4,14 @@
 //! is sampled more slowly than the simulation keeps it passes a low pass; counters and cameras are
 //! latched instead, as they are on a rig.
 
+use crate::signal::{band_limited, linear, nearest};
 use crate::trace::{Channel, Mean, Trace, unit_of};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
-use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 
 /// Channels that a sensor latches at its instants, without a filter.
 const LATCHED: [&str; 3] = ["wheel_angle", "sinkage", "slip_ratio"];
-
-/// Zeros of the low pass on either side: flat to 1 % up to 0.4 of the slower rate.
-const ZEROS: f64 = 16.0;
 
 /// Step [s] of the lengths that are compared, and the length from which on it is taken. A rig's clock
 /// gives a sample more or less; simulations of the one length serve the other too.
@@ -271,9 +268,9 @@ impl Series {
         let samples = &channel.samples[..];
         let read = |place: f64| match place - libm::round(place) {
             // Where every instant is a sample's, or its rate is its own, nothing is filtered.
-            off if off.abs() < SAME && (ratio <= 1.0 || is_latched) => at(samples, place),
-            _ if is_latched => between(samples, place),
-            _ => low_passed(samples, place, ratio),
+            off if off.abs() < SAME && (ratio <= 1.0 || is_latched) => nearest(samples, place),
+            _ if is_latched => linear(samples, place),
+            _ => band_limited(samples, place, ratio),
         };
         Channel {
             name: self.name.clone(),
@@ -282,46 +279,6 @@ impl Series {
             start: first,
             samples: (0..self.count).map(|k| read(place(k))).collect(),
         }
-    }
-}
-
-/// The sample at a whole place; the first or last beyond the ends.
-fn at(samples: &[f64], place: f64) -> f64 {
-    samples[(libm::round(place).max(0.0) as usize).min(samples.len() - 1)]
-}
-
-/// On a straight line between the neighbours.
-fn between(samples: &[f64], place: f64) -> f64 {
-    let low = libm::floor(place);
-    let [before, after] = [low, low + 1.0].map(|place| at(samples, place));
-    before + (after - before) * (place - low)
-}
-
-/// The value at `place`, band-limited to the slower of both rates, whose ratio is in over out.
-fn low_passed(samples: &[f64], place: f64, ratio: f64) -> f64 {
-    let stretch = ratio.max(1.0);
-    let reach = ZEROS * stretch;
-    let from = libm::ceil(place - reach).max(0.0) as usize;
-    let to = (libm::floor(place + reach).max(0.0) as usize).min(samples.len() - 1);
-    let (mut sum, mut weights) = (0.0, 0.0);
-    for (i, sample) in samples.iter().enumerate().take(to + 1).skip(from) {
-        let away = i as f64 - place;
-        let window = libm::cos(FRAC_PI_2 * away / reach);
-        let weight = sinc(away / stretch) * window * window;
-        sum += weight * sample;
-        weights += weight;
-    }
-    if weights.abs() > 0.0 {
-        sum / weights
-    } else {
-        at(samples, place)
-    }
-}
-
-fn sinc(x: f64) -> f64 {
-    match x {
-        0.0 => 1.0,
-        x => libm::sin(PI * x) / (PI * x),
     }
 }
 

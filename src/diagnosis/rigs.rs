@@ -71,6 +71,7 @@ pub struct Progress {
 
 /// Why there are no rigs.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RigError {
     /// The file system refused.
     #[error("cannot keep simulated rigs in {}: {}; {}", path.display(), whole_file::reason(source), way_out(source))]

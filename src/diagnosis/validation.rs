@@ -19,6 +19,7 @@ use crate::gap::{
     Cell, Closed, Condition, Run, Scores, Statistic, closed, energy_score, least_energy_score,
 };
 use crate::quantity::Seed;
+use crate::statistics::mean;
 use serde::{Deserialize, Serialize};
 
 /// Mean energy scores [scatters per statistic].
@@ -179,9 +180,7 @@ pub fn in_units(
 }
 
 fn mean_of<'r>(runs: impl Iterator<Item = &'r Run>, cell: &Cell) -> Option<f64> {
-    let values = runs.filter_map(|run| Some(run.readings.get(cell)?.value));
-    let values: Vec<f64> = values.collect();
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    mean(runs.filter_map(|run| Some(run.readings.get(cell)?.value)))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 use super::candidate::Candidate;
 use super::inference::{Judgement, SelfTest};
 use super::next_run::NextRun;
+use super::rigs::Part;
 use super::screen::Screened;
 use crate::gap::{Cell, Condition};
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,7 @@ const LEAST_COVERAGE: f64 = 0.8;
 /// What explains the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Answer {
     /// Nothing is wrong.
     None,
@@ -90,7 +92,7 @@ pub struct Located {
     pub condition: Condition,
     /// In which cell.
     pub cell: Cell,
-    /// Measured less predicted [deviations].
+    /// Measured less predicted \[deviations\].
     pub deviations: f64,
 }
 
@@ -134,11 +136,17 @@ pub struct Verdict {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chosen {
     /// Effects with their sizes: those named, else the likeliest.
-    pub effects: Vec<(usize, f64)>,
+    pub effects: Vec<Part>,
 }
 
-/// Likeliest single effect or pair, with its probability.
-fn likeliest(judgement: &Judgement) -> (Vec<(usize, f64)>, f64) {
+/// Effects of an explanation, and its probability.
+struct Explanation {
+    effects: Vec<Part>,
+    probability: f64,
+}
+
+/// Most probable single effect or pair.
+fn likeliest(judgement: &Judgement) -> Explanation {
     let sizes = &judgement.opinion.evidence.sizes;
     let single = judgement.effects.iter().copied().enumerate();
     let single = single.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -146,10 +154,23 @@ fn likeliest(judgement: &Judgement) -> (Vec<(usize, f64)>, f64) {
     match (single, pair) {
         (Some((_, p)), Some((pair, of_pair))) if *of_pair > p => {
             let parts = pair.effects.into_iter().zip(pair.sizes);
-            (parts.collect(), *of_pair)
+            let parts = parts.map(|(candidate, size)| Part { candidate, size });
+            Explanation {
+                effects: parts.collect(),
+                probability: *of_pair,
+            }
         }
-        (Some((effect, p)), _) => (vec![(effect, sizes[effect].middle)], p),
-        (None, _) => (Vec::new(), 0.0),
+        (Some((candidate, probability)), _) => Explanation {
+            effects: vec![Part {
+                candidate,
+                size: sizes[candidate].middle,
+            }],
+            probability,
+        },
+        (None, _) => Explanation {
+            effects: Vec::new(),
+            probability: 0.0,
+        },
     }
 }
 
@@ -157,7 +178,7 @@ impl Chosen {
     /// The likeliest effect or effects.
     pub fn of(judgement: &Judgement) -> Self {
         Self {
-            effects: likeliest(judgement).0,
+            effects: likeliest(judgement).effects,
         }
     }
 }
@@ -179,7 +200,7 @@ impl Grounds<'_> {
     pub fn verdict(&self) -> Verdict {
         let probabilities = self.probabilities();
         let (verdict, effects) = self.answer();
-        let named = effects.iter().map(|(effect, _)| self.alike(*effect));
+        let named = effects.iter().map(|effect| self.alike(*effect));
         Verdict {
             named: named.collect(),
             set: self.set(&probabilities),
@@ -199,7 +220,8 @@ impl Grounds<'_> {
         self.self_test.coverage >= LEAST_COVERAGE
     }
 
-    fn answer(&self) -> (Answer, Vec<(usize, f64)>) {
+    /// The answer, and the effects that it names.
+    fn answer(&self) -> (Answer, Vec<usize>) {
         let judgement = self.judgement;
         let nothing = judgement.none + judgement.parameter;
         if !self.is_trusted() {
@@ -216,8 +238,10 @@ impl Grounds<'_> {
         if judgement.unknown >= NAMED {
             return (Answer::Unknown, Vec::new());
         }
-        let (effects, probability) = likeliest(judgement);
-        if probability >= NAMED {
+        let likeliest = likeliest(judgement);
+        if likeliest.probability >= NAMED {
+            let effects = likeliest.effects.iter().map(|part| part.candidate);
+            let effects: Vec<usize> = effects.collect();
             let answer = match effects.len() {
                 1 => Answer::Effect,
                 _ => Answer::Effects,
@@ -228,10 +252,7 @@ impl Grounds<'_> {
         let present = (0..judgement.effects.len())
             .max_by(|a, b| judgement.presence(*a).total_cmp(&judgement.presence(*b)));
         match present.filter(|effect| judgement.presence(*effect) >= NAMED) {
-            Some(effect) => {
-                let size = judgement.opinion.evidence.sizes[effect].middle;
-                (Answer::Effect, vec![(effect, size)])
-            }
+            Some(effect) => (Answer::Effect, vec![effect]),
             None => (Answer::Undecided, Vec::new()),
         }
     }

@@ -11,6 +11,7 @@ use std::fmt;
 /// A distribution of magnitudes, in their unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Prior {
     /// About a mean, either way.
     Normal {

@@ -14,6 +14,7 @@
 
 use super::record::{Record, Unusable};
 use super::spectrum::Spectra;
+use crate::statistics::{quantile_upper, sorted, upper_median};
 use crate::vibration::reference::lug_changes;
 use std::f64::consts::{LN_2, PI};
 use std::ops::Range;
@@ -147,7 +148,7 @@ impl Turn {
             powers.sum::<f64>() / scaled.len().max(1) as f64
         };
         let (square, fourth) = (moment(2), moment(4));
-        let background = PER_MEDIAN * median(scaled.iter().map(|a| a.abs())).unwrap_or(0.0);
+        let background = PER_MEDIAN * upper_median(scaled.iter().map(|a| a.abs())).unwrap_or(0.0);
         Pulses {
             upward,
             downward,
@@ -177,7 +178,7 @@ fn flat_hard_ground(record: &Record) -> (Vec<f64>, f64) {
 }
 
 impl Pulses {
-    /// Lug angle [rad].
+    /// Lug angle \[rad\].
     pub fn lug_angle(&self) -> f64 {
         self.lug_angle
     }
@@ -226,14 +227,6 @@ impl Pulses {
     }
 }
 
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    let middle = values.len() / 2;
-    let last = values.len().checked_sub(1)?;
-    let (_, median, _) = values.select_nth_unstable_by(middle.min(last), f64::total_cmp);
-    Some(*median)
-}
-
 /// Length [s] of the blocks used to estimate the sensor's noise.
 const BLOCK: f64 = 0.05;
 
@@ -247,13 +240,11 @@ fn low_passed_noise(acceleration: &[f64], rate: f64) -> f64 {
         let differences = samples.windows(3).map(|x| x[0] - 2.0 * x[1] + x[2]);
         differences.map(|d| d * d).sum::<f64>() / (6 * (samples.len() - 2)) as f64
     };
-    let mut blocks: Vec<f64> = acceleration.chunks_exact(block).map(variance).collect();
-    if blocks.is_empty() {
+    let blocks = sorted(acceleration.chunks_exact(block).map(variance));
+    let Some(quiet) = quantile_upper(&blocks, 0.1) else {
         return 0.0;
-    }
-    let tenth = blocks.len() / 10;
-    let (_, quiet, _) = blocks.select_nth_unstable_by(tenth, f64::total_cmp);
+    };
     // A Gaussian low-pass lets through as much as a rectangular one 1.064 times as wide.
     let share = libm::sqrt(PI / LN_2) / 2.0 * CORNER / (0.5 * rate);
-    libm::sqrt(*quiet * share)
+    libm::sqrt(quiet * share)
 }

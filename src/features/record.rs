@@ -3,7 +3,7 @@
 use super::Window;
 use super::support::Support;
 use crate::quantity::SlipRatio;
-use crate::trace::clipping::clipped_levels;
+use crate::signal::clipped_levels;
 use crate::trace::motion::turned;
 use crate::trace::wheel::Lugs;
 use crate::trace::{Channel, Trace, turned_along, unit_of};
@@ -15,15 +15,15 @@ use std::ops::Range;
 pub struct Record {
     /// The wheel's outline; its mass is not known.
     pub wheel: Wheel,
-    /// Lug angle `α` [rad].
+    /// Lug angle `α` \[rad\].
     pub lug_angle: f64,
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate: f64,
-    /// Time [s] of the first sample.
+    /// Time \[s\] of the first sample.
     pub start: f64,
     /// Vertical acceleration [m/s²], gravity removed.
     pub acceleration: Vec<f64>,
-    /// Wheel angle [rad] at the same times.
+    /// Wheel angle \[rad\] at the same times.
     pub angle: Vec<f64>,
     /// Whether the angle is measured, so that the lugs' positions are known; otherwise it is integrated from
     /// the speed and only the rotation is known.
@@ -36,6 +36,7 @@ pub struct Record {
 
 /// Why a run has no windows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecordError {
     /// There is no acceleration.
     #[error("no channel acceleration_y; vibration cannot be recognised without it")]
@@ -76,7 +77,7 @@ pub enum RecordError {
     Rate {
         /// Which channel.
         channel: String,
-        /// Its rate [Hz].
+        /// Its rate \[Hz\].
         rate: f64,
     },
     /// The channels do not overlap.
@@ -120,11 +121,11 @@ pub enum Unusable {
         "sample rate {rate} Hz is below {needed} Hz, which a bandwidth of {bandwidth} Hz needs: record faster, or reduce the bandwidth"
     )]
     SlowRate {
-        /// The rate [Hz].
+        /// The rate \[Hz\].
         rate: f64,
-        /// The rate it takes [Hz].
+        /// The rate it takes \[Hz\].
         needed: f64,
-        /// Corner of the low-pass [Hz].
+        /// Corner of the low-pass \[Hz\].
         bandwidth: f64,
     },
 }
@@ -184,12 +185,12 @@ impl Record {
         self.acceleration.is_empty()
     }
 
-    /// Time [s] at which a sample's period begins.
+    /// Time \[s\] at which a sample's period begins.
     pub fn time(&self, sample: usize) -> f64 {
         self.start + sample as f64 / self.sample_rate
     }
 
-    /// Length of a window [s].
+    /// Length of a window \[s\].
     pub fn seconds(&self, window: &Range<usize>) -> f64 {
         window.len() as f64 / self.sample_rate
     }

@@ -41,6 +41,7 @@ struct Correction {
 
 /// Why runs on REF make no reference.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReferenceError {
     /// A run lacks what features need.
     #[error(transparent)]

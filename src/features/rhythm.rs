@@ -14,7 +14,8 @@
 //!
 //! In a train of any period the impacts are equally high, which can be tested without a period: [`unequal`].
 
-use super::pulses::{BINS, Pulses, median};
+use super::pulses::{BINS, Pulses};
+use crate::statistics::{quantile_upper, sorted, upper_median};
 use statrs::function::beta::beta_reg;
 
 /// Tolerance [periods] of a strike about a lug change: ground that rises by a tenth of the lug pitch shifts
@@ -77,12 +78,12 @@ pub struct Rhythm {
     pub height: f64,
     /// Posterior probability that more than [`MOST`] of all cells are struck.
     pub probability: f64,
-    /// Wheel angle [rad] at which a lug points straight down, its delay included; within half a
+    /// Wheel angle \[rad\] at which a lug points straight down, its delay included; within half a
     /// lug angle of 0.
     pub offset: f64,
-    /// Standard error of the offset [rad]: scatter of the pulses, and half a bin.
+    /// Standard error of the offset \[rad\]: scatter of the pulses, and half a bin.
     pub offset_error: f64,
-    /// By how much a pulse comes later than the one before it, less a period [periods], and its
+    /// By how much a pulse comes later than the one before it, less a period \[periods\], and its
     /// standard error.
     pub drift: [f64; 2],
 }
@@ -205,7 +206,7 @@ fn struck(cells: &[Cell], trial: &Trial) -> Vec<usize> {
 }
 
 fn height(cells: &[Cell]) -> f64 {
-    median(cells.iter().map(|cell| cell.strike)).unwrap_or(0.0)
+    upper_median(cells.iter().map(|cell| cell.strike)).unwrap_or(0.0)
 }
 
 /// Mean logarithm of strike over stray, each within a factor of 20, less how far the pulses lie from
@@ -288,9 +289,8 @@ impl Line {
 /// thirty; those below a tenth of the strong ones are ignored. A wheel of few lugs has as many heights as
 /// strikes in a lug pass.
 pub fn unequal(pulses: &Pulses, threshold: f64) -> f64 {
-    let mut heights = pulses.impacts(threshold);
-    heights.sort_by(f64::total_cmp);
-    let strong = heights.get(heights.len() * 3 / 4).copied();
+    let mut heights = sorted(pulses.impacts(threshold));
+    let strong = quantile_upper(&heights, 0.75);
     heights.retain(|height| strong.is_some_and(|strong| *height >= WOBBLE * strong));
     let count = heights.len();
     let kinds = pulses.strikes.len().max(1);

@@ -1,21 +1,20 @@
 //! Low-passed accelerations and the sums of their amplitudes.
 
+use crate::signal::{Backward, Forward, Plans, hann_lines, hann_powers};
 use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::LN_2;
-use std::sync::Arc;
 
 /// Caches the plans of Fourier transforms.
 #[derive(Default)]
 pub(super) struct Spectra {
-    planner: Option<RealFftPlanner<f64>>,
+    plans: Plans,
     plan: Option<Plan>,
 }
 
 struct Plan {
     length: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    backward: Arc<dyn ComplexToReal<f64>>,
+    forward: Forward,
+    backward: Backward,
     /// The low-pass: its corner over the sample rate, and its gain at every line up to where it
     /// lets nothing through.
     low_pass: Option<(f64, Vec<f64>)>,
@@ -41,7 +40,7 @@ impl Spectra {
     /// as if they went on periodically.
     pub fn low_passed(&mut self, samples: &[f64], corner: f64) -> Filtered {
         let plan = self.plan(samples.len());
-        let mut spectrum = plan.forward(samples);
+        let mut spectrum = plan.forward.apply(samples.to_vec());
         let gains = plan.gains(corner);
         let (passed, stopped) = spectrum.split_at_mut(gains.len());
         for (value, gain) in passed.iter_mut().zip(gains) {
@@ -50,16 +49,18 @@ impl Spectra {
         stopped.fill(Complex::default());
         spectrum[0] = Complex::default();
         let amplitude_sum = hann_amplitudes(&spectrum);
+        let scale = 1.0 / samples.len() as f64;
+        let filtered = plan.backward.apply(spectrum).into_iter();
         Filtered {
             amplitude_sum,
-            samples: plan.backward(&mut spectrum),
+            samples: filtered.map(|sample| sample * scale).collect(),
         }
     }
 
     /// `samples` less their mean; they are low-passed already.
     pub fn as_they_are(&mut self, samples: &[f64]) -> Filtered {
         let plan = self.plan(samples.len());
-        let mut spectrum = plan.forward(samples);
+        let mut spectrum = plan.forward.apply(samples.to_vec());
         spectrum[0] = Complex::default();
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         Filtered {
@@ -68,26 +69,17 @@ impl Spectra {
         }
     }
 
-    /// Power of the spectrum's lines under a Hann window, from the second one to the last but one;
-    /// they add up to the mean square of what lies in them. The mean is taken off before.
+    /// Powers of the spectrum's lines: see [`hann_powers`].
     pub fn powers(&mut self, samples: &[f64]) -> Vec<f64> {
-        let length = samples.len() as f64;
-        let mut spectrum = self.plan(samples.len()).forward(samples);
-        spectrum[0] = Complex::default();
-        // One-sided, and over the mean square of the window, 3/8.
-        let scale = 2.0 / (0.375 * length * length);
-        hann(&spectrum)
-            .map(|line| line.norm_sqr() * scale)
-            .collect()
+        hann_powers(&self.plan(samples.len()).forward, samples)
     }
 
     fn plan(&mut self, length: usize) -> &mut Plan {
         if self.plan.as_ref().is_none_or(|plan| plan.length != length) {
-            let planner = self.planner.get_or_insert_with(RealFftPlanner::new);
             self.plan = Some(Plan {
                 length,
-                forward: planner.plan_fft_forward(length),
-                backward: planner.plan_fft_inverse(length),
+                forward: self.plans.forward(length),
+                backward: self.plans.backward(length),
                 low_pass: None,
             });
         }
@@ -107,43 +99,14 @@ impl Plan {
         }
         self.low_pass.as_ref().map_or(&[], |(_, gains)| gains)
     }
-
-    fn forward(&self, samples: &[f64]) -> Vec<Complex<f64>> {
-        let mut spectrum = self.forward.make_output_vec();
-        let mut input = samples.to_vec();
-        self.forward
-            .process(&mut input, &mut spectrum)
-            .expect("lengths are the plan's");
-        spectrum
-    }
-
-    fn backward(&self, spectrum: &mut [Complex<f64>]) -> Vec<f64> {
-        let mut samples = self.backward.make_output_vec();
-        if let Some(last) = spectrum
-            .last_mut()
-            .filter(|_| self.length.is_multiple_of(2))
-        {
-            last.im = 0.0;
-        }
-        self.backward
-            .process(spectrum, &mut samples)
-            .expect("lengths are the plan's, and the mean is zero");
-        let scale = 1.0 / self.length as f64;
-        samples.iter_mut().for_each(|sample| *sample *= scale);
-        samples
-    }
-}
-
-/// The inner lines under a Hann window, which is `(-1, 2, -1)/4` across the lines.
-fn hann(spectrum: &[Complex<f64>]) -> impl Iterator<Item = Complex<f64>> {
-    let lines = spectrum.windows(3);
-    lines.map(|around| around[1] * 0.5 - (around[0] + around[2]) * 0.25)
 }
 
 /// Sum of the amplitudes under a Hann window.
 fn hann_amplitudes(spectrum: &[Complex<f64>]) -> f64 {
     // Not `norm`: the system's `hypot` differs between machines, and is slow.
-    hann(spectrum).map(|line| libm::sqrt(line.norm_sqr())).sum()
+    hann_lines(spectrum)
+        .map(|line| libm::sqrt(line.norm_sqr()))
+        .sum()
 }
 
 impl Filtered {

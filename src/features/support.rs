@@ -4,7 +4,8 @@
 //! A wheel that hangs in the air vibrates as little as one in sand, and so does a dead
 //! accelerometer. Normal force and sinkage part them.
 
-use crate::trace::{Channel, Trace, finite_mean};
+use crate::statistics::finite_mean;
+use crate::trace::{Channel, Trace};
 
 /// Normal force over the load [-] below which nothing carries the wheel, and above which ground
 /// does.
@@ -33,7 +34,7 @@ impl Support {
         }
     }
 
-    /// Whether ground carries the wheel from `start` to `end` [s]: by the normal force over the
+    /// Whether ground carries the wheel from `start` to `end` \[s\]: by the normal force over the
     /// commanded load, whatever the force's sign; not where that load is 0. `None` where one of them is
     /// not known, or the force is a small part of the load.
     pub fn carries(&self, [start, end]: [f64; 2]) -> Option<bool> {
@@ -49,7 +50,7 @@ impl Support {
         }
     }
 
-    /// Whether the rim is so low from `start` to `end` [s] that lugs are in the ground; `None`
+    /// Whether the rim is so low from `start` to `end` \[s\] that lugs are in the ground; `None`
     /// without sinkage.
     pub fn lugs_are_in_the_ground(&self, [start, end]: [f64; 2]) -> Option<bool> {
         let sinkage = finite_mean(self.sinkage.as_ref()?.between(start, end))?;

@@ -14,6 +14,7 @@ use std::sync::Arc;
 /// Domain of a statistic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Domain {
     /// Samples, whatever their order in the turn of the wheel.
     Time,
@@ -73,10 +74,11 @@ impl fmt::Display for Domain {
 
 /// What changes from run to run of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Covariate {
     /// Commanded slip ratio [-].
     Slip,
-    /// Commanded load [N].
+    /// Commanded load \[N\].
     Load,
     /// Size of the commanded speed [m/s].
     Speed,
@@ -125,50 +127,51 @@ impl Kappa {
 }
 
 /// What is read from a channel. "Own unit" is the channel's; a level is 20 lg of an amplitude in
-/// it, or 10 lg of a share [dB].
+/// it, or 10 lg of a share \[dB\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Statistic {
     /// Mean [own unit].
     Mean,
-    /// Level of the standard deviation [dB].
+    /// Level of the standard deviation \[dB\].
     Deviation,
     /// Skewness [-].
     Skewness,
     /// Logarithm of the kurtosis [-].
     Kurtosis,
-    /// Level of the largest departure from the mean over the standard deviation [dB].
+    /// Level of the largest departure from the mean over the standard deviation \[dB\].
     Crest,
     /// Mean of the last quarter less that of the first [own unit].
     Drift,
     /// Mean of the first tenth of the run minus that of the rest [own unit].
     Transient,
-    /// Level of the small steps between samples: the 5 % quantile of those that are not zero [dB].
+    /// Level of the small steps between samples: the 5 % quantile of those that are not zero \[dB\].
     Step,
-    /// Level of the share of samples equal to the one before [dB].
+    /// Level of the share of samples equal to the one before \[dB\].
     Held,
-    /// Level of the share of samples within 1 % of the range from its ends [dB].
+    /// Level of the share of samples within 1 % of the range from its ends \[dB\].
     Rails,
-    /// Level of the amplitude at a wheel order [dB].
+    /// Level of the amplitude at a wheel order \[dB\].
     OrderLevel(u32),
     /// Cosine part of the wave at a wheel order [own unit].
     OrderCosine(u32),
     /// Sine part of the wave at a wheel order [own unit].
     OrderSine(u32),
-    /// Level of the average over the lug's pass [dB].
+    /// Level of the average over the lug's pass \[dB\].
     LugAverage,
-    /// Level of what varies about that average [dB].
+    /// Level of what varies about that average \[dB\].
     LugResidue,
-    /// Level in a one-third octave about `10^(n/10)` Hz [dB].
+    /// Level in a one-third octave about `10^(n/10)` Hz \[dB\].
     Band(i16),
-    /// Highest line of that third over its median [dB].
+    /// Highest line of that third over its median \[dB\].
     Line(i16),
     /// Inverse hyperbolic tangent of the correlation [-].
     Correlation,
     /// Inverse hyperbolic tangent of the root of the mean coherence [-].
     Coherence,
-    /// Time by which the second channel follows the first [s].
+    /// Time by which the second channel follows the first \[s\].
     Lag,
-    /// Level of force per acceleration over 1 kg [dB].
+    /// Level of force per acceleration over 1 kg \[dB\].
     ApparentMass,
     /// Mean of a feature's decimal logarithm over the windows [-].
     Feature(Kappa),
@@ -180,7 +183,7 @@ pub enum Statistic {
     PerLoad,
     /// Turning speed of the wheel [rad/s].
     TurningSpeed,
-    /// Level of the deviation in the second half over the first's [dB].
+    /// Level of the deviation in the second half over the first's \[dB\].
     Growth,
     /// Slope along the way [own unit per metre].
     PerMetre,
@@ -191,7 +194,7 @@ pub enum Statistic {
     Curvature(Covariate),
     /// An identified terrain parameter in the coordinate of its fit [-].
     Identified(Parameter),
-    /// Level of the identification's squared residuals per degree of freedom [dB].
+    /// Level of the identification's squared residuals per degree of freedom \[dB\].
     Misfit,
 }
 

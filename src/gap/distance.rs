@@ -5,7 +5,7 @@
 
 use super::condition::Condition;
 use crate::quantity::Seed;
-use rand::RngExt;
+use crate::statistics::{bootstrap, quantile_upper};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -75,23 +75,16 @@ pub fn closed(runs: &[Scores], seed: Seed) -> Option<Closed> {
     let add = |[a, b]: [f64; 2], [c, d]: &[f64; 2]| [a + c, b + d];
     let value = share(clusters.iter().fold([0.0, 0.0], add))?;
     let mut rng = seed.rng("gap.closed", 0);
-    let mut resampled: Vec<f64> = (0..RESAMPLES)
-        .filter_map(|_| {
-            let draws = (0..clusters.len()).map(|_| &clusters[rng.random_range(0..clusters.len())]);
-            share(draws.fold([0.0, 0.0], add))
-        })
-        .collect();
+    let resampled = bootstrap(&clusters, RESAMPLES, &mut rng, |drawn| {
+        share(drawn.iter().copied().fold([0.0, 0.0], add))
+    });
     if resampled.len() as f64 <= (1.0 - NOTHING_OPEN) * RESAMPLES as f64 {
         return None;
     }
-    resampled.sort_by(f64::total_cmp);
-    let quantile = |part: f64| {
-        let place = (part * resampled.len() as f64) as usize;
-        resampled[place.min(resampled.len() - 1)]
-    };
+    let [low, high] = [0.025, 0.975].map(|end| quantile_upper(&resampled, end));
     Some(Closed {
         value,
-        ci95: [quantile(0.025), quantile(0.975)],
+        ci95: [low?, high?],
         clusters: clusters.len(),
     })
 }

@@ -4,6 +4,7 @@ use super::cell::{Cell, Measure};
 use super::comparison::Table;
 use super::moderation::{Kind, MANY, Priors, kind};
 use super::tail::Tail;
+use crate::statistics::mean_and_variance;
 use std::collections::BTreeMap;
 
 /// Spread over size [-] below which replicates are equal up to rounding.
@@ -39,7 +40,8 @@ impl Difference {
 impl Evidence {
     pub fn of(tables: &[Table]) -> Self {
         let replicates = Priors::of(cells(tables).map(|(table, place)| {
-            let variance = moments(&column(&table.simulated, place))[1] / table.square(place);
+            let variance =
+                mean_and_variance(&column(&table.simulated, place))[1] / table.square(place);
             let freedom = (table.simulated.len() - 1) as f64;
             (&table.cells[place], variance, freedom)
         }));
@@ -47,7 +49,7 @@ impl Evidence {
         let repeats = Priors::of(repeated.map(|(table, place)| {
             let (replicates, _) =
                 spread(table, place, &column(&table.simulated, place), &replicates);
-            let ratio = moments(&column(&table.measured, place))[1] / replicates;
+            let ratio = mean_and_variance(&column(&table.measured, place))[1] / replicates;
             let freedom = (table.measured.len() - 1) as f64;
             (&table.cells[place], ratio, freedom)
         }));
@@ -69,9 +71,9 @@ impl Evidence {
 
     /// The difference of a cell; `added` is the deviation that uncertain parameters add.
     pub fn difference(&self, table: &Table, place: usize, added: f64) -> Difference {
-        let [measured, of_measured] = moments(&column(&table.measured, place));
+        let [measured, of_measured] = mean_and_variance(&column(&table.measured, place));
         let values = column(&table.simulated, place);
-        let [simulated, _] = moments(&values);
+        let [simulated, _] = mean_and_variance(&values);
         let [k, n] = [table.measured.len() as f64, table.simulated.len() as f64];
         let (replicates, freedom) = spread(table, place, &values, &self.replicates);
         let (ratio, of_ratio) = if k > 1.0 {
@@ -109,7 +111,7 @@ impl Evidence {
 /// degrees of freedom.
 fn spread(table: &Table, place: usize, values: &[f64], priors: &Priors) -> (f64, f64) {
     let square = table.square(place);
-    let variance = moments(values)[1] / square;
+    let variance = mean_and_variance(values)[1] / square;
     let (moderated, freedom) =
         priors.moderate(&table.cells[place], variance, (values.len() - 1) as f64);
     (square * moderated.max(LEAST_SPREAD * LEAST_SPREAD), freedom)
@@ -120,7 +122,7 @@ fn scores(tables: &[Table], priors: &Priors) -> BTreeMap<Kind, Vec<f64>> {
     let mut scores = BTreeMap::<_, Vec<f64>>::new();
     for (table, place) in cells(tables) {
         let values = column(&table.simulated, place);
-        let [_, variance] = moments(&values);
+        let [_, variance] = mean_and_variance(&values);
         // Identical replicates carry no information on the tail.
         if variance <= LEAST_SPREAD * LEAST_SPREAD * table.square(place) {
             continue;
@@ -129,7 +131,7 @@ fn scores(tables: &[Table], priors: &Priors) -> BTreeMap<Kind, Vec<f64>> {
         for number in 0..values.len() {
             let mut others = values.clone();
             let left_out = others.swap_remove(number);
-            let [mean, _] = moments(&others);
+            let [mean, _] = mean_and_variance(&others);
             let (variance, _) = spread(table, place, &others, priors);
             let error = libm::sqrt(variance * (1.0 + 1.0 / others.len() as f64));
             of_kind.push((left_out - mean) / error);
@@ -148,14 +150,6 @@ fn cells(tables: &[Table]) -> impl Iterator<Item = (&Table, usize)> {
 /// The values of a cell, run by run.
 fn column(runs: &[Vec<f64>], place: usize) -> Vec<f64> {
     runs.iter().map(|run| run[place]).collect()
-}
-
-/// Mean and variance; the variance of one value is 0.
-pub(crate) fn moments(values: &[f64]) -> [f64; 2] {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let square: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
-    [mean, square / (count - 1.0).max(1.0)]
 }
 
 impl Table {

@@ -13,9 +13,10 @@
 use super::cell::Cell;
 use super::comparison::Table;
 use super::distance::apart;
-use super::evidence::{LEAST_SPREAD, moments};
+use super::evidence::LEAST_SPREAD;
 use super::whitening::Whitening;
 use crate::quantity::Seed;
+use crate::statistics::mean_and_variance;
 use rand::seq::SliceRandom;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -107,7 +108,7 @@ impl Pool {
         let mut rows = vec![Vec::with_capacity(table.cells.len()); runs.len()];
         for place in 0..table.cells.len() {
             let values: Vec<f64> = runs.iter().map(|run| run[place]).collect();
-            let [mean, variance] = moments(&values);
+            let [mean, variance] = mean_and_variance(&values);
             let measure = table.cells[place].statistic.measure();
             let resolution = measure.resolution(table.sizes[place]);
             let deviation = libm::sqrt(variance).max(resolution);

@@ -29,7 +29,7 @@ pub const LEVEL: f64 = 0.05;
 pub struct Margins {
     /// Of values in the channel's unit, as a share of their size [-].
     pub relative: f64,
-    /// Of levels [dB].
+    /// Of levels \[dB\].
     pub level: f64,
     /// Of numbers without unit [-].
     pub number: f64,

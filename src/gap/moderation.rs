@@ -14,6 +14,7 @@
 //! Smyth (2004), Stat. Appl. Genet. Mol. Biol. 3(1):3, Section 6.2.
 
 use super::cell::{Cell, Domain, Measure};
+use crate::statistics::upper_median;
 use statrs::function::gamma::digamma;
 use std::collections::BTreeMap;
 
@@ -41,10 +42,9 @@ struct Prior {
 impl Prior {
     /// From sample variances of equal or unequal degrees of freedom.
     fn of(variances: &[Variance]) -> Self {
-        let mut sorted: Vec<f64> = variances.iter().map(|of| of.value).collect();
-        sorted.sort_by(f64::total_cmp);
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let varying = sorted.iter().copied().filter(|variance| *variance > 0.0);
+        let values = || variances.iter().map(|of| of.value);
+        let median = upper_median(values()).unwrap_or(0.0);
+        let varying = values().filter(|variance| *variance > 0.0);
         // Where most do not vary at all, those that do set the scale.
         let scale = if median > 0.0 {
             Some(median)

@@ -18,9 +18,9 @@ use crate::features::reference::Reference;
 use crate::features::{Extractor, Settings};
 use crate::identification::{Identification, IdentifyError, Parameter, Setting, SteadyLoad};
 use crate::recognition::{Method, Recognizer};
+use crate::signal::Plans;
 use crate::terrain::class::Wtic;
 use crate::trace::{Channel, Trace};
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use serde::Serialize;
 
@@ -102,7 +102,7 @@ fn shapley(count: usize, value: &[f64]) -> Vec<f64> {
 /// The vibration's answers by stages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VibrationStages {
-    /// Of the feature vector, averaged over windows [decades].
+    /// Of the feature vector, averaged over windows \[decades\].
     pub features: Stages,
     /// Of the class by the paper's regions: share of windows in which it is another [-].
     pub class: Stages,
@@ -245,22 +245,13 @@ impl Parts {
 /// What lies below `corner` times the sample rate, as if the samples went on periodically.
 fn low_passed(samples: &[f64], corner: f64) -> Vec<f64> {
     let length = samples.len();
-    let mut planner = RealFftPlanner::new();
-    let (forward, backward) = (
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    );
-    let (mut input, mut spectrum) = (samples.to_vec(), forward.make_output_vec());
-    forward
-        .process(&mut input, &mut spectrum)
-        .expect("lengths are the plan's");
+    let mut plans = Plans::default();
+    let mut spectrum = plans.forward(length).apply(samples.to_vec());
     let kept = ((corner * length as f64) as usize + 1).min(length.div_ceil(2));
     spectrum[kept..].fill(Complex::default());
-    backward
-        .process(&mut spectrum, &mut input)
-        .expect("lengths are the plan's, and the last line is zero");
     let scale = 1.0 / length as f64;
-    input.iter().map(|x| x * scale).collect()
+    let low = plans.backward(length).apply(spectrum).into_iter();
+    low.map(|x| x * scale).collect()
 }
 
 const LOADS: [Stage; 5] = [

@@ -10,7 +10,7 @@ use std::fmt;
 pub struct SteadyRow {
     /// The means over the interval.
     pub load: SteadyLoad,
-    /// From when to when [s]; from and to 0 in a run of means.
+    /// From when to when \[s\]; from and to 0 in a run of means.
     pub interval: [f64; 2],
     /// Channels that drift.
     pub drifts: Vec<Drift>,

@@ -60,7 +60,7 @@ pub struct Identified {
     pub standing: Standing,
     /// Why it is not identifiable; `None` where it is identified or not fitted.
     pub unidentifiable: Option<Unidentifiable>,
-    /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` [rad]); infinite where the
+    /// Standard error in the coordinate of the fit (`ln k_s`, `ln c`, `ln K`, `φ` \[rad\]); infinite where the
     /// parameter is unbounded, 0 where it is not fitted.
     pub standard_error: f64,
     /// 95 % interval from the covariance, in its unit; `None` where unbounded.

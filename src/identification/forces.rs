@@ -15,9 +15,9 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Force {
-    /// Drawbar pull [N].
+    /// Drawbar pull \[N\].
     DrawbarPull,
-    /// Vertical load [N].
+    /// Vertical load \[N\].
     Load,
     /// Driving torque [N·m].
     DrivingTorque,

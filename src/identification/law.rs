@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 /// Equations of soil that lugs enter; on ground that lugs do not enter, Eq. (62)-(69) apply.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Law {
     /// Eq. (62)-(66): triangular stress on a smooth cylinder.
     #[default]

@@ -23,13 +23,13 @@ pub enum Parameter {
     /// Growth of the sinkage exponent with slip `n_1` [-].
     #[serde(rename = "n1")]
     SinkageExponentSlip,
-    /// Cohesion `c` [Pa].
+    /// Cohesion `c` \[Pa\].
     #[serde(rename = "c")]
     Cohesion,
     /// Friction angle `φ` [°].
     #[serde(rename = "phi")]
     FrictionAngle,
-    /// Shear deformation modulus `K` [m].
+    /// Shear deformation modulus `K` \[m\].
     #[serde(rename = "K")]
     ShearModulus,
 }
@@ -175,16 +175,16 @@ pub struct TerrainParameters {
     pub sinkage_exponent: f64,
     /// Growth of the sinkage exponent with slip `n_1` [-].
     pub sinkage_exponent_slip: f64,
-    /// Cohesion `c` [Pa].
+    /// Cohesion `c` \[Pa\].
     pub cohesion: f64,
     /// Friction angle `φ` [°].
     pub friction_angle_deg: f64,
-    /// Shear deformation modulus `K` [m].
+    /// Shear deformation modulus `K` \[m\].
     pub shear_modulus: f64,
 }
 
 impl TerrainParameters {
-    /// The parameters of a `soil` under a wheel of `width` [m].
+    /// The parameters of a `soil` under a wheel of `width` \[m\].
     pub fn of(soil: &Soil, width: f64) -> Self {
         Self {
             stress_angle: soil.stress_angle,

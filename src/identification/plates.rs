@@ -15,6 +15,7 @@ pub struct PlateFit {
 
 /// Why points give no pressure-sinkage law.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlateError {
     /// A run of a wheel.
     #[error("the run has no plate: state plate_diameter_m, or plate_length_m and plate_width_m")]
@@ -39,7 +40,7 @@ pub enum PlateError {
 }
 
 impl PlateFit {
-    /// Least-squares fit to `points` of sinkage [m] and pressure [Pa] during loading; points above the
+    /// Least-squares fit to `points` of sinkage \[m\] and pressure \[Pa\] during loading; points above the
     /// surface or without pressure are excluded.
     ///
     /// Fitted in logarithms with weights in proportion to pressure squared, so that errors are weighted as in

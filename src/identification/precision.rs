@@ -1,6 +1,7 @@
 //! Widths of intervals, from stated uncertainties or from the residual scatter.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+use crate::statistics::student_quantile;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// Significance level below which a scatter is not attributed to chance.
 pub(super) const UNLIKELY: f64 = 1e-3;
@@ -28,7 +29,7 @@ impl Precision {
         let (sigma, quantile) = match freedom {
             _ if known && misfit.is_none() => (1.0, Normal::standard().inverse_cdf(0.975)),
             0 => (f64::INFINITY, f64::INFINITY),
-            _ => (libm::sqrt(reduced), student(freedom as f64)),
+            _ => (libm::sqrt(reduced), student_quantile(0.975, freedom as f64)),
         };
         Self {
             sigma,
@@ -53,12 +54,6 @@ impl Precision {
 pub(super) fn by_chance(chi_square: f64, freedom: usize) -> f64 {
     let distribution = ChiSquared::new(freedom as f64);
     distribution.map_or(1.0, |distribution| distribution.sf(chi_square))
-}
-
-/// 97.5 % quantile of Student's t; infinite without a degree of freedom.
-pub(super) fn student(freedom: f64) -> f64 {
-    let distribution = StudentsT::new(0.0, 1.0, freedom);
-    distribution.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
 #[cfg(test)]

@@ -5,10 +5,10 @@ use super::estimate::Estimate;
 use super::model::Model;
 use super::parameter::Coordinates;
 use super::point::{DEPTH, Point, by, values};
-use super::precision::student;
 use super::row::{RIGID_SINKAGE, Setting, SteadyLoad};
 use super::{Identification, LocalModel};
 use crate::soil::wheel_load::WheelLoad;
+use crate::statistics::student_quantile;
 use crate::terrain::class::Wtic;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -49,9 +49,9 @@ impl Serialize for Predicted {
 /// Sinkage, pull and torque at a load and slip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Sinkage `z` [m] of the rim; [`RIGID_SINKAGE`] where the class sets it.
+    /// Sinkage `z` \[m\] of the rim; [`RIGID_SINKAGE`] where the class sets it.
     pub sinkage: Predicted,
-    /// Drawbar pull `F_DP` [N].
+    /// Drawbar pull `F_DP` \[N\].
     pub drawbar_pull: Predicted,
     /// Driving torque `T_D` [N·m].
     pub driving_torque: Predicted,
@@ -107,7 +107,7 @@ impl Predictor {
             at,
             sigma: precision.sigma,
             directions,
-            quantile: student(freedom),
+            quantile: student_quantile(0.975, freedom),
             scatter: scatter(&model, &at, &rows, taken),
         }
     }
@@ -122,7 +122,7 @@ impl Predictor {
         &self.model.setting
     }
 
-    /// Prediction at a `load` [N] and `slip` [-] by the rim's radius; `None` where the soil does not carry
+    /// Prediction at a `load` \[N\] and `slip` [-] by the rim's radius; `None` where the soil does not carry
     /// the load.
     pub fn at(&self, load: f64, slip: f64) -> Option<Prediction> {
         let slip = self.model.setting.slip_on_cylinder(slip);

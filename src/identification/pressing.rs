@@ -13,7 +13,7 @@ const NOISE: f64 = 0.01;
 pub struct Pressing {
     /// The plate.
     pub plate: Plate,
-    /// Sinkage [m] and pressure [Pa], in the order of time.
+    /// Sinkage \[m\] and pressure \[Pa\], in the order of time.
     pub points: Vec<[f64; 2]>,
 }
 

@@ -10,8 +10,8 @@
 //! places.
 
 use super::plates::{LogSums, PlateError, common_exponent, is_pressed};
-use super::precision::student;
 use super::pressing::Pressing;
+use crate::statistics::student_quantile;
 use crate::trace::wheel::Plate;
 use std::fmt;
 
@@ -76,7 +76,7 @@ pub struct PressureSinkage {
     pub sizes: Vec<PlateSize>,
     /// `k_c` and `k_φ`; `None` for one size, which cannot separate them.
     pub moduli: Option<Moduli>,
-    /// Range of sinkage [m] of the fit: points are weighted by squared pressure, and those shallower than the
+    /// Range of sinkage \[m\] of the fit: points are weighted by squared pressure, and those shallower than the
     /// first have a twentieth of the weight. The second is the deepest.
     pub sinkages: [f64; 2],
     /// Resampling unit of the intervals.
@@ -155,7 +155,7 @@ impl PressureSinkage {
         })
     }
 
-    /// `k_s` [N·m⁻⁽ⁿ⁺²⁾] under a wheel of `width` [m]: `k_c/b + k_φ`; `None` where one size cannot separate
+    /// `k_s` [N·m⁻⁽ⁿ⁺²⁾] under a wheel of `width` \[m\]: `k_c/b + k_φ`; `None` where one size cannot separate
     /// the two.
     pub fn modulus_under(&self, width: f64) -> Option<f64> {
         let Moduli {
@@ -296,7 +296,7 @@ fn half_widths(sizes: &[Size], count: usize, freedom: usize) -> Option<Vec<f64>>
             *variance += squares.sum::<f64>() * (units - 1) as f64 / units as f64;
         }
     }
-    let quantile = student(freedom as f64);
+    let quantile = student_quantile(0.975, freedom as f64);
     Some(
         variances
             .iter()

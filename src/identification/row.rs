@@ -10,7 +10,7 @@ use crate::terrain::class::Wtic;
 use crate::trace::RunAttributes;
 use serde::{Deserialize, Serialize};
 
-/// Sinkage [m] assumed on ground that lugs do not enter (Section 5.3).
+/// Sinkage \[m\] assumed on ground that lugs do not enter (Section 5.3).
 pub const RIGID_SINKAGE: f64 = 1.0e-5;
 
 /// Slip ratio [-] at the outermost circle up to which a wheel on hard ground (ALCT) is held by static
@@ -23,11 +23,11 @@ pub const STATIC_SLIP: f64 = 0.01;
 pub struct SteadyLoad {
     /// Slip ratio `s` [-] by the rim's radius.
     pub slip: f64,
-    /// Sinkage `z` [m] of the rim; NaN where it was not measured, which is an error only for [`Wtic::Leis`].
+    /// Sinkage `z` \[m\] of the rim; NaN where it was not measured, which is an error only for [`Wtic::Leis`].
     pub sinkage: f64,
-    /// Drawbar pull `F_DP` [N].
+    /// Drawbar pull `F_DP` \[N\].
     pub drawbar_pull: f64,
-    /// Vertical load `W` [N].
+    /// Vertical load `W` \[N\].
     pub load: f64,
     /// Driving torque `T_D` [N·m]; NaN where it was not measured.
     pub driving_torque: f64,
@@ -40,18 +40,18 @@ pub struct SteadyLoad {
 pub struct Uncertainty {
     /// Of the slip ratio [-]; 0 where it is exact.
     pub slip: f64,
-    /// Of the sinkage [m]; 0 where it is exact.
+    /// Of the sinkage \[m\]; 0 where it is exact.
     pub sinkage: f64,
-    /// Of the drawbar pull [N].
+    /// Of the drawbar pull \[N\].
     pub drawbar_pull: f64,
-    /// Of the load [N].
+    /// Of the load \[N\].
     pub load: f64,
     /// Of the driving torque [N·m]; ignored where the row has none.
     pub driving_torque: f64,
 }
 
 impl SteadyLoad {
-    /// `loads` at a `slip` [-] and `sinkage` [m], without uncertainties.
+    /// `loads` at a `slip` [-] and `sinkage` \[m\], without uncertainties.
     pub fn new(slip: f64, sinkage: f64, loads: WheelLoad) -> Self {
         Self {
             slip,
@@ -113,7 +113,7 @@ pub enum Cylinder {
 pub struct Setting {
     /// The rim.
     pub rim: Rim,
-    /// Lug height `l` [m].
+    /// Lug height `l` \[m\].
     pub lug_height: f64,
     /// The cylinder whose radius the paper's equations use for sinkage, slip, torque and shear displacement.
     pub cylinder: Cylinder,

@@ -17,7 +17,7 @@ const ONE_LOAD: f64 = 1.5;
 pub struct Scope {
     /// The wheel's lugs, unless it is known to be smooth.
     pub lugs: Option<Lugs>,
-    /// Least and greatest load [N], where the rows count as one load.
+    /// Least and greatest load \[N\], where the rows count as one load.
     pub one_load: Option<[f64; 2]>,
 }
 

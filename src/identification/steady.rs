@@ -2,11 +2,13 @@
 
 use super::drift::{Drift, SteadyRow};
 use super::row::{SteadyLoad, Uncertainty};
+use crate::statistics::upper_median;
 use crate::trace::slope::Slope;
 use crate::trace::{Channel, Trace};
 
 /// Why a run gives no rows.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SteadyError {
     /// A quantity is neither a channel nor a mean.
     #[error(
@@ -40,7 +42,7 @@ pub enum SteadyError {
 /// An interval of steady slip with its row, or the reason why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
-    /// Its middle half [s], which gives the row.
+    /// Its middle half \[s\], which gives the row.
     pub interval: [f64; 2],
     /// The row.
     pub row: Result<SteadyRow, SteadyError>,
@@ -281,15 +283,10 @@ fn plateaus(slip: &Channel) -> Result<Vec<[f64; 2]>, SteadyError> {
 /// Standard deviation of the parts' means about a steady slip, from the median step between neighbours, which
 /// is robust to the few true steps.
 fn noise(means: &[Option<f64>]) -> f64 {
-    let mut steps: Vec<f64> = means
-        .windows(2)
-        .filter_map(|pair| Some((pair[1]? - pair[0]?).abs()))
-        .collect();
-    steps.sort_by(f64::total_cmp);
+    let pairs = means.windows(2);
+    let steps = pairs.filter_map(|pair| Some((pair[1]? - pair[0]?).abs()));
     // The median of |x - y| of two standard normal variables is 0.954.
-    steps
-        .get(steps.len() / 2)
-        .map_or(0.0, |median| median / 0.954)
+    upper_median(steps).map_or(0.0, |median| median / 0.954)
 }
 
 /// Runs of parts whose means stay within `tolerance` of the mean of those before, as `[from, to)`.

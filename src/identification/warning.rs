@@ -13,6 +13,7 @@ const ROLLING: f64 = -0.02;
 
 /// A condition that limits the validity of an estimate.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Warning {
     /// A parameter ended at a bound of the search.
     AtBound {
@@ -51,9 +52,9 @@ pub enum Warning {
     NoFreedom,
     /// Loads differ although the class sets one sinkage for all, so that `k_s zᴺ` is a mean.
     LoadsDiffer {
-        /// Least load [N].
+        /// Least load \[N\].
         least: f64,
-        /// Greatest load [N].
+        /// Greatest load \[N\].
         most: f64,
     },
     /// Rows of a braking wheel, whose shear stress reverses within the contact.

@@ -17,28 +17,28 @@ use serde::Serialize;
 /// The offset of one window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LugOffset {
-    /// Wheel angle where a lug points straight down, its lag included [rad]; within half a lug angle
+    /// Wheel angle where a lug points straight down, its lag included \[rad\]; within half a lug angle
     /// of 0.
     pub offset_rad: f64,
-    /// Standard error [rad].
+    /// Standard error \[rad\].
     pub error_rad: f64,
     /// Mean wheel speed [rad/s].
     pub wheel_speed_rad_s: f64,
-    /// Lug angle [rad], by which it repeats.
+    /// Lug angle \[rad\], by which it repeats.
     pub lug_angle_rad: f64,
 }
 
 /// The zero of the wheel angle of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Alignment {
-    /// Wheel angle where a lug points straight down [rad]; the lag's share included where
+    /// Wheel angle where a lug points straight down \[rad\]; the lag's share included where
     /// `lag_s` is not known.
     pub zero_rad: f64,
-    /// Its 95 % interval [rad].
+    /// Its 95 % interval \[rad\].
     pub zero_ci95: [f64; 2],
-    /// How late the acceleration is logged against the angle [s]; `None` at one speed.
+    /// How late the acceleration is logged against the angle \[s\]; `None` at one speed.
     pub lag_s: Option<f64>,
-    /// Its 95 % interval [s].
+    /// Its 95 % interval \[s\].
     pub lag_ci95: Option<[f64; 2]>,
     /// Windows it is from.
     pub windows: usize,

@@ -27,6 +27,7 @@ pub struct Sample {
 
 /// Why there is no classifier.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum BaselineError {
     /// All windows belong together.
     #[error(

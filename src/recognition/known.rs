@@ -30,7 +30,7 @@ const MOST: f64 = 0.9;
 /// Share [-] of a window that truth has to cover.
 const COVERED: f64 = 0.5;
 
-/// The reference class from `start` to `end` [s] of a run, from its best source: ground truth, otherwise the
+/// The reference class from `start` to `end` \[s\] of a run, from its best source: ground truth, otherwise the
 /// run's class, otherwise that of its terrain.
 ///
 /// Ground truth has its own windows: it is used if it covers at least half of this window and one class has
@@ -47,7 +47,7 @@ pub fn known_class(trace: &Trace, [start, end]: [f64; 2]) -> Option<Known> {
     run.or_else(|| terrain.map(TerrainLabel::class).map(known(Source::Terrain)))
 }
 
-/// The ground from `start` to `end` [s] of a run; none where it is not known or changes.
+/// The ground from `start` to `end` \[s\] of a run; none where it is not known or changes.
 pub fn known_terrain(trace: &Trace, [start, end]: [f64; 2]) -> Option<TerrainLabel> {
     let truth = true_windows(trace);
     most(truth, [start, end], |window| window.terrain).or(trace.attributes.terrain)

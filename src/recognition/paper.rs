@@ -1,6 +1,6 @@
 //! The paper's regions of the feature space (Eq. 59-61) with its limits (57), (58), verbatim.
 //!
-//! The confidence of an answer is `m / (m + 0.1)`, where `m` is the distance [decades] of the
+//! The confidence of an answer is `m / (m + 0.1)`, where `m` is the distance \[decades\] of the
 //! feature vector from the nearest border of its region, along one feature; that of UWTIC is taken
 //! from the distance to the nearest region. It orders answers and is no probability.
 

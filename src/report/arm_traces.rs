@@ -7,8 +7,8 @@ use super::channel_row::{
 };
 use super::envelope::{bounds, envelope};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, Layout, Panel, Stroke};
-use super::spectrum::density_spectrum;
 use crate::diagnosis::ArmTraces;
+use crate::signal::density_spectrum;
 use crate::trace::{Channel, Trace};
 
 /// Height of the names of the arms [px].

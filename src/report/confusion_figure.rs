@@ -1,7 +1,8 @@
 //! Answers counted against truth, as a picture.
 
 use super::figure::{Anchor, Area, Canvas, Font, INK, MUTED, PALETTE, Stroke};
-use crate::recognition::confusion::{CLASSES, Confusion, Share};
+use crate::recognition::confusion::{CLASSES, Confusion};
+use crate::statistics::Share;
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 820.0;

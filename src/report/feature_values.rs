@@ -3,6 +3,7 @@
 use super::envelope::bounds;
 use super::feature_points::{FEATURES, FeaturePoint, Group, drawable, left_out};
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, MUTED, Panel, Stroke, reading};
+use crate::statistics::median;
 
 /// Width of the drawing [px].
 const WIDTH: f64 = 1200.0;
@@ -98,7 +99,9 @@ impl Shown {
             group,
             values,
         } = self;
-        let median = median(values);
+        let Some(median) = median(values.iter().copied()) else {
+            return;
+        };
         let ends = [-0.42, 0.42].map(|offset| panel.at([middle + offset, median]));
         canvas.polyline(&ends, Stroke::solid(INK, 2.0));
         for (place, value) in values.iter().enumerate() {
@@ -117,13 +120,6 @@ impl Shown {
         let text = format!("{}, n = {}", shown(median), values.len());
         canvas.text([x, below + 37.0], Anchor::Middle, Font::SMALL, &text);
     }
-}
-
-/// The middle value, or the mean of the two in the middle; there is at least one.
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]) / 2.0
 }
 
 /// Two decimals; 0 has no sign.

@@ -35,7 +35,7 @@ pub const PALETTE: [&str; 6] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00",
 ];
 
-/// A rectangle [px]; `y` runs down.
+/// A rectangle \[px\]; `y` runs down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
     /// Left edge.
@@ -49,12 +49,12 @@ pub struct Area {
 }
 
 impl Area {
-    /// Right edge [px].
+    /// Right edge \[px\].
     pub fn right(&self) -> f64 {
         self.left + self.width
     }
 
-    /// Lower edge [px].
+    /// Lower edge \[px\].
     pub fn bottom(&self) -> f64 {
         self.top + self.height
     }
@@ -74,7 +74,7 @@ pub enum Anchor {
 /// How a text looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Font {
-    /// Height [px].
+    /// Height \[px\].
     pub size: f64,
     /// Colour.
     pub colour: &'static str,
@@ -102,7 +102,7 @@ impl Font {
         bold: true,
     };
 
-    /// Width [px] that `text` takes at most in the usual sans-serif fonts.
+    /// Width \[px\] that `text` takes at most in the usual sans-serif fonts.
     ///
     /// An estimate by kinds of letters, on the wide side: the reader's font is not known here.
     pub fn width(&self, text: &str) -> f64 {
@@ -111,7 +111,7 @@ impl Font {
         ems * self.size * if self.bold { 1.1 } else { 1.0 }
     }
 
-    /// As much of `text` as fits in `width` [px], with an ellipsis where some does not.
+    /// As much of `text` as fits in `width` \[px\], with an ellipsis where some does not.
     pub fn fit(&self, text: &str, width: f64) -> String {
         if self.width(text) <= width {
             return text.to_owned();
@@ -128,7 +128,7 @@ impl Font {
         kept
     }
 
-    /// `text` broken between words into lines of at most `width` [px].
+    /// `text` broken between words into lines of at most `width` \[px\].
     pub fn wrap(&self, text: &str, width: f64) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for word in text.split_whitespace() {
@@ -155,12 +155,12 @@ fn letter_width(letter: char) -> f64 {
     }
 }
 
-/// A line's colour, width [px] and dashes.
+/// A line's colour, width \[px\] and dashes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     /// Colour.
     pub colour: &'static str,
-    /// Width [px].
+    /// Width \[px\].
     pub width: f64,
     /// Whether it is dashed.
     pub dashed: bool,
@@ -202,9 +202,9 @@ impl Stroke {
 /// How wide a drawing is, and whether it says what it shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layout {
-    /// Width [px].
+    /// Width \[px\].
     pub width: f64,
-    /// Width [mm] on paper; `None` on a screen.
+    /// Width \[mm\] on paper; `None` on a screen.
     pub paper: Option<f64>,
     /// Whether title and remarks stand above, in place of a caption.
     pub is_titled: bool,
@@ -225,7 +225,7 @@ impl Layout {
         is_titled: true,
     };
 
-    /// `width` [mm] wide on paper: [`Font::SMALL`] is 7 pt high there whatever the width.
+    /// `width` \[mm\] wide on paper: [`Font::SMALL`] is 7 pt high there whatever the width.
     pub fn on_paper(width: f64, is_titled: bool) -> Self {
         const POINTS_PER_MILLIMETRE: f64 = 72.0 / 25.4;
         let pixels_per_point = Font::SMALL.size / 7.0;
@@ -254,7 +254,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// An empty white drawing of `size` (width, height) [px]; `title` is read out to who cannot see it.
+    /// An empty white drawing of `size` (width, height) \[px\]; `title` is read out to who cannot see it.
     pub fn new(size: [f64; 2], title: &str) -> Self {
         let (title, body) = (title.to_owned(), String::new());
         Self {
@@ -274,7 +274,7 @@ impl Canvas {
         }
     }
 
-    /// Changes the height [px], where it is only known when all is drawn.
+    /// Changes the height \[px\], where it is only known when all is drawn.
     pub fn set_height(&mut self, height: f64) {
         self.size[1] = height;
     }
@@ -593,7 +593,7 @@ impl Axis {
         format!("{low} {high} {} {}{scale}", pixels(*from), pixels(*to))
     }
 
-    /// Values at round numbers and what to write there, at least `spacing` [px] apart.
+    /// Values at round numbers and what to write there, at least `spacing` \[px\] apart.
     pub fn ticks(&self, spacing: f64) -> Vec<(f64, String)> {
         match self.scale {
             Scale::Linear => self.linear_ticks(spacing),
@@ -667,7 +667,7 @@ fn minus(text: String) -> String {
 /// A panel: a frame, two axes, a header above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Panel {
-    /// The frame [px].
+    /// The frame \[px\].
     pub area: Area,
     /// Across.
     pub x: Axis,
@@ -676,12 +676,12 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Height [px] above the frame that the header takes.
+    /// Height \[px\] above the frame that the header takes.
     pub const HEADER: f64 = 28.0;
-    /// Height [px] below the frame that tick labels and the axis' name take.
+    /// Height \[px\] below the frame that tick labels and the axis' name take.
     pub const FOOTER: f64 = 44.0;
 
-    /// Position [px] of a point in the axes' units.
+    /// Position \[px\] of a point in the axes' units.
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.x.pixel(x), self.y.pixel(y)]
     }

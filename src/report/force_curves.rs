@@ -6,6 +6,7 @@ use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Strok
 use crate::identification::{
     Estimate, Predicted, Prediction, Predictor, RIGID_SINKAGE, SteadyLoad,
 };
+use crate::statistics::mean;
 use crate::table::four_digits;
 use crate::terrain::class::Wtic;
 
@@ -154,7 +155,8 @@ impl Curves<'_> {
         };
         let mut left = MARGIN;
         for (number, rows) in self.loads.iter().enumerate() {
-            let name = format!("load {:.0} N", mean(rows.iter().map(|row| row.load)));
+            let load = mean(loads(rows)).unwrap_or(f64::NAN);
+            let name = format!("load {load:.0} N");
             let width = 42.0 + font.width(&name) + 18.0;
             if left + width > WIDTH - MARGIN {
                 left = MARGIN;
@@ -373,16 +375,19 @@ fn by_load(rows: &[SteadyLoad]) -> Vec<Vec<SteadyLoad>> {
     loads.map(by_slip).collect()
 }
 
+fn slips(rows: &[SteadyLoad]) -> impl Iterator<Item = f64> {
+    rows.iter().map(|row| row.slip)
+}
+
+fn loads(rows: &[SteadyLoad]) -> impl Iterator<Item = f64> {
+    rows.iter().map(|row| row.load)
+}
+
 /// Slip and load [N] through which a curve goes: rows of about one slip are one.
 fn knots(rows: &[SteadyLoad]) -> Vec<[f64; 2]> {
     let groups = rows.chunk_by(|one, other| other.slip - one.slip < SAME_SLIP);
-    let knot = |rows: &[SteadyLoad]| {
-        [
-            mean(rows.iter().map(|row| row.slip)),
-            mean(rows.iter().map(|row| row.load)),
-        ]
-    };
-    groups.map(knot).collect()
+    let knot = |rows: &[SteadyLoad]| Some([mean(slips(rows))?, mean(loads(rows))?]);
+    groups.filter_map(knot).collect()
 }
 
 /// Points on straight lines from knot to knot.
@@ -394,11 +399,6 @@ fn along(knots: &[[f64; 2]]) -> Vec<[f64; 2]> {
         })
     });
     between.chain(knots.last().copied()).collect()
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    sum / count
 }
 
 #[cfg(test)]

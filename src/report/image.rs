@@ -25,6 +25,7 @@ const FAMILIES: [&str; 5] = [
 
 /// Why a drawing has no image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImageError {
     /// The system has no font.
     #[error(

@@ -26,7 +26,7 @@ const ROWS: [(ChannelRow, &str); 4] = [
     (SINKAGE, PALETTE[3]),
 ];
 
-/// The same channels of several named runs from `start` to `end` [s] as one SVG 1200 px wide: a
+/// The same channels of several named runs from `start` to `end` \[s\] as one SVG 1200 px wide: a
 /// column a run, a row a channel, and one scale in each row. A channel that no run has is left out.
 pub fn side_by_side(runs: &[(&str, &Trace)], time: [f64; 2]) -> String {
     let mut canvas = Canvas::new([WIDTH, 0.0], "Runs side by side");

@@ -1,6 +1,7 @@
 //! How the windows of a study lie to one of the limits of Eq. (55) to (58).
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, INK, PALETTE, Panel, Stroke};
+use crate::statistics::{quantile_nearest_rank, quantile_upper, sorted};
 use crate::study;
 use crate::study::thresholds::{Point, Statement};
 use crate::table::four_digits;
@@ -114,12 +115,9 @@ impl<'s> Layout<'s> {
     }
 
     fn draw_panel(&self, canvas: &mut Canvas, area: &Area) {
-        let mut ratios: Vec<f64> = self.points.iter().map(|p| p.bounded.ratio()).collect();
-        ratios.sort_by(f64::total_cmp);
+        let ratios = sorted(self.points.iter().map(|p| p.bounded.ratio()));
         // The lowest few lie at the foot, where they would cost a decade.
-        let low = ratios
-            .get(ratios.len() / 50)
-            .map_or(0.5, |low| low.clamp(0.01, 0.5));
+        let low = quantile_upper(&ratios, 0.02).map_or(0.5, |low| low.clamp(0.01, 0.5));
         let high = ratios.last().map_or(2.0, |high| high.max(2.0));
         let y = Axis::decades([low, high], [area.bottom(), area.top]);
         self.draw_frame(canvas, area, &y);
@@ -230,7 +228,7 @@ struct Lane {
 }
 
 impl Lane {
-    /// The windows around `x` [px], side by side, and their median.
+    /// The windows around `x` \[px\], side by side, and their median.
     fn draw(&self, canvas: &mut Canvas, [x, width]: [f64; 2], y: &Axis) {
         let Self { ratios, colour, .. } = self;
         for (number, ratio) in ratios.iter().enumerate() {
@@ -242,8 +240,8 @@ impl Lane {
                 canvas.circle(at, 2.2, "none", Stroke::solid(colour, 1.0));
             });
         }
-        if let Some(median) = ratios.get(ratios.len().saturating_sub(1) / 2) {
-            let level = y.pixel(*median);
+        if !ratios.is_empty() {
+            let level = y.pixel(quantile_nearest_rank(ratios, 0.5));
             let line = [[x - 0.42 * width, level], [x + 0.42 * width, level]];
             canvas.polyline(&line, Stroke::solid(colour, 3.0));
         }

@@ -10,8 +10,8 @@ use super::figure::{
 };
 use super::run_words::{origin, terrain_name, wheel_and_condition};
 use super::scene::Scene;
-use super::spectrum::{OrderSpectrum, order_spectrum};
 use super::wheel_picture::{Ground, draw_wheel_on_ground};
+use crate::signal::{OrderSpectrum, order_spectrum};
 use crate::table::four_digits;
 use crate::trace::{Channel, ClassWindow, Mean, RunAttributes, Trace};
 

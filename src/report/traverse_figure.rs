@@ -7,6 +7,7 @@ use super::envelope::bounds;
 use super::figure::{Anchor, Area, Axis, Canvas, Font, MUTED, PALETTE, Panel, Stroke};
 use super::trace_figure::ChannelLine;
 use crate::recognition::Recognized;
+use crate::statistics::upper_median;
 use crate::table::four_digits;
 use crate::trace::{Channel, Trace};
 
@@ -87,9 +88,7 @@ fn shown_range(acceleration: &Channel, windows: &[Recognized]) -> ([f64; 2], Str
         let samples = bounds(acceleration.between(window.start, window.end));
         samples.map(|[low, high]| high.max(-low))
     };
-    let mut peaks: Vec<f64> = windows.iter().filter_map(peak).collect();
-    peaks.sort_by(f64::total_cmp);
-    let limit = CUT * peaks.get(peaks.len() / 2).copied().unwrap_or(0.0);
+    let limit = CUT * upper_median(windows.iter().filter_map(peak)).unwrap_or(0.0);
     let highest = high.max(-low);
     if limit == 0.0 || highest <= 2.0 * limit {
         return ([low, high], String::new());

@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 /// What of a wheel is seen from the side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelShape {
-    /// Rim radius [m].
+    /// Rim radius \[m\].
     pub radius: f64,
     /// Number of lugs [-]; 0 on a smooth wheel, or where it is unknown.
     pub lug_count: u32,
-    /// Lug height [m].
+    /// Lug height \[m\].
     pub lug_height: f64,
-    /// Lug thickness [m].
+    /// Lug thickness \[m\].
     pub lug_thickness: f64,
 }
 
@@ -48,7 +48,7 @@ impl From<&RunAttributes> for WheelShape {
 }
 
 impl WheelShape {
-    /// Radius to the lugs' edges [m], the rim's on a smooth wheel.
+    /// Radius to the lugs' edges \[m\], the rim's on a smooth wheel.
     pub fn tip_radius(&self) -> f64 {
         if self.lug_count == 0 {
             return self.radius;
@@ -56,8 +56,8 @@ impl WheelShape {
         self.radius + self.lug_height
     }
 
-    /// Height [m] at which the axle rests when the wheel stands at `position` [m] and
-    /// `wheel_angle` [rad] on rigid ground of this `surface` (position, height [m]).
+    /// Height \[m\] at which the axle rests when the wheel stands at `position` \[m\] and
+    /// `wheel_angle` \[rad\] on rigid ground of this `surface` (position, height \[m\]).
     pub fn standing_height(&self, position: f64, wheel_angle: f64, surface: &[[f64; 2]]) -> f64 {
         let rim = (0..720).map(|i| TAU * f64::from(i) / 720.0).map(|angle| {
             let (sin, cos) = libm::sincos(angle);
@@ -81,20 +81,20 @@ impl WheelShape {
 /// Where the wheel is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Position of the axle along the track [m].
+    /// Position of the axle along the track \[m\].
     pub position: f64,
-    /// Height of the axle [m].
+    /// Height of the axle \[m\].
     pub height: f64,
-    /// Angle turned [rad]; at 0 lug 0 points straight down.
+    /// Angle turned \[rad\]; at 0 lug 0 points straight down.
     pub wheel_angle: f64,
 }
 
 /// The ground around the wheel. Polylines run forward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground<'a> {
-    /// Surface before the wheel came: position, height [m].
+    /// Surface before the wheel came: position, height \[m\].
     pub surface: &'a [[f64; 2]],
-    /// Surface the wheel left behind: position, height [m]; empty where it left none.
+    /// Surface the wheel left behind: position, height \[m\]; empty where it left none.
     pub rut: &'a [[f64; 2]],
     /// What the ground is, for its colour; soil where it is not known.
     pub terrain: Option<TerrainLabel>,
@@ -141,7 +141,7 @@ fn rim_bottom(wheel: &WheelShape, pose: &Pose, x: f64) -> f64 {
     pose.height - below.sqrt()
 }
 
-/// Height [m] of a polyline at `x` [m]; `None` beyond its ends.
+/// Height \[m\] of a polyline at `x` \[m\]; `None` beyond its ends.
 pub fn height_at(polyline: &[[f64; 2]], x: f64) -> Option<f64> {
     let right = polyline.partition_point(|point| point[0] < x);
     let [x1, y1] = *polyline.get(right)?;
@@ -152,7 +152,7 @@ pub fn height_at(polyline: &[[f64; 2]], x: f64) -> Option<f64> {
     Some(y0 + (y1 - y0) * (x - x0) / (x1 - x0))
 }
 
-/// Wheel and ground as an SVG of `size` (width, height) [px].
+/// Wheel and ground as an SVG of `size` (width, height) \[px\].
 pub fn wheel_picture(
     wheel: &WheelShape,
     pose: &Pose,

@@ -1,6 +1,7 @@
 //! One experiment from its ground to its trace; nothing in it reads a file or a clock.
 
 use super::Scenario;
+use super::extensions::Extensions;
 use super::recording::{Motion, Recording};
 use crate::effects::{EffectError, Setup};
 use crate::quantity::{RangeError, Seed};
@@ -13,9 +14,11 @@ use crate::trace::truth::TruthRecorder;
 use crate::trace::{RunAttributes, Trace, Truth};
 use crate::wheel::Wheel;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// Why an experiment left no trace.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExperimentError {
     /// The wheel's run could not begin or go on.
     #[error(transparent)]
@@ -78,6 +81,36 @@ const REPORT_EVERY: u64 = 4096;
 /// Distance between the points of the ground kept as truth [m].
 const PROFILE_SPACING: f64 = 1.0e-3;
 
+/// A run before it begins.
+struct Made {
+    experiment: Experiment,
+    extensions: Extensions,
+    observed: Observed,
+}
+
+impl Made {
+    fn terrain(&self) -> Terrain {
+        let Observed { seed, run, .. } = self.observed;
+        let mut terrain = Terrain::generate(&self.experiment.terrain, seed, run);
+        if let Some(heights) = &self.extensions.heights {
+            terrain = terrain.with_heights(Arc::clone(heights));
+        }
+        if let Some(law) = &self.extensions.soil_law {
+            terrain = terrain.with_soil_law(Arc::clone(law));
+        }
+        terrain
+    }
+
+    fn simulation(&self, terrain: &Terrain) -> Result<Simulation, SimulationError> {
+        let Experiment { wheel, rig, .. } = &self.experiment;
+        let simulation = Simulation::new(terrain, wheel, rig, self.observed.physics_rate)?;
+        Ok(match &self.extensions.drive {
+            Some(profile) => simulation.following(Arc::clone(profile)),
+            None => simulation,
+        })
+    }
+}
+
 impl Scenario {
     /// What is built: the scenario's things, edited by its effects in their order.
     ///
@@ -102,7 +135,7 @@ impl Scenario {
 
     /// Runs the experiment: run `run` of the series that `seed` begins.
     ///
-    /// `progress` is called with the simulated time [s] from time to time, and may stop the run.
+    /// `progress` is called with the simulated time \[s\] from time to time, and may stop the run.
     ///
     /// # Errors
     /// `Simulation` where the ground does not carry the wheel or the motion is not defined,
@@ -114,11 +147,32 @@ impl Scenario {
         run: u64,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Trace, ExperimentError> {
+        self.run_with(Extensions::default(), seed, run, progress)
+    }
+
+    /// Runs the experiment with parts that no scenario file describes. Attributes and parameters of the trace are the
+    /// scenario's.
+    ///
+    /// # Errors
+    /// Those of [`Scenario::run`].
+    pub fn run_with(
+        &self,
+        mut extensions: Extensions,
+        seed: Seed,
+        run: u64,
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Trace, ExperimentError> {
         let experiment = self.experiment()?;
         let observed = self.observed(seed, run);
         let mut chain = SensorChain::new(&experiment.sensors, &observed)?;
+        chain.add(std::mem::take(&mut extensions.sensors));
         let see = &mut |state: &WheelState| chain.push(state);
-        let truth = self.drive(&experiment, &observed, progress, see)?;
+        let made = Made {
+            experiment,
+            extensions,
+            observed,
+        };
+        let truth = self.drive(&made, progress, see)?;
         Ok(Trace {
             attributes: self.attributes(&truth, run),
             channels: chain.finish(),
@@ -141,7 +195,13 @@ impl Scenario {
         let mut motion = Motion::default();
         let see = &mut |state: &WheelState| motion.push(state);
         let observed = self.observed(seed, run);
-        let truth = self.drive(&experiment, &observed, progress, see)?;
+        let extensions = Extensions::default();
+        let made = Made {
+            experiment,
+            extensions,
+            observed,
+        };
+        let truth = self.drive(&made, progress, see)?;
         Ok(Recording {
             observed,
             attributes: self.attributes(&truth, run),
@@ -163,16 +223,14 @@ impl Scenario {
     /// Drives the wheel along its track; `see` gets every state of the record.
     fn drive(
         &self,
-        experiment: &Experiment,
-        observed: &Observed,
+        made: &Made,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
         see: &mut dyn FnMut(&WheelState),
     ) -> Result<Truth, ExperimentError> {
-        let rate = observed.physics_rate;
-        let Experiment { wheel, rig, .. } = experiment;
-        let terrain = Terrain::generate(&experiment.terrain, observed.seed, observed.run);
-        let mut truth = TruthRecorder::new(wheel, self.window());
-        let mut simulation = Simulation::new(&terrain, wheel, rig, rate)?;
+        let rate = made.observed.physics_rate;
+        let terrain = made.terrain();
+        let mut truth = TruthRecorder::new(&made.experiment.wheel, self.window());
+        let mut simulation = made.simulation(&terrain)?;
         let steps_in = |time: f64| (time * rate.hertz()).round() as u64;
         let lead_in = steps_in(self.lead_in);
         let mut way = [0.0_f64, 0.0];

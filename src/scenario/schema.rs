@@ -54,7 +54,7 @@ fn clean_object(map: &mut Map<String, Value>) {
     }
 }
 
-/// A doc comment in one line, links replaced by their words.
+/// A doc comment in one line, links replaced by their words and escaped brackets by plain ones.
 pub(super) fn plain(comment: &str) -> String {
     let words: Vec<&str> = comment.split_whitespace().collect();
     let mut rest = &words.join(" ")[..];
@@ -70,7 +70,7 @@ pub(super) fn plain(comment: &str) -> String {
         rest = target.map_or(after, |(_, after)| after);
     }
     text.push_str(rest);
-    text
+    text.replace("\\[", "[").replace("\\]", "]")
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub struct Accelerometer {
     pub tilt_deg: f64,
     /// Share [-] of forward acceleration that shows in the reading.
     pub cross_axis: f64,
-    /// Resonance [Hz] of the sensor on its mount; `inf` is rigid.
+    /// Resonance \[Hz\] of the sensor on its mount; `inf` is rigid.
     pub mounting_frequency: f64,
     /// Damping ratio [-] of the mount.
     pub mounting_damping: f64,

@@ -28,13 +28,13 @@ pub struct Encoder {
 pub struct Counter {
     /// Angle read over angle turned [-]; a wrong number of lines or gear ratio.
     pub gain: f64,
-    /// Reading at the start [rad].
+    /// Reading at the start \[rad\].
     pub bias: f64,
-    /// Standard deviation [rad] of a reading.
+    /// Standard deviation \[rad\] of a reading.
     pub noise: f64,
-    /// Step [rad] between readings; 0 is continuous.
+    /// Step \[rad\] between readings; 0 is continuous.
     pub resolution: f64,
-    /// Time [s] by which readings lag their time stamps.
+    /// Time \[s\] by which readings lag their time stamps.
     pub delay: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Finite impulse responses: their design by the window method, and the product that applies them.
 
-use std::f64::consts::PI;
+use crate::signal::sinc;
 
 /// Values that one pass of the inner product takes; taps are padded with zeros to a multiple.
 const LANES: usize = 8;
@@ -24,14 +24,6 @@ fn bessel_i0(x: f64) -> f64 {
         k += 1.0;
     }
     sum
-}
-
-/// sin(πx)/(πx).
-pub(super) fn sinc(x: f64) -> f64 {
-    if x == 0.0 {
-        return 1.0;
-    }
-    libm::sin(PI * x) / (PI * x)
 }
 
 /// Taps, odd in number and symmetric, of a low pass that is flat below `pass` and `attenuation`

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ForceTorque {
-    /// Sensitivity of each bridge to the loads: rows `F_N`, `F_DP` and `M_R`, columns `F_N` [N], `F_DP` [N]
+    /// Sensitivity of each bridge to the loads: rows `F_N`, `F_DP` and `M_R`, columns `F_N` \[N\], `F_DP` \[N\]
     /// and `M_R` [N·m].
     pub crosstalk: [[f64; 3]; 3],
     /// Channel of the normal force, in N.

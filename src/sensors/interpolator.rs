@@ -1,7 +1,8 @@
 //! From the physics rate up to the sensor rate, band-limited.
 
-use super::fir::{correlate, kaiser, sinc, unit_sum};
+use super::fir::{correlate, kaiser, unit_sum};
 use super::stages::{Stage, Stages};
+use crate::signal::sinc;
 
 /// Depth [dB] to which images are designed; 80 dB is promised.
 const ATTENUATION: f64 = 95.0;

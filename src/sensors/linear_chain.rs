@@ -32,12 +32,11 @@ use super::slow_channels::SlowChannels;
 use super::transducer::{Reading, Transducer};
 use super::{ANALOGUE, Observed, Quantities, SensorChain, Sensors, channel};
 use crate::quantity::{RangeError, SampleRate};
+use crate::signal::{Backward, Forward, Plans, smooth_above};
 use crate::simulation::WheelState;
 use crate::trace::Channel;
 use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 /// Quantities of a motion: acceleration upward and forward, normal force, drawbar pull, driving torque, forward speed.
 const QUANTITIES: usize = 6;
@@ -389,24 +388,23 @@ struct Bin {
 
 /// Fourier transform of channels that lead from their last value back to their first.
 struct Transform {
-    forward: Arc<dyn RealToComplex<f64>>,
-    backward: Arc<dyn ComplexToReal<f64>>,
+    /// Samples of a transform.
+    size: usize,
+    forward: Forward,
+    backward: Backward,
     bins: Vec<Bin>,
 }
 
 impl Transform {
     /// For channels of `count` samples.
     fn new(count: usize, sensors: &Sensors) -> Result<Self, RangeError> {
-        let size = quick_size(count + RETURN.iter().sum::<usize>());
-        let mut planner = RealFftPlanner::<f64>::new();
-        let (forward, backward) = (
-            planner.plan_fft_forward(size),
-            planner.plan_fft_inverse(size),
-        );
+        let size = smooth_above(count + RETURN.iter().sum::<usize>());
+        let mut plans = Plans::default();
+        let (forward, backward) = (plans.forward(size), plans.backward(size));
         let mut impulse = anti_alias_impulse(sensors)?;
         impulse.resize(size, 0.0);
         impulse.rotate_left(IMPULSE);
-        let spectrum = spectrum(&*forward, impulse);
+        let spectrum = forward.apply(impulse);
         let (rate, output_rate) = (sensors.rate.hertz(), sensors.output_rate.hertz());
         let bins = spectrum.iter().enumerate().map(|(k, response)| {
             let frequency = output_rate * k as f64 / size as f64;
@@ -418,6 +416,7 @@ impl Transform {
         });
         Ok(Self {
             bins: bins.collect(),
+            size,
             forward,
             backward,
         })
@@ -425,7 +424,7 @@ impl Transform {
 
     /// Samples behind a filter that has this response; it is settled at the first.
     fn filtered(&self, samples: &[f64], response: impl Fn(&Bin) -> Complex<f64>) -> Vec<f64> {
-        let mut spectrum = spectrum(&*self.forward, looped(samples, self.forward.len()));
+        let mut spectrum = self.forward.apply(looped(samples, self.size));
         let parts = spectrum.iter_mut().zip(&self.bins);
         parts.for_each(|(part, bin)| *part *= response(bin));
         self.samples(spectrum, samples.len())
@@ -434,48 +433,19 @@ impl Transform {
     /// White noise after the anti-alias filter.
     fn anti_aliased(&self, noise: &[f64]) -> Vec<f64> {
         let mut padded = noise.to_vec();
-        padded.resize(self.forward.len(), 0.0);
-        let mut spectrum = spectrum(&*self.forward, padded);
+        padded.resize(self.size, 0.0);
+        let mut spectrum = self.forward.apply(padded);
         let parts = spectrum.iter_mut().zip(&self.bins);
         parts.for_each(|(part, bin)| *part *= bin.anti_alias);
         self.samples(spectrum, noise.len())
     }
 
-    fn samples(&self, mut spectrum: Vec<Complex<f64>>, count: usize) -> Vec<f64> {
-        let size = self.forward.len();
-        // Real samples have real parts alone at both ends.
-        spectrum[0].im = 0.0;
-        if let Some(last) = spectrum.last_mut() {
-            last.im = 0.0;
-        }
-        let mut samples = self.backward.make_output_vec();
-        let _ = self.backward.process(&mut spectrum, &mut samples);
+    fn samples(&self, spectrum: Vec<Complex<f64>>, count: usize) -> Vec<f64> {
+        let mut samples = self.backward.apply(spectrum);
         samples.truncate(count);
-        samples.iter_mut().for_each(|x| *x /= size as f64);
+        samples.iter_mut().for_each(|x| *x /= self.size as f64);
         samples
     }
-}
-
-/// The transform of as many samples as it is planned for.
-fn spectrum(transform: &dyn RealToComplex<f64>, mut samples: Vec<f64>) -> Vec<Complex<f64>> {
-    let mut spectrum = transform.make_output_vec();
-    // The lengths are the plan's own.
-    let _ = transform.process(&mut samples, &mut spectrum);
-    spectrum
-}
-
-/// The smallest even size from `least` on that has no prime factor above 5.
-fn quick_size(least: usize) -> usize {
-    let smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n.is_multiple_of(prime) {
-                n /= prime;
-            }
-        }
-        n == 1
-    };
-    let mut even = (least.next_multiple_of(2)..).step_by(2);
-    even.find(|n| smooth(*n)).unwrap_or(least)
 }
 
 /// Samples, then their last value, a half cosine to their first and that.

@@ -21,9 +21,9 @@ const MAINS: f64 = 50.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Transducer {
-    /// Corner [Hz], -3 dB, of a Butterworth low pass of second order; `inf` passes everything.
+    /// Corner \[Hz\], -3 dB, of a Butterworth low pass of second order; `inf` passes everything.
     pub bandwidth: f64,
-    /// Corner [Hz], -3 dB, of a low pass of first order after it; `inf` passes everything.
+    /// Corner \[Hz\], -3 dB, of a low pass of first order after it; `inf` passes everything.
     pub single_pole: f64,
     /// Reading over quantity [-].
     pub gain: f64,
@@ -50,9 +50,9 @@ pub struct Transducer {
     pub resolution: f64,
     /// Step [unit] of a converter that drops what is left over, toward 0; 0 is continuous.
     pub truncation: f64,
-    /// Time [s] by which readings lag their time stamps.
+    /// Time \[s\] by which readings lag their time stamps.
     pub delay: f64,
-    /// Time [s] for which a reading is held until the next is taken; 0 takes every one.
+    /// Time \[s\] for which a reading is held until the next is taken; 0 takes every one.
     pub hold: f64,
 }
 

@@ -15,25 +15,25 @@ use std::collections::VecDeque;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Vision {
-    /// Frames per second [Hz].
+    /// Frames per second \[Hz\].
     pub frame_rate: f64,
-    /// Time [s] by which readings lag their time stamps.
+    /// Time \[s\] by which readings lag their time stamps.
     pub delay: f64,
     /// Frames between the two that are matched for slip; 1 matches neighbours.
     pub slip_frames: u32,
     /// Sinkage read over sinkage [-].
     pub sinkage_gain: f64,
-    /// Sinkage read at none [m].
+    /// Sinkage read at none \[m\].
     pub sinkage_bias: f64,
-    /// Standard deviation [m] of the sinkage in a frame.
+    /// Standard deviation \[m\] of the sinkage in a frame.
     pub sinkage_noise: f64,
-    /// Step [m] of the sinkage; 0 is continuous.
+    /// Step \[m\] of the sinkage; 0 is continuous.
     pub sinkage_resolution: f64,
-    /// Standard deviation [m] of the wheel's displacement `ΔS` between matched frames.
+    /// Standard deviation \[m\] of the wheel's displacement `ΔS` between matched frames.
     pub displacement_noise: f64,
-    /// Standard deviation [m] of the mean displacement `Δu` of the mark points.
+    /// Standard deviation \[m\] of the mean displacement `Δu` of the mark points.
     pub mark_noise: f64,
-    /// Radius `r₁` [m] on which the mark points lie.
+    /// Radius `r₁` \[m\] on which the mark points lie.
     pub mark_radius: f64,
 }
 
@@ -97,8 +97,8 @@ impl Vision {
         RangeError::positive("mark radius", "m", self.mark_radius).map(drop)
     }
 
-    /// Slip ratio from the displacement `ΔS` [m] of a wheel of `radius` [m] and the displacement
-    /// `Δu` [m] of its mark points about the axle (Eq. 77).
+    /// Slip ratio from the displacement `ΔS` \[m\] of a wheel of `radius` \[m\] and the displacement
+    /// `Δu` \[m\] of its mark points about the axle (Eq. 77).
     ///
     /// ```text
     /// s = 1 - ΔS / (r arccos(1 - Δu²/2r₁²))

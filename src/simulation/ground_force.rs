@@ -185,12 +185,8 @@ impl Layer {
             }
             TerrainSpec::Gravel { .. } => Filling::Stones,
             TerrainSpec::Sand { soil, .. } | TerrainSpec::GravelInSand { soil, .. } => {
-                Filling::Soil(Box::new(SoilTrack::new(
-                    profile.clone(),
-                    *soil,
-                    wheel,
-                    range,
-                )))
+                let track = SoilTrack::new(profile.clone(), *soil, wheel, range);
+                Filling::Soil(Box::new(track.under_law(terrain.soil_law().cloned())))
             }
             TerrainSpec::Sequence(_) => unreachable!("a terrain's stretches hold no sequences"),
         };

@@ -13,6 +13,7 @@ use libm::{cos, sin};
 use motor::{Motor, MotorDrive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// How the carriage moves and the motor turns.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -25,9 +26,9 @@ pub struct Drive {
     /// Wheel speed `ω` [rad/s], needed at s = 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wheel_speed: Option<f64>,
-    /// Time [s] over which speeds grow from rest to their values.
+    /// Time \[s\] over which speeds grow from rest to their values.
     pub start_up: f64,
-    /// Time [s] at which the motors stop over one `start_up`; never if absent.
+    /// Time \[s\] at which the motors stop over one `start_up`; never if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_at: Option<f64>,
     /// The motor that turns the wheel; rigid if absent.
@@ -48,11 +49,11 @@ pub struct SingleWheel {
     /// Motion.
     #[serde(flatten)]
     pub drive: Drive,
-    /// Vertical load `W` [N] at rest, wheel's weight included.
+    /// Vertical load `W` \[N\] at rest, wheel's weight included.
     pub load: f64,
-    /// Mass [kg] of all that moves vertically: carriage slide, sensor, motor, wheel.
+    /// Mass \[kg\] of all that moves vertically: carriage slide, sensor, motor, wheel.
     pub moving_mass: f64,
-    /// Clearance [m] at which the wheel is held off the ground; a lifted wheel touches nothing.
+    /// Clearance \[m\] at which the wheel is held off the ground; a lifted wheel touches nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lifted: Option<f64>,
     /// Slope of the track [°], above 0 uphill.
@@ -70,7 +71,7 @@ pub struct RoverLeg {
     /// Motion.
     #[serde(flatten)]
     pub drive: Drive,
-    /// Vertical load `W` [N] at rest, wheel's weight included.
+    /// Vertical load `W` \[N\] at rest, wheel's weight included.
     pub load: f64,
     /// Stiffness `k_w` [N/m] between body and axle.
     pub stiffness: f64,
@@ -94,8 +95,8 @@ pub struct Leg {
 }
 
 impl Leg {
-    /// Force [N] of spring and damper on the axle, upward, beyond what they carry at rest, where
-    /// the body stands `stretch` [m] above its place and rises off the axle at `rate` [m/s]
+    /// Force \[N\] of spring and damper on the axle, upward, beyond what they carry at rest, where
+    /// the body stands `stretch` \[m\] above its place and rises off the axle at `rate` [m/s]
     /// (Eq. 1).
     pub fn spring_force(&self, stretch: f64, rate: f64) -> f64 {
         self.stiffness * self.flaws.stiffer(stretch) * stretch + self.damping * rate
@@ -109,6 +110,7 @@ impl Leg {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", try_from = "RigTable")]
 #[schemars(!try_from, deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Rig {
     /// The single-wheel test bed.
     SingleWheel(SingleWheel),
@@ -118,6 +120,7 @@ pub enum Rig {
 
 /// Why a table does not describe a rig.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RigError {
     /// A value has no meaning.
     #[error(transparent)]
@@ -139,7 +142,7 @@ pub enum RigError {
 #[error("a load of 0 N lifts the wheel, and a rover's leg always carries its rover")]
 pub struct CannotLift;
 
-/// Default clearance [m] of a lifted wheel: no stone or lug mark reaches it.
+/// Default clearance \[m\] of a lifted wheel: no stone or lug mark reaches it.
 pub const CLEARANCE: f64 = 0.02;
 
 /// A `[rig]` table before its checks: flat, so that unknown keys are refused.
@@ -380,7 +383,7 @@ impl Rig {
         }
     }
 
-    /// Vertical load `W` [N] at rest, to be edited.
+    /// Vertical load `W` \[N\] at rest, to be edited.
     pub fn load_mut(&mut self) -> &mut f64 {
         match self {
             Self::SingleWheel(rig) => &mut rig.load,
@@ -388,7 +391,7 @@ impl Rig {
         }
     }
 
-    /// Load [N] of the wheel on the ground at rest: 0 for a lifted wheel.
+    /// Load \[N\] of the wheel on the ground at rest: 0 for a lifted wheel.
     pub fn carried(&self) -> f64 {
         if self.clearance() > 0.0 {
             0.0
@@ -397,7 +400,7 @@ impl Rig {
         }
     }
 
-    /// Clearance [m] of the lifted wheel, or that it would have.
+    /// Clearance \[m\] of the lifted wheel, or that it would have.
     pub fn lifting_clearance(&self) -> f64 {
         match self.clearance() {
             0.0 => CLEARANCE,
@@ -405,7 +408,7 @@ impl Rig {
         }
     }
 
-    /// Puts so much load [N] on the ground; under none the wheel is held off it, by this clearance [m] where one
+    /// Puts so much load \[N\] on the ground; under none the wheel is held off it, by this clearance \[m\] where one
     /// is given.
     ///
     /// # Errors
@@ -423,7 +426,7 @@ impl Rig {
         Ok(())
     }
 
-    /// Vertical load `W` [N] at rest.
+    /// Vertical load `W` \[N\] at rest.
     pub fn load(&self) -> f64 {
         match self {
             Self::SingleWheel(rig) => rig.load,
@@ -454,7 +457,7 @@ impl Rig {
         self.slope_deg().to_radians()
     }
 
-    /// Load at rest normal to the track [N]. The carriage carries what acts along it.
+    /// Load at rest normal to the track \[N\]. The carriage carries what acts along it.
     pub fn normal_load(&self) -> f64 {
         self.load() * cos(self.slope())
     }
@@ -464,7 +467,7 @@ impl Rig {
         [-GRAVITY * sin(self.slope()), -GRAVITY * cos(self.slope())]
     }
 
-    /// Clearance [m] at which the wheel is held off the ground; 0 where it stands on it.
+    /// Clearance \[m\] at which the wheel is held off the ground; 0 where it stands on it.
     pub fn clearance(&self) -> f64 {
         match self {
             Self::SingleWheel(rig) => rig.lifted.unwrap_or(0.0),
@@ -472,7 +475,7 @@ impl Rig {
         }
     }
 
-    /// Mass [kg] that moves vertically with the axle.
+    /// Mass \[kg\] that moves vertically with the axle.
     ///
     /// On the test bed a counterweight over a pulley takes what the moving mass weighs beyond the
     /// load, and moves with it; where the moving mass weighs less, dead weight makes up for it. On a
@@ -484,7 +487,7 @@ impl Rig {
         }
     }
 
-    /// Mass [kg] on the leg's spring; `None` on a rig without one.
+    /// Mass \[kg\] on the leg's spring; `None` on a rig without one.
     pub fn sprung_mass(&self, wheel: &Wheel) -> Option<f64> {
         self.leg(wheel)?;
         let mass = match self {
@@ -530,10 +533,28 @@ impl Rig {
     }
 }
 
+/// Speeds at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Speeds {
+    /// Forward speed [m/s].
+    pub forward: f64,
+    /// Wheel speed [rad/s].
+    pub wheel: f64,
+}
+
+/// Speeds over time that a user brings, such as a logged manoeuvre.
+pub trait DriveProfile: fmt::Debug + Send + Sync {
+    /// What is commanded at `time` \[s\] after the wheel was let down, lead-in included. A rigid carriage or motor follows
+    /// at once, so that a jump of the speed is an impact.
+    fn speeds(&self, time: f64) -> Speeds;
+}
+
 /// Speeds commanded over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
     full: [f64; 2],
+    /// What of a speed comes to the carriage and to the wheel [-].
+    scale: [f64; 2],
     start_up: f64,
     stop_at: Option<f64>,
 }
@@ -541,7 +562,7 @@ pub struct Command {
 /// What is commanded at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Commanded {
-    /// When [s].
+    /// When \[s\].
     pub time: f64,
     /// Forward speed [m/s].
     pub forward_speed: f64,
@@ -562,7 +583,7 @@ impl Commanded {
 }
 
 impl Command {
-    /// What `drive` commands on a rim of `radius` [m].
+    /// What `drive` commands on a rim of `radius` \[m\].
     ///
     /// # Errors
     /// `RangeError` where neither slip nor wheel speed is given.
@@ -578,12 +599,25 @@ impl Command {
         ];
         Ok(Self {
             full,
+            scale: [carriage_scale, wheel_scale],
             start_up: drive.start_up,
             stop_at: drive.stop_at,
         })
     }
 
-    /// Command at `time` [s]: both speeds rise and fall together, smoothly, so that slip is constant from the
+    /// Command at `time` \[s\] of a profile that commands these speeds then.
+    pub(super) fn of(&self, speeds: Speeds, time: f64) -> Commanded {
+        let wheel_speed = speeds.wheel * self.scale[1];
+        let share = wheel_speed / self.full[1];
+        Commanded {
+            time,
+            forward_speed: speeds.forward * self.scale[0],
+            wheel_speed,
+            share: if share.is_finite() { share } else { 0.0 },
+        }
+    }
+
+    /// Command at `time` \[s\]: both speeds rise and fall together, smoothly, so that slip is constant from the
     /// first motion on.
     pub fn at(&self, time: f64) -> Commanded {
         let rise = |since: f64| {
@@ -628,7 +662,7 @@ impl Drive {
         self.carriage.map_or(Ok(()), |carriage| carriage.check())
     }
 
-    /// Commanded slip ratio [-] on a rim of `radius` [m].
+    /// Commanded slip ratio [-] on a rim of `radius` \[m\].
     pub fn commanded_slip(&self, radius: f64) -> f64 {
         let from_speeds =
             |wheel_speed| SlipRatio::from_motion(radius, wheel_speed, self.forward_speed);
@@ -637,7 +671,7 @@ impl Drive {
             .map_or(f64::NAN, SlipRatio::get)
     }
 
-    /// Commanded wheel speed [rad/s] at full speed on a rim of `radius` [m].
+    /// Commanded wheel speed [rad/s] at full speed on a rim of `radius` \[m\].
     ///
     /// # Errors
     /// `RangeError` where neither slip nor wheel speed is given.

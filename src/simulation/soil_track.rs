@@ -41,6 +41,7 @@ use super::motion::{WheelMotion, Wrench};
 use super::stone_outline::StoneOutline;
 use crate::quantity::SlipRatio;
 use crate::soil::contact::{ContactAngles, EffectiveDepth};
+use crate::soil::law::SoilLaw;
 use crate::soil::lug_action::shear_radius;
 use crate::soil::penetration_rate::penetration_rate;
 use crate::soil::pressure_sinkage::PressureSinkage;
@@ -54,6 +55,7 @@ use libm::{asin, exp};
 use lug_bite::LugBites;
 use rim_shear::RimShear;
 use std::ops::Range;
+use std::sync::Arc;
 use transport::Transport;
 
 /// The stress field is worked out at most this often [Hz].
@@ -110,6 +112,9 @@ struct Contact {
     depth: EffectiveDepth,
     law: PressureSinkage,
     shear: Shear,
+    /// What bears and shears in place of these two, and the wheel's width [m] for it.
+    own: Option<Arc<dyn SoilLaw>>,
+    width: f64,
     /// Wheel speed [rad/s] and forward speed [m/s].
     wheel_speed: f64,
     forward_speed: f64,
@@ -123,6 +128,7 @@ pub(super) struct SoilTrack {
     /// As the wheel meets it, and as stones do.
     soil: Soil,
     under_stones: Soil,
+    own: Option<Arc<dyn SoilLaw>>,
     columns: Columns,
     shear_radius: f64,
     rim_shear: RimShear,
@@ -146,6 +152,7 @@ impl SoilTrack {
         Self {
             soil,
             under_stones,
+            own: None,
             columns: Columns::new(profile, &soil, range),
             shear_radius: shear_radius(wheel, &soil),
             rim_shear: RimShear::new(),
@@ -163,6 +170,11 @@ impl SoilTrack {
             since_field: f64::INFINITY,
             way: 0.0,
         }
+    }
+
+    /// The same soil that bears and shears by this law, where there is one.
+    pub fn under_law(self, own: Option<Arc<dyn SoilLaw>>) -> Self {
+        Self { own, ..self }
     }
 
     /// Undisturbed height at `x` [m].
@@ -218,7 +230,12 @@ impl SoilTrack {
             let arm = x - stone.centre[0];
             let rise = stone.velocity[1] + stone.spin * arm;
             let depth = pressed.virgin - pressed.lowest;
-            let elastic = law.pressure(depth) - law.unloading_at(depth) * (level - pressed.lowest);
+            let loading = match &self.own {
+                None => law.pressure(depth),
+                Some(own) if depth > 0.0 => own.pressure(depth, stone.depth, 0.0),
+                Some(_) => 0.0,
+            };
+            let elastic = loading - law.unloading_at(depth) * (level - pressed.lowest);
             if elastic <= 0.0 {
                 continue;
             }
@@ -318,6 +335,8 @@ impl SoilTrack {
                     .rate_factor(penetration_rate(motion.vx, entry)),
             ),
             shear: soil.shear(),
+            own: self.own.clone(),
+            width: wheel.width,
             wheel_speed: motion.omega * direction,
             forward_speed: motion.vx * direction,
             rise: motion.vy,
@@ -446,6 +465,14 @@ struct Pressed {
 }
 
 impl Contact {
+    /// Part [-] of the strength that a shear `displacement` [m] mobilises.
+    fn mobilised(&self, displacement: f64) -> f64 {
+        match &self.own {
+            None => self.shear.mobilised(displacement),
+            Some(own) => own.mobilised(displacement),
+        }
+    }
+
     /// Shear stress [Pa] at an `angle` [rad] under a normal `pressure` [Pa]: mobilised by the displacement
     /// [m] `at_peak` everywhere (triangular stress), or by the one `here` (Wong and Reece).
     fn shear_stress(
@@ -456,11 +483,10 @@ impl Contact {
         here: impl FnOnce() -> f64,
     ) -> f64 {
         match at_peak {
-            None => self.shear.stress(pressure, here()),
+            None => self.shear.strength(pressure) * self.mobilised(here()),
             Some(displacement) => {
                 let cohesion = self.shear.cohesion * self.depth.triangle(angle);
-                (cohesion + pressure * self.shear.tan_friction_angle)
-                    * self.shear.mobilised(displacement)
+                (cohesion + pressure * self.shear.tan_friction_angle) * self.mobilised(displacement)
             }
         }
     }
@@ -474,17 +500,22 @@ impl Contact {
         if counted <= 0.0 || angle > std::f64::consts::FRAC_PI_2 {
             return None;
         }
-        let virgin = self.law.pressure_of_column(counted, depth);
+        let virgin = match &self.own {
+            None => self.law.pressure_of_column(counted, depth),
+            Some(own) => own.pressure(counted, self.width, self.slip),
+        };
         let unloading = self.law.unloading_at(depth);
         let gap = level - pressed.lowest;
         let elastic = virgin - unloading * gap;
         if elastic <= 0.0 {
             return None;
         }
-        let loading = if gap > 0.0 {
-            unloading
-        } else {
-            self.law.exponent * virgin / counted.max(1.0e-6) * self.law.growth(counted, depth)
+        let loading = match &self.own {
+            _ if gap > 0.0 => unloading,
+            None => {
+                self.law.exponent * virgin / counted.max(1.0e-6) * self.law.growth(counted, depth)
+            }
+            Some(own) => own.stiffness(counted, self.width, self.slip),
         };
         let pressure = (elastic - self.soil.damping * self.rise).max(0.0);
         Some(Bearing {

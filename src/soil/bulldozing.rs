@@ -10,7 +10,7 @@
 //! R = b (½ γ ((z + h)² - z²) K_p + 2 c h √K_p)
 //! ```
 //!
-//! with `A` [m²] its section along the track and `β` the angle of repose: history, as a heap takes
+//! with `A` \[m²\] its section along the track and `β` the angle of repose: history, as a heap takes
 //! a few wheel widths to grow; `R` is what it adds to the passive pressure on the wheel's face.
 //!
 //! Either takes pull away and leaves the torque: its line is drawn through the axle.
@@ -33,19 +33,19 @@ pub struct Heap {
 }
 
 impl Heap {
-    /// Grows the heap of a wheel of `width` [m] at `sinkage` [m] over a `way` [m] forward.
+    /// Grows the heap of a wheel of `width` \[m\] at `sinkage` \[m\] over a `way` \[m\] forward.
     pub fn advance(&mut self, soil: &Soil, width: f64, sinkage: f64, way: f64) {
         let full = soil.departures.heap * sinkage.max(0.0) * width;
         self.section = full + (self.section - full) * exp(-way.max(0.0) / width);
     }
 
-    /// Height [m] of the heap above the undisturbed soil.
+    /// Height \[m\] of the heap above the undisturbed soil.
     pub fn height(&self, soil: &Soil) -> f64 {
         sqrt(2.0 * self.section * tan(soil.repose_angle_deg.to_radians()))
     }
 }
 
-/// Force [N] against the travel of a wheel of `width` [m] at `sinkage` [m] behind a `heap`.
+/// Force \[N\] against the travel of a wheel of `width` \[m\] at `sinkage` \[m\] behind a `heap`.
 pub fn resistance(soil: &Soil, width: f64, sinkage: f64, heap: &Heap) -> f64 {
     let (z, h) = (sinkage.max(0.0), heap.height(soil));
     let passive = soil.passive_pressure_coefficient();

@@ -64,8 +64,8 @@ impl<T: Real> CarriedSoil<T> {
         }
     }
 
-    /// Depth [m] by which the ground is lowered where the underside of the layer, at an angle of cosine `cos`, lies
-    /// `reach` [m] below ground that nothing was taken from; below 0 where soil is pushed ahead.
+    /// Depth \[m\] by which the ground is lowered where the underside of the layer, at an angle of cosine `cos`, lies
+    /// `reach` \[m\] below ground that nothing was taken from; below 0 where soil is pushed ahead.
     pub fn dug(&self, reach: T, cos: T) -> T {
         let (reach, slid) = (reach.larger(T::constant(0.0)), -self.advance + 1.0);
         let lost = slid * cos + self.advance;
@@ -76,7 +76,7 @@ impl<T: Real> CarriedSoil<T> {
         }
     }
 
-    /// The same under the lowest point of a rim that has sunk by `sinkage` [m].
+    /// The same under the lowest point of a rim that has sunk by `sinkage` \[m\].
     pub fn dug_below(&self, sinkage: T) -> T {
         self.dug(sinkage + self.thickness, T::constant(1.0))
     }

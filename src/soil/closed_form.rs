@@ -13,9 +13,9 @@ use crate::wheel::Wheel;
 /// The cylinder that meets the soil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rim {
-    /// Radius `r` [m].
+    /// Radius `r` \[m\].
     pub radius: f64,
-    /// Width `b` [m].
+    /// Width `b` \[m\].
     pub width: f64,
 }
 
@@ -75,22 +75,22 @@ impl<T: Real> ArcCoefficients<T> {
         self.c * tan_friction_angle / (self.a * tan_friction_angle - self.b)
     }
 
-    /// Drawbar pull [N] that goes with a `normal_force` [N] and the tangential force at the rim
-    /// `M_R/r` [N], whatever the soil's strength (Eq. 73).
+    /// Drawbar pull \[N\] that goes with a `normal_force` \[N\] and the tangential force at the rim
+    /// `M_R/r` \[N\], whatever the soil's strength (Eq. 73).
     pub fn drawbar_pull(&self, normal_force: T, rim_force: T) -> T {
         let Self { a, b, c } = *self;
         (a * a + b * b) / (a * c) * rim_force - b / a * normal_force
     }
 
-    /// Tangential force at the rim `M_R/r` [N] that goes with a `normal_force` and a
-    /// `drawbar_pull` [N], whatever the soil's strength (Eq. 73 solved for it).
+    /// Tangential force at the rim `M_R/r` \[N\] that goes with a `normal_force` and a
+    /// `drawbar_pull` \[N\], whatever the soil's strength (Eq. 73 solved for it).
     pub fn rim_force(&self, normal_force: T, drawbar_pull: T) -> T {
         let Self { a, b, c } = *self;
         (a * drawbar_pull + b * normal_force) * c / (a * a + b * b)
     }
 
-    /// Normal force [N] from the pressure force `r b k_s zᴺ` [N] and the tangential force at the
-    /// rim `M_R/r` [N] (Eq. 74).
+    /// Normal force \[N\] from the pressure force `r b k_s zᴺ` \[N\] and the tangential force at the
+    /// rim `M_R/r` \[N\] (Eq. 74).
     pub fn normal_force(&self, pressure_force: T, rim_force: T) -> T {
         self.a * pressure_force + self.b / self.c * rim_force
     }
@@ -104,7 +104,7 @@ pub fn mobilised<T: Real>(rim: Rim, soil: &Soil<T>, sinkage: T, slip: T) -> T {
     RimContact::new(rim, soil, sinkage, slip).mobilised(soil)
 }
 
-/// Loads on a rim at `sinkage` [m] and `slip` [-] (Eq. 62-64).
+/// Loads on a rim at `sinkage` \[m\] and `slip` [-] (Eq. 62-64).
 ///
 /// ```text
 /// F_N  = r b (A + B E tan φ) k_s zᴺ + r b c B E
@@ -122,14 +122,14 @@ pub struct RimContact<T = f64> {
     pub rim: Rim,
     /// Its contact with the soil.
     pub angles: ContactAngles<T>,
-    /// Sinkage `z` [m].
+    /// Sinkage `z` \[m\].
     pub sinkage: T,
     /// Slip ratio `s` [-] by the rim's radius.
     pub slip: T,
 }
 
 impl<T: Real> RimContact<T> {
-    /// The contact at `sinkage` [m] and `slip` [-].
+    /// The contact at `sinkage` \[m\] and `slip` [-].
     pub fn new(rim: Rim, soil: &Soil<T>, sinkage: T, slip: T) -> Self {
         Self {
             rim,
@@ -162,7 +162,7 @@ impl<T: Real> RimContact<T> {
         stressed(self.angles.into(), [normal, shear], radius) * T::constant(radius * width)
     }
 
-    /// Pressure `σ_m = k_s zᴺ` [Pa] at the peak.
+    /// Pressure `σ_m = k_s zᴺ` \[Pa\] at the peak.
     pub fn pressure(&self, soil: &Soil<T>) -> T {
         let law = soil.pressure_sinkage(self.rim.width, self.slip);
         law.pressure(self.sinkage)
@@ -193,7 +193,7 @@ fn stressed<T: Real>(
     }
 }
 
-/// Driving torque [N·m] from the normal force [N] and the mobilised part `E` [-] (Eq. 75).
+/// Driving torque [N·m] from the normal force \[N\] and the mobilised part `E` [-] (Eq. 75).
 pub fn driving_torque<T: Real>(
     rim: Rim,
     soil: &Soil<T>,

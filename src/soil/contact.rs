@@ -7,7 +7,7 @@ use crate::soil::real::Real;
 use crate::soil::{Soil, StressConvention};
 use std::f64::consts::FRAC_PI_2;
 
-/// Entry, peak and exit of the contact [rad].
+/// Entry, peak and exit of the contact \[rad\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactAngles<T = f64> {
     /// Entry angle `θ_1 = arccos(1 - z/r)`.
@@ -19,14 +19,14 @@ pub struct ContactAngles<T = f64> {
 }
 
 impl<T: Real> ContactAngles<T> {
-    /// The contact of a wheel of `radius` [m] at `sinkage` [m] and `slip` [-] (Section 5.1).
+    /// The contact of a wheel of `radius` \[m\] at `sinkage` \[m\] and `slip` [-] (Section 5.1).
     ///
     /// A wheel above the soil has an empty contact at 0; one deeper than its axle is cut off there.
     pub fn new(soil: &Soil<T>, radius: f64, sinkage: T, slip: T) -> Self {
         Self::from_entry(soil, entry_angle(T::constant(radius), sinkage), slip)
     }
 
-    /// The angles of a contact that begins at `entry` [rad], at `slip` [-].
+    /// The angles of a contact that begins at `entry` \[rad\], at `slip` [-].
     pub fn from_entry(soil: &Soil<T>, entry: T, slip: T) -> Self {
         let exit = entry * soil.exit_angle;
         let peak = (soil.stress_angle + soil.stress_angle_slip * slip) * entry;
@@ -51,7 +51,7 @@ impl ContactAngles {
     }
 }
 
-/// Angle [rad] at which a circle of `radius` [m] whose lowest point lies `sinkage` [m] deep enters
+/// Angle \[rad\] at which a circle of `radius` \[m\] whose lowest point lies `sinkage` \[m\] deep enters
 /// the soil; in [0, π/2].
 ///
 /// `2 arcsin √(z/2r)` equals `arccos(1 - z/r)` and keeps its digits at small sinkage.
@@ -70,9 +70,9 @@ pub struct EffectiveDepth<T = f64> {
     pub convention: StressConvention,
     /// The contact.
     pub angles: ContactAngles<T>,
-    /// Radius of the wheel's surface [m].
+    /// Radius of the wheel's surface \[m\].
     pub radius: f64,
-    /// Depth of its lowest point [m].
+    /// Depth of its lowest point \[m\].
     pub sinkage: T,
     /// Sinkage exponent `N` [-].
     pub exponent: T,
@@ -80,7 +80,7 @@ pub struct EffectiveDepth<T = f64> {
 }
 
 impl<T: Real> EffectiveDepth<T> {
-    /// The depths under a wheel of `radius` [m] at `sinkage` [m] and `slip` [-].
+    /// The depths under a wheel of `radius` \[m\] at `sinkage` \[m\] and `slip` [-].
     pub fn new(soil: &Soil<T>, radius: f64, sinkage: T, slip: T) -> Self {
         let angles = ContactAngles::new(soil, radius, sinkage, slip);
         Self::over(angles, soil, radius, slip)
@@ -100,7 +100,7 @@ impl<T: Real> EffectiveDepth<T> {
         }
     }
 
-    /// The depth [m] at `angle` [rad]; 0 outside the contact.
+    /// The depth \[m\] at `angle` \[rad\]; 0 outside the contact.
     pub fn at(&self, angle: T) -> T {
         match self.convention {
             StressConvention::WongReece => self.mirrored_depth(angle),
@@ -115,7 +115,7 @@ impl<T: Real> EffectiveDepth<T> {
         }
     }
 
-    /// Depth [m] to which the rim has pressed the ground at `angle` [rad]: its own ahead of
+    /// Depth \[m\] to which the rim has pressed the ground at `angle` \[rad\]: its own ahead of
     /// straight down, the deepest behind.
     pub fn pressed(&self, angle: T) -> T {
         if angle < 0.0 {
@@ -162,7 +162,7 @@ impl EffectiveDepth {
     /// Effective depth at `angle` over the depth to which ground there has been pressed in steady
     /// rolling [-]: by how much to scale the depth of ground that remembers its own.
     ///
-    /// That depth is the rim's own, `r (cos θ - cos θ_1)`, and `spring_back` [m] more where the
+    /// That depth is the rim's own, `r (cos θ - cos θ_1)`, and `spring_back` \[m\] more where the
     /// ground has risen since.
     pub fn share(&self, angle: f64, spring_back: f64) -> f64 {
         let pressed = self.radius * (libm::cos(angle) - self.cos_entry) + spring_back;
@@ -185,14 +185,14 @@ pub struct NormalStress<T = f64> {
     pub depth: EffectiveDepth<T>,
     /// Pressure against those depths.
     pub law: PressureSinkage<T>,
-    /// Maximum stress `σ_m` [Pa].
+    /// Maximum stress `σ_m` \[Pa\].
     pub peak: T,
     /// Depth [m] to which the ground was dug before it was pressed: so much nearer is a hard base.
     dug: T,
 }
 
 impl<T: Real> NormalStress<T> {
-    /// The stress under a wheel of `radius` and `width` [m] at `sinkage` [m] and `slip` [-].
+    /// The stress under a wheel of `radius` and `width` \[m\] at `sinkage` \[m\] and `slip` [-].
     ///
     /// `σ_m` is `k_s zᴺ` in the triangular convention and `k_s rᴺ (cos θ_m - cos θ_1)ᴺ` in
     /// Wong-Reece's.
@@ -236,7 +236,7 @@ impl<T: Real> NormalStress<T> {
         }
     }
 
-    /// Normal stress [Pa] at `angle` [rad]; 0 outside the contact.
+    /// Normal stress \[Pa\] at `angle` \[rad\]; 0 outside the contact.
     ///
     /// # Reference
     /// Wong and Reece (1967), J. Terramechanics 4(1):81-98; Eq. (62)-(65) for the triangles.

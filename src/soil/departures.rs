@@ -37,7 +37,7 @@ pub struct Departures {
     /// Number [-] of wheels that passed before the last one; the surface is that of their rut.
     #[serde(skip_serializing_if = "is_zero")]
     pub earlier_passes: f64,
-    /// Depth `z_p` [m] by which the soil was pressed before, below what was then its surface.
+    /// Depth `z_p` \[m\] by which the soil was pressed before, below what was then its surface.
     #[serde(skip_serializing_if = "is_zero")]
     pub precompression: f64,
     /// Nearness `1/H` [1/m] of a hard base at the depth `H`, felt as `1/(1 - z/H)`.
@@ -58,7 +58,7 @@ pub struct Departures {
     /// Multiple `B` [-] of the passive pressure on a wall of the wheel's width and sinkage.
     #[serde(skip_serializing_if = "is_zero")]
     pub front_pressure: f64,
-    /// Thickness [m] of a layer of soil that clings to the wheel and shears at its outside.
+    /// Thickness \[m\] of a layer of soil that clings to the wheel and shears at its outside.
     #[serde(skip_serializing_if = "is_zero")]
     pub clinging_layer: f64,
     /// Exponent `m` [-] of pressure over the diameter of a small wheel; above 0 a smaller one sinks deeper.
@@ -125,7 +125,7 @@ impl Departures {
         1.0 - self.compaction * expm1(-(1.0 + self.earlier_passes) / LASTING_PASSES)
     }
 
-    /// How many times as hard the soil is under a wheel of `diameter` [m] as under a flat plate of its width [-].
+    /// How many times as hard the soil is under a wheel of `diameter` \[m\] as under a flat plate of its width [-].
     ///
     /// ```text
     /// (D/D_0)ᵐ below D_0 = 0.5 m, else 1

@@ -38,14 +38,14 @@ impl Departures {
 }
 
 impl HardBase {
-    /// Part [-] of the layer that is pressed at `depth` [m]; 0 on deep soil. With it the stress
+    /// Part [-] of the layer that is pressed at `depth` \[m\]; 0 on deep soil. With it the stress
     /// passes from that of soil which flows and springs back to that of hard ground, which does
     /// neither.
     pub fn pressed(&self, depth: f64) -> f64 {
         (depth * self.nearness.max(self.sudden)).clamp(0.0, 1.0)
     }
 
-    /// Felt over real depth `ζ/z` [-] at `depth` [m]; 1 on deep soil.
+    /// Felt over real depth `ζ/z` [-] at `depth` \[m\]; 1 on deep soil.
     pub fn stretch<T: Real>(&self, depth: T) -> T {
         let deepest = T::constant(DEEPEST);
         let sudden = (depth * self.sudden).smaller(deepest);
@@ -58,7 +58,7 @@ impl HardBase {
     }
 
     /// How fast the felt depth grows with the real one, over the stretch `(dζ/dz)/(ζ/z)` [-], at
-    /// `depth` [m]; 1 on deep soil.
+    /// `depth` \[m\]; 1 on deep soil.
     pub fn steepening(&self, depth: f64) -> f64 {
         let sudden = (depth * self.sudden).min(DEEPEST);
         let logarithm = if sudden > 0.0 {

@@ -24,7 +24,7 @@ use crate::soil::real::Real;
 use crate::wheel::{Lugs, Wheel};
 use std::f64::consts::TAU;
 
-/// Mean radius `r_s` [m] of the surface along which soil shears off a wheel.
+/// Mean radius `r_s` \[m\] of the surface along which soil shears off a wheel.
 ///
 /// ```text
 /// r_s = r + λ l,  λ = L/(2p)      where the wedge is shorter than the pitch, L <= p
@@ -37,7 +37,7 @@ pub fn shear_radius<T: Real>(wheel: &Wheel, soil: &Soil<T>) -> T {
     carried_layer(wheel, soil) + wheel.radius + soil.departures.clinging_layer
 }
 
-/// Mean thickness `λ l` [m] of the soil between lugs that moves with the wheel; 0 without lugs.
+/// Mean thickness `λ l` \[m\] of the soil between lugs that moves with the wheel; 0 without lugs.
 pub fn carried_layer<T: Real>(wheel: &Wheel, soil: &Soil<T>) -> T {
     let Some(Lugs { count, height, .. }) = wheel.lugs else {
         return T::constant(0.0);
@@ -69,7 +69,7 @@ pub(crate) fn unconfined<T: Real>(wheel: &Wheel, angle: T, rim: ContactAngles<T>
 /// Push of soil on a lug, fully mobilised.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LugPush<T = f64> {
-    /// Force [N] along the wheel's circumference.
+    /// Force \[N\] along the wheel's circumference.
     pub force: T,
     /// Its moment about the axle [N·m].
     pub moment: T,
@@ -106,7 +106,7 @@ impl<T: Real> LugFace<T> {
         }
     }
 
-    /// Passive push where the lug reaches `depth` [m] into the soil.
+    /// Passive push where the lug reaches `depth` \[m\] into the soil.
     ///
     /// ```text
     /// F = b (½ γ d² K_p + 2 c d √K_p)

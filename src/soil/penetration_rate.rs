@@ -19,7 +19,7 @@ pub const REFERENCE_RATE: f64 = 4.0e-3;
 /// Share of it below which pressing counts as quasi-static [-].
 const QUASI_STATIC: f64 = 0.01;
 
-/// Mean rate [m/s] at which a rim that enters at `entry` [rad] and travels at `forward_speed`
+/// Mean rate [m/s] at which a rim that enters at `entry` \[rad\] and travels at `forward_speed`
 /// [m/s] presses the soil.
 pub fn penetration_rate(forward_speed: f64, entry: f64) -> f64 {
     forward_speed.abs() * tan(0.5 * entry)

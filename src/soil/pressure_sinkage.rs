@@ -14,16 +14,16 @@ pub struct PressureSinkage<T = f64> {
     pub exponent: T,
     /// Stiffness on unloading and reloading [Pa/m].
     pub unloading_stiffness: f64,
-    /// Depth [m] by which the soil was pressed before; 0 on fresh soil.
+    /// Depth \[m\] by which the soil was pressed before; 0 on fresh soil.
     pub precompression: f64,
-    /// Sinkage [m] over which soil pressed before takes its former pressure up again.
+    /// Sinkage \[m\] over which soil pressed before takes its former pressure up again.
     pub rebound: T,
     /// The hard base below it, if any.
     pub base: HardBase,
 }
 
 impl<T: Real> Soil<T> {
-    /// The pressure-sinkage law under a wheel or plate of `width` [m] at `slip` [-].
+    /// The pressure-sinkage law under a wheel or plate of `width` \[m\] at `slip` [-].
     pub fn pressure_sinkage(&self, width: f64, slip: T) -> PressureSinkage<T> {
         let departures = &self.departures;
         let exponent = self.exponent(slip);
@@ -46,7 +46,7 @@ impl<T: Real> Soil<T> {
 }
 
 impl<T: Real> PressureSinkage<T> {
-    /// Normal pressure [Pa] at `sinkage` [m], the soil being loaded for the first time.
+    /// Normal pressure \[Pa\] at `sinkage` \[m\], the soil being loaded for the first time.
     ///
     /// ```text
     /// p(z) = k_s · zᴺ
@@ -63,7 +63,7 @@ impl<T: Real> PressureSinkage<T> {
         self.pressure_of(sinkage, sinkage)
     }
 
-    /// Normal pressure [Pa] of soil pressed to `depth` [m], of which `counted` [m] stand for the
+    /// Normal pressure \[Pa\] of soil pressed to `depth` \[m\], of which `counted` \[m\] stand for the
     /// stress there ([`crate::soil::contact::EffectiveDepth`]).
     pub fn pressure_of(&self, counted: T, depth: T) -> T {
         if counted <= 0.0 {
@@ -114,7 +114,7 @@ impl PressureSinkage {
         self.modulus * power(self.felt(counted, depth), self.exponent)
     }
 
-    /// Slope `dp/dz = N p/z` [Pa/m] of the loading curve at `sinkage` [m], 0 above the soil.
+    /// Slope `dp/dz = N p/z` [Pa/m] of the loading curve at `sinkage` \[m\], 0 above the soil.
     ///
     /// On soil pressed before or over a base: that times [`PressureSinkage::growth`].
     pub fn stiffness(&self, sinkage: f64) -> f64 {
@@ -124,7 +124,7 @@ impl PressureSinkage {
         self.exponent * self.pressure(sinkage) / sinkage * self.growth(sinkage, sinkage)
     }
 
-    /// Growth of the depth felt over that of `counted`, each by its own size [-], at `depth` [m]:
+    /// Growth of the depth felt over that of `counted`, each by its own size [-], at `depth` \[m\]:
     /// `(dζ/ζ)/(dz/z)`, 1 on deep and fresh soil.
     pub fn growth(&self, counted: f64, depth: f64) -> f64 {
         let taken_up = self.taken_up(depth);
@@ -137,13 +137,13 @@ impl PressureSinkage {
         counted * (1.0 + rise) / (counted + former) + self.base.steepening(depth) - 1.0
     }
 
-    /// Stiffness [Pa/m] on unloading and reloading of soil pressed to `depth` [m]: a base below
+    /// Stiffness [Pa/m] on unloading and reloading of soil pressed to `depth` \[m\]: a base below
     /// stiffens it as it does the loading curve.
     pub fn unloading_at(&self, depth: f64) -> f64 {
         self.unloading_stiffness * self.base.stretch(depth) * self.base.steepening(depth)
     }
 
-    /// Sinkage [m] at which the loading curve of deep and fresh soil reaches `pressure` [Pa].
+    /// Sinkage \[m\] at which the loading curve of deep and fresh soil reaches `pressure` \[Pa\].
     pub fn sinkage(&self, pressure: f64) -> f64 {
         if pressure <= 0.0 {
             return 0.0;
@@ -151,7 +151,7 @@ impl PressureSinkage {
         libm::pow(pressure / self.modulus, 1.0 / self.exponent)
     }
 
-    /// Normal pressure [Pa] at `sinkage` [m] of soil that was pressed down to `deepest` [m] before.
+    /// Normal pressure \[Pa\] at `sinkage` \[m\] of soil that was pressed down to `deepest` \[m\] before.
     ///
     /// ```text
     /// p(z) = max(0, p(z_d) - k_u (z_d - z))   for z < z_d

@@ -7,9 +7,9 @@ use std::ops::{Add, Mul};
 /// Loads of the soil on a wheel in steady rolling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WheelLoad<T = f64> {
-    /// Normal force `F_N` [N], upward.
+    /// Normal force `F_N` \[N\], upward.
     pub normal_force: T,
-    /// Drawbar pull `F_DP` [N], above 0 where the soil pulls the wheel forward.
+    /// Drawbar pull `F_DP` \[N\], above 0 where the soil pulls the wheel forward.
     pub drawbar_pull: T,
     /// Torque `M_R` [N·m] about the axle, above 0 where the motor drives forward against the soil.
     pub driving_torque: T,
@@ -54,12 +54,12 @@ impl<T: Real> Mul<T> for WheelLoad<T> {
 pub struct Rolling<T = f64> {
     /// Slip ratio `s` [-] of the rim.
     pub slip: T,
-    /// Travel of the axle per angle turned `v/ω` [m].
+    /// Travel of the axle per angle turned `v/ω` \[m\].
     pub travel: T,
 }
 
 impl<T: Real> Rolling<T> {
-    /// A rim of `radius` [m] that rolls with `slip` [-].
+    /// A rim of `radius` \[m\] that rolls with `slip` [-].
     pub fn new(radius: f64, slip: T) -> Self {
         Self {
             slip,
@@ -69,7 +69,7 @@ impl<T: Real> Rolling<T> {
 }
 
 impl Rolling {
-    /// The same motion as a slip ratio [-] by another `radius` [m], for example the lugs' edges'
+    /// The same motion as a slip ratio [-] by another `radius` \[m\], for example the lugs' edges'
     /// or the shear surface's.
     pub fn slip_at(&self, radius: f64) -> f64 {
         let ratio = self.travel / radius;

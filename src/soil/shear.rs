@@ -6,11 +6,11 @@ use crate::soil::real::Real;
 /// Shear strength of a soil and how displacement mobilises it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shear<T = f64> {
-    /// Cohesion `c` [Pa].
+    /// Cohesion `c` \[Pa\].
     pub cohesion: T,
     /// Tangent of the internal friction angle `tan φ` [-].
     pub tan_friction_angle: T,
-    /// Shear deformation modulus `K` [m]; 0 on ground that does not deform in shear.
+    /// Shear deformation modulus `K` \[m\]; 0 on ground that does not deform in shear.
     pub modulus: T,
 }
 
@@ -32,12 +32,12 @@ impl<T: Real> Soil<T> {
 }
 
 impl<T: Real> Shear<T> {
-    /// Shear strength `c + σ tan φ` [Pa] under `normal_stress` [Pa] (Mohr-Coulomb).
+    /// Shear strength `c + σ tan φ` \[Pa\] under `normal_stress` \[Pa\] (Mohr-Coulomb).
     pub fn strength(&self, normal_stress: T) -> T {
         self.cohesion + normal_stress * self.tan_friction_angle
     }
 
-    /// Part of the strength that `displacement` [m] mobilises, in [-1, 1] and of its sign [-].
+    /// Part of the strength that `displacement` \[m\] mobilises, in [-1, 1] and of its sign [-].
     ///
     /// ```text
     /// E = 1 - exp(-j/K)
@@ -61,7 +61,7 @@ impl<T: Real> Shear<T> {
         }
     }
 
-    /// Shear stress [Pa] under `normal_stress` [Pa] after `displacement` [m], of its sign.
+    /// Shear stress \[Pa\] under `normal_stress` \[Pa\] after `displacement` \[m\], of its sign.
     pub fn stress(&self, normal_stress: T, displacement: T) -> T {
         self.strength(normal_stress) * self.mobilised(displacement)
     }
@@ -83,7 +83,7 @@ pub fn speed_ratio<T: Real>(slip: T) -> T {
 /// Shear displacement along the contact of a wheel in steady rolling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShearDisplacement<T = f64> {
-    /// Radius `r_s` [m] of the surface on which the soil shears.
+    /// Radius `r_s` \[m\] of the surface on which the soil shears.
     pub shear_radius: T,
     /// Angle [rad] at which that surface enters the soil.
     entry_angle: T,
@@ -93,8 +93,8 @@ pub struct ShearDisplacement<T = f64> {
 }
 
 impl<T: Real> ShearDisplacement<T> {
-    /// A surface at `shear_radius` [m] that enters the soil at `entry_angle` [rad], with the
-    /// `travel` [m] of the axle per angle turned.
+    /// A surface at `shear_radius` \[m\] that enters the soil at `entry_angle` \[rad\], with the
+    /// `travel` \[m\] of the axle per angle turned.
     pub fn new(shear_radius: T, entry_angle: T, travel: T) -> Self {
         Self {
             shear_radius,
@@ -104,7 +104,7 @@ impl<T: Real> ShearDisplacement<T> {
         }
     }
 
-    /// Shear displacement `j` [m] at `angle` [rad] from straight down, positive ahead.
+    /// Shear displacement `j` \[m\] at `angle` \[rad\] from straight down, positive ahead.
     ///
     /// ```text
     /// j(θ) = r_s (θ_1 - θ) - (v/ω) (sin θ_1 - sin θ)

@@ -39,7 +39,7 @@ enum Shearing {
 }
 
 impl<T: Real> Contact<T> {
-    /// The contact of `rim` at `sinkage` [m], shearing the soil at `shear_radius` [m].
+    /// The contact of `rim` at `sinkage` \[m\], shearing the soil at `shear_radius` \[m\].
     pub fn new(rim: Rim, shear_radius: T, soil: &Soil<T>, sinkage: T, rolling: Rolling<T>) -> Self {
         let undug = [sinkage, T::constant(0.0)];
         Self::on_dug_ground(rim, shear_radius, soil, undug, rolling)
@@ -80,12 +80,12 @@ impl<T: Real> Contact<T> {
         &self.normal
     }
 
-    /// Normal stress `σ` [Pa] at `angle` [rad].
+    /// Normal stress `σ` \[Pa\] at `angle` \[rad\].
     pub fn normal_stress(&self, angle: T) -> T {
         self.normal.at(angle)
     }
 
-    /// Shear stress `τ` [Pa] at `angle` [rad], above 0 where it pulls the wheel forward.
+    /// Shear stress `τ` \[Pa\] at `angle` \[rad\], above 0 where it pulls the wheel forward.
     ///
     /// Wong-Reece: `(c + σ(θ) tan φ) E(j(θ))`. Triangular: the triangle under its value at `θ_m`,
     /// which is what Eq. (62)-(65) integrate. None outside the contact, where nothing presses.
@@ -186,7 +186,7 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Mean loads, over the phase of the lugs, on `wheel` at `sinkage` [m] of its rim and rim `slip`
+/// Mean loads, over the phase of the lugs, on `wheel` at `sinkage` \[m\] of its rim and rim `slip`
 /// [-].
 ///
 /// The sum of the rim less what its lugs cover, sheared at the [`shear_radius`]; the lugs' edges;
@@ -224,6 +224,7 @@ pub(crate) fn loads_to<T: Real>(
 
 /// Why no sinkage carries a load.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SinkageError {
     /// The load is not a positive number.
     #[error(transparent)]
@@ -234,16 +235,16 @@ pub enum SinkageError {
          wheel sunk to its axle, got {load}"
     )]
     TooSoft {
-        /// The load [N].
+        /// The load \[N\].
         load: f64,
-        /// What the soil carries at a sinkage of one radius [N].
+        /// What the soil carries at a sinkage of one radius \[N\].
         carried: f64,
         /// The slip ratio [-].
         slip: f64,
     },
 }
 
-/// Sinkage [m] of the rim at which [`loads`] carry `load` [N] at rim `slip` [-]; below 0 where
+/// Sinkage \[m\] of the rim at which [`loads`] carry `load` \[N\] at rim `slip` [-]; below 0 where
 /// lugs alone carry it.
 ///
 /// To 1e-9 of the load.

@@ -1,9 +1,9 @@
 //! What the runs of a condition have in common: means of their steady values, from `runs.csv`.
 
 use super::table::{Stored, StoredRow};
+use crate::statistics::student_quantile;
 use crate::trace::without_rounding;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A steady value of a run, as a reader wants it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -140,11 +140,10 @@ impl Mean {
         }
         let value = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|v| (v - value) * (v - value)).sum();
-        let quantile = StudentsT::new(0.0, 1.0, n - 1.0).map(|t| t.inverse_cdf(0.975));
-        let half = quantile.map(|quantile| quantile * libm::sqrt(squares / (n - 1.0) / n));
+        let half = student_quantile(0.975, n - 1.0) * libm::sqrt(squares / (n - 1.0) / n);
         Some(Self {
             value,
-            ci95: half.ok().map(|half| [value - half, value + half]),
+            ci95: (n > 1.0).then_some([value - half, value + half]),
         })
     }
 }

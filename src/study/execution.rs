@@ -2,15 +2,13 @@
 
 use super::conditions::{self, Condition};
 use super::folder::{Before, Folder};
-use super::identification::{self, SteadyRows};
 use super::kept;
-use super::runs::{self, Runs};
+use super::progress::Progress;
+use super::runs;
 use super::scores::Scores;
 use super::shard::{self, Shard};
 use super::table::{NoRows, Rows, Stored, Table, line};
-use super::thresholds;
 use super::traces::{self, Traces};
-use super::windows::{self, Windows};
 use super::{Run, Study, StudyError};
 use crate::dataset::hdf5::write_table;
 use crate::dataset::records::Records;
@@ -38,32 +36,6 @@ pub struct Options {
     /// Share `I` of `N`, `I` from 1: every `N`th shard. Processes with different shares may work on
     /// one folder at a time.
     pub shard: Option<(u32, u32)>,
-}
-
-/// How far a study is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Runs done, including those of reused shards.
-    pub done: u64,
-    /// Runs to do.
-    pub total: u64,
-    /// Runs that failed since this execution began.
-    pub failed: u64,
-    /// Where the diagnoses are, once all runs are done.
-    pub diagnosing: Option<Diagnosing>,
-}
-
-/// How far the diagnoses of a study are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Diagnosing {
-    /// Number of the campaign, from 0.
-    pub campaign: usize,
-    /// Campaigns.
-    pub campaigns: usize,
-    /// Steps done of its present stage.
-    pub done: u64,
-    /// Steps of that stage.
-    pub total: u64,
 }
 
 /// What an execution left in its folder.
@@ -232,23 +204,6 @@ impl Study {
             && traces::is_whole(self, folder, shard)
     }
 
-    fn tables(&self) -> Vec<Box<dyn Table + '_>> {
-        let mut tables: Vec<Box<dyn Table + '_>> = vec![Box::new(Runs { study: self })];
-        if let Some(windows) = Windows::of(self) {
-            tables.push(Box::new(windows));
-        }
-        if let Some(windows) = thresholds::Windows::of(self) {
-            tables.push(Box::new(windows));
-        }
-        if let Some(rows) = SteadyRows::of(self) {
-            tables.push(Box::new(rows));
-        }
-        if let Some(windows) = kept::Windows::of(self) {
-            tables.push(Box::new(windows));
-        }
-        tables
-    }
-
     /// Collects the shards, and scores their tables where all are complete.
     fn put_together(
         &self,
@@ -313,16 +268,11 @@ impl Study {
         };
         let windows = collected.text_of(kept::NAME).unwrap_or_default();
         let failed = collected.failures.len() as u64;
-        let steady = collected.text_of(identification::NAME);
         let shards = shard::all(self);
         outcome.conditions = conditions::of_runs(&Stored::read(&collected.texts[0].1));
         outcome.dataset = self.keep(folder, &shards, windows, failed, &|| on_progress(None))?;
-        outcome.scores = Scores {
-            recognition: self.score(collected.text_of(windows::NAME))?,
-            thresholds: self.hold_to_thresholds(collected.text_of(thresholds::NAME)),
-            identification: self.identify(steady, &|| on_progress(None))?,
-            diagnosis: self.diagnose(folder, &|now| on_progress(Some(now)))?,
-        };
+        let rows_of = |table: &str| collected.text_of(table);
+        outcome.scores = Scores::of(self, folder, &rows_of, &on_progress)?;
         Ok(())
     }
 }

@@ -18,12 +18,11 @@
 //! A cell is empty where a value does not exist. Numbers have the shortest representation that reads back
 //! exactly.
 
-pub use super::band::Band;
-
 use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
 use super::{Run, Study};
 use crate::dataset::records::Field;
 use crate::recognition::confusion::CLASSES;
+use crate::signal::Band;
 use crate::trace::steadiness::Steadiness;
 use crate::trace::{Channel, Trace, unit_of};
 

@@ -1,12 +1,19 @@
-//! Results of the analyses of a study: the one list of them.
+//! The analyses of a study, the one list of them: their tables of rows, their results, and the results as files.
 
-use super::StudyError;
 use super::diagnosis::score::DiagnosisScore;
 use super::folder::Folder;
 use super::identification::score::IdentificationScore;
+use super::identification::{self, SteadyRows};
+use super::kept;
+use super::progress::Diagnosing;
+use super::runs::Runs;
 use super::score::RecognitionScore;
-use super::thresholds::ThresholdScore;
+use super::table::Table;
+use super::thresholds::{self, ThresholdScore};
+use super::windows::{self, Windows};
+use super::{Study, StudyError};
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// The result of every analysis; none where the study has no such analysis, or shards are missing.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -40,7 +47,42 @@ pub struct Report {
     pub csv: Option<String>,
 }
 
+impl Study {
+    /// The tables of the runs, and of the analyses that the study has.
+    pub(super) fn tables(&self) -> Vec<Box<dyn Table + '_>> {
+        let runs = Some(Runs { study: self });
+        let tables = [
+            boxed(runs),
+            boxed(Windows::of(self)),
+            boxed(thresholds::Windows::of(self)),
+            boxed(SteadyRows::of(self)),
+            boxed(kept::Windows::of(self)),
+        ];
+        tables.into_iter().flatten().collect()
+    }
+}
+
+fn boxed<'s>(table: Option<impl Table + 's>) -> Option<Box<dyn Table + 's>> {
+    table.map(|table| Box::new(table) as Box<dyn Table>)
+}
+
 impl Scores {
+    /// The results over the complete tables of a study, of which `rows_of` gives the text by name.
+    pub(super) fn of<'t>(
+        study: &Study,
+        folder: &Folder,
+        rows_of: &dyn Fn(&str) -> Option<&'t str>,
+        on_progress: &(dyn Fn(Option<Diagnosing>) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, StudyError> {
+        let steady = rows_of(identification::NAME);
+        Ok(Self {
+            recognition: study.score(rows_of(windows::NAME))?,
+            thresholds: study.hold_to_thresholds(rows_of(thresholds::NAME)),
+            identification: study.identify(steady, &|| on_progress(None))?,
+            diagnosis: study.diagnose(folder, &|now| on_progress(Some(now)))?,
+        })
+    }
+
     /// Every result as files.
     pub fn reports(&self) -> Vec<Report> {
         let recognition = self.recognition.as_ref().map(|score| Report {

@@ -145,6 +145,7 @@ pub struct Standing {
 
 /// Why a cluster did not finish a study.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SlurmError {
     /// A program of Slurm cannot be started.
     #[error(

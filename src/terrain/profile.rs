@@ -12,6 +12,8 @@ use libm::{cos, log, pow, sqrt};
 use rand::RngExt;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
 
 /// Cosines that stand for a roughness spectrum.
 const MODES: usize = 192;
@@ -19,9 +21,18 @@ const MODES: usize = 192;
 /// Nodes made at once.
 const BLOCK: i64 = 256;
 
+/// Heights along the track that a user brings, such as a scan.
+pub trait Heights: fmt::Debug + Send + Sync {
+    /// Height \[m\] above the datum at `x` \[m\] from the start of the track, below 0 behind it.
+    ///
+    /// It is read every 0.25 mm, in any order; between these places the ground is a cubic with continuous slope.
+    fn height(&self, x: f64) -> f64;
+}
+
 /// What makes the heights.
 #[derive(Debug, Clone)]
 struct Generator {
+    own: Option<Arc<dyn Heights>>,
     waves: Vec<Wave>,
     joints: Option<Joints>,
     ledge: Option<Ledge>,
@@ -47,21 +58,22 @@ pub struct Profile {
     made: [f64; 2],
 }
 
-/// Height [m] and slope [-] at one place.
+/// Height \[m\] and slope [-] at one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Height above the datum [m].
+    /// Height above the datum \[m\].
     pub height: f64,
     /// Slope along the track [-].
     pub slope: f64,
 }
 
 impl Profile {
-    /// A profile with nodes every `spacing` [m]; without any relief it is flat.
+    /// A profile with nodes every `spacing` \[m\]; without any relief it is flat.
     pub fn new(relief: &Relief, spacing: f64, seed: Seed, run: u64) -> Self {
         let roughness = relief.roughness.as_ref();
         let waves = roughness.map_or_else(Vec::new, |roughness| waves(roughness, seed, run));
         let generator = Generator {
+            own: None,
             waves,
             joints: relief.joints,
             ledge: relief.ledge,
@@ -77,7 +89,13 @@ impl Profile {
         }
     }
 
-    /// Makes sure that `[low, high]` [m] can be asked for.
+    /// The profile with these heights added; before any is made.
+    pub fn with_heights(mut self, heights: Arc<dyn Heights>) -> Self {
+        self.generator.own = Some(heights);
+        self
+    }
+
+    /// Makes sure that `[low, high]` \[m\] can be asked for.
     pub fn extend(&mut self, low: f64, high: f64) {
         let [from, to] = self.made;
         if low >= from && high <= to {
@@ -108,7 +126,7 @@ impl Profile {
         self.made = [self.first + 3, last - 4].map(|node| node as f64 * self.spacing);
     }
 
-    /// Height and slope at `x` [m], which [`Profile::extend`] must have reached.
+    /// Height and slope at `x` \[m\], which [`Profile::extend`] must have reached.
     pub fn at(&self, x: f64) -> Surface {
         let place = x / self.spacing - self.first as f64;
         let i = place as usize;
@@ -127,21 +145,21 @@ impl Profile {
         }
     }
 
-    /// Highest node in `[low, high]` [m].
+    /// Highest node in `[low, high]` \[m\].
     pub fn highest(&self, low: f64, high: f64) -> f64 {
         self.nodes(low, high)
             .map(|[_, height]| height)
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Largest difference [m] between neighbouring nodes in `[low, high]` [m].
+    /// Largest difference \[m\] between neighbouring nodes in `[low, high]` \[m\].
     pub fn steepest_step(&self, low: f64, high: f64) -> f64 {
         let nodes: Vec<[f64; 2]> = self.nodes(low, high).collect();
         let steps = nodes.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs());
         steps.fold(0.0, f64::max)
     }
 
-    /// Nodes in `[low, high]` [m] that have been made: position and height [m].
+    /// Nodes in `[low, high]` \[m\] that have been made: position and height \[m\].
     pub fn nodes(&self, low: f64, high: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         let from = ((low / self.spacing).ceil() as i64 - self.first).max(0) as usize;
         let to = ((high / self.spacing).floor() as i64 - self.first + 1).max(0) as usize;
@@ -154,7 +172,7 @@ impl Profile {
         })
     }
 
-    /// Distance between nodes [m].
+    /// Distance between nodes \[m\].
     pub fn spacing(&self) -> f64 {
         self.spacing
     }
@@ -169,7 +187,9 @@ impl Generator {
             .sum();
         let joints = self.joints.as_ref();
         let ledge = self.ledge.as_ref();
+        let own = self.own.as_ref();
         rough
+            + own.map_or(0.0, |own| own.height(x))
             + joints.map_or(0.0, |joints| self.brick(joints, x))
             + ledge.map_or(0.0, |ledge| risen(ledge, x))
     }

@@ -31,9 +31,9 @@ const COLUMNS: usize = 20;
 /// A sphere of a stone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
-    /// Its centre from the stone's centroid [m].
+    /// Its centre from the stone's centroid \[m\].
     pub centre: Vector3<f64>,
-    /// Its radius [m].
+    /// Its radius \[m\].
     pub radius: f64,
 }
 
@@ -42,7 +42,7 @@ pub struct Ball {
 pub struct StoneShape {
     /// Its spheres.
     pub balls: [Ball; BALLS],
-    /// Diameter [m] of the sphere with the same volume.
+    /// Diameter \[m\] of the sphere with the same volume.
     pub diameter: f64,
     /// Inverse of the inertia tensor per mass [1/m²].
     pub inverse_inertia: Matrix3<f64>,
@@ -53,13 +53,13 @@ pub struct StoneShape {
 pub struct PlacedStone {
     /// Its shape.
     pub shape: StoneShape,
-    /// Its centroid [m].
+    /// Its centroid \[m\].
     pub position: Vector3<f64>,
     /// Its rotation.
     pub rotation: UnitQuaternion<f64>,
 }
 
-/// Position [m] and rotation of a stone.
+/// Position \[m\] and rotation of a stone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     position: Vector3<f64>,
@@ -67,8 +67,8 @@ pub struct Place {
 }
 
 impl Place {
-    /// Bound [m] on the distance between a point of a stone here and the same point of it at `other`, where it reaches
-    /// `outer_radius` [m] from its centroid.
+    /// Bound \[m\] on the distance between a point of a stone here and the same point of it at `other`, where it reaches
+    /// `outer_radius` \[m\] from its centroid.
     pub fn distance(&self, other: &Self, outer_radius: f64) -> f64 {
         let turned = (self.rotation.coords - other.rotation.coords).norm();
         (self.position - other.position).norm() + 2.0 * outer_radius * turned
@@ -203,12 +203,12 @@ impl StoneShape {
         }
     }
 
-    /// Volume [m³].
+    /// Volume \[m³\].
     pub fn volume(&self) -> f64 {
         PI / 6.0 * self.diameter * self.diameter * self.diameter
     }
 
-    /// Distance [m] from the centroid to the farthest point.
+    /// Distance \[m\] from the centroid to the farthest point.
     pub fn outer_radius(&self) -> f64 {
         let farthest = self.balls.iter();
         let farthest = farthest.map(|ball| ball.centre.norm() + ball.radius);
@@ -238,7 +238,7 @@ impl PlacedStone {
         })
     }
 
-    /// Height [m] of its highest point above the track's datum.
+    /// Height \[m\] of its highest point above the track's datum.
     pub fn top(&self) -> f64 {
         let tops = self.balls().map(|ball| ball.centre.y + ball.radius);
         tops.into_iter().fold(f64::NEG_INFINITY, f64::max)
@@ -252,7 +252,7 @@ impl PlacedStone {
         }
     }
 
-    /// Bound [m] on the distance between a point of this stone and the same point of `other`, the same stone elsewhere.
+    /// Bound \[m\] on the distance between a point of this stone and the same point of `other`, the same stone elsewhere.
     pub fn distance(&self, other: &Self) -> f64 {
         self.place()
             .distance(&other.place(), self.shape.outer_radius())
@@ -272,7 +272,7 @@ impl PlacedStone {
     }
 }
 
-/// Places [m] along the track between which `balls` lie.
+/// Places \[m\] along the track between which `balls` lie.
 pub fn extent(balls: &[Ball]) -> [f64; 2] {
     balls
         .iter()
@@ -284,7 +284,7 @@ pub fn extent(balls: &[Ball]) -> [f64; 2] {
         })
 }
 
-/// Lowest and highest point [m] of `balls` at `x` [m] along the track; `None` beside them.
+/// Lowest and highest point \[m\] of `balls` at `x` \[m\] along the track; `None` beside them.
 pub fn extent_at(balls: &[Ball], x: f64) -> Option<[f64; 2]> {
     let chord = |ball: &Ball| {
         let beside = x - ball.centre.x;

@@ -3,6 +3,7 @@
 //! An encoder of few counts per turn has the same reading for many samples while the wheel turns. The reading
 //! equals the wheel's angle only where it changes; between two changes the speed is taken as constant. Only a
 //! reading that stays several times as long as the median is that of a wheel at rest.
+use super::knots::interpolated;
 
 /// Median stay [samples] of a reading above which an encoder is coarse.
 const COARSE: usize = 2;
@@ -21,7 +22,7 @@ struct Stay {
     angle: f64,
 }
 
-/// Continuous `angles` [rad] with those between the steps of a coarse encoder interpolated; of a fine one as they are.
+/// Continuous `angles` \[rad\] with those between the steps of a coarse encoder interpolated; of a fine one as they are.
 /// What is no number stays so.
 pub fn between_steps(angles: &[f64]) -> Vec<f64> {
     let stays = stays(angles);
@@ -91,18 +92,6 @@ fn knots(stays: &[Stay], median: usize, count: usize) -> Vec<[f64; 2]> {
         }
     }
     knots
-}
-
-/// The angle at a sample between `knots`.
-fn interpolated(knots: &[[f64; 2]], at: f64) -> f64 {
-    let after = knots.partition_point(|knot| knot[0] <= at);
-    match (after.checked_sub(1).map(|i| knots[i]), knots.get(after)) {
-        (Some([from, angle]), Some([to, next])) => {
-            angle + (next - angle) * (at - from) / (to - from)
-        }
-        (Some([_, angle]), None) | (None, Some(&[_, angle])) => angle,
-        (None, None) => f64::NAN,
-    }
 }
 
 #[cfg(test)]

@@ -4,8 +4,10 @@
 //! rounding. Averages over a drive exclude its rests.
 
 use super::encoder::between_steps;
+use super::knots::interpolated;
 use super::turning::unwrapped;
-use super::{Channel, Trace, finite_mean};
+use super::{Channel, Trace};
+use crate::statistics::finite_mean;
 
 /// Length [s] of the blocks in which a wheel moves or rests: starting and stopping take as long.
 const BLOCK: f64 = 0.5;
@@ -86,8 +88,8 @@ impl Motion {
     fn turned_ways(&self, angle: &Channel, radius: f64) -> Vec<f64> {
         let mut numbers = numbers_over_time(angle);
         // The last sample stands for its period, as all others do.
-        if let [.., (_, before), (time, last)] = numbers[..] {
-            numbers.push((time + 1.0 / angle.sample_rate, 2.0 * last - before));
+        if let [.., [_, before], [time, last]] = numbers[..] {
+            numbers.push([time + 1.0 / angle.sample_rate, 2.0 * last - before]);
         }
         let at = |time: f64| interpolated(&numbers, time);
         // An encoder at rest trembles: of the first and the last quarter of a block the means count.
@@ -124,7 +126,7 @@ impl Motion {
         !self.moves.contains(&true)
     }
 
-    /// Whether the wheel moves at `time` [s].
+    /// Whether the wheel moves at `time` \[s\].
     pub fn moves_at(&self, time: f64) -> bool {
         let block = ((time - self.start) / BLOCK + 1.0e-9).max(0.0) as usize;
         self.moves[block.min(self.moves.len() - 1)]
@@ -193,24 +195,12 @@ fn excursion(ways: &[f64]) -> f64 {
 }
 
 /// Times [s] and values of the samples that are numbers.
-fn numbers_over_time(channel: &Channel) -> Vec<(f64, f64)> {
+fn numbers_over_time(channel: &Channel) -> Vec<[f64; 2]> {
     let samples = channel.samples.iter().enumerate();
     samples
         .filter(|(_, sample)| sample.is_finite())
-        .map(|(index, &sample)| (channel.time(index), sample))
+        .map(|(index, &sample)| [channel.time(index), sample])
         .collect()
-}
-
-/// The value at `time` [s] on the straight line between its neighbours; beyond the ends theirs.
-fn interpolated(numbers: &[(f64, f64)], time: f64) -> f64 {
-    let after = numbers.partition_point(|(at, _)| *at <= time);
-    match (after.checked_sub(1).map(|i| numbers[i]), numbers.get(after)) {
-        (Some((from, before)), Some((to, next))) => {
-            before + (next - before) * (time - from) / (to - from)
-        }
-        (Some((_, value)), None) | (None, Some(&(_, value))) => value,
-        (None, None) => 0.0,
-    }
 }
 
 /// A wheel angle without the jumps of an encoder that starts again.

@@ -37,12 +37,12 @@ impl Slope {
         })
     }
 
-    /// Normal force [N] of the contact where the sensors read `normal_force` [N].
+    /// Normal force \[N\] of the contact where the sensors read `normal_force` \[N\].
     pub fn normal_force(&self, normal_force: f64) -> f64 {
         normal_force - self.normal_excess
     }
 
-    /// Drawbar pull [N] of the contact where the sensors read `drawbar_pull` [N].
+    /// Drawbar pull \[N\] of the contact where the sensors read `drawbar_pull` \[N\].
     pub fn drawbar_pull(&self, drawbar_pull: f64) -> f64 {
         drawbar_pull + self.pull_shortage
     }
@@ -56,7 +56,7 @@ impl Slope {
         }
     }
 
-    /// Normal force [N] of the contact under a vertical load [N].
+    /// Normal force \[N\] of the contact under a vertical load \[N\].
     pub fn carried(&self, load: f64) -> f64 {
         load * self.cos
     }

@@ -35,6 +35,7 @@
 use super::unwrapped;
 use super::{Channel, RunAttributes, Trace};
 use crate::quantity::SlipRatio;
+use crate::statistics::finite_mean;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::f64::consts::TAU;
@@ -102,9 +103,9 @@ impl Steadiness {
 pub struct Stretch<'s> {
     /// The samples; those that are not numbers are left out.
     pub samples: &'s [f64],
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub sample_rate: f64,
-    /// Period of the lug passes [s], where it is known.
+    /// Period of the lug passes \[s\], where it is known.
     pub pass: Option<f64>,
     /// Change of the value, in its unit, below which it counts as steady however small it is.
     pub least_change: f64,
@@ -120,12 +121,12 @@ impl Trace {
         self.steadiness_between(name, steady_interval(self.channel(name)?))
     }
 
-    /// Whether the mean of the quantity `name` over an interval [s] is a steady value; `None` where there is no
+    /// Whether the mean of the quantity `name` over an interval \[s\] is a steady value; `None` where there is no
     /// time series of it or one without numbers.
     pub fn steadiness_between(&self, name: &str, interval: [f64; 2]) -> Option<Steadiness> {
         let channel = self.channel(name)?;
         let samples = channel.between(interval[0], interval[1]);
-        super::finite_mean(samples)?;
+        finite_mean(samples)?;
         let stretch = Stretch {
             samples,
             sample_rate: channel.sample_rate,
@@ -206,8 +207,7 @@ impl Stretch<'_> {
     pub fn steadiness(&self) -> Steadiness {
         let duration = self.samples.len() as f64 / self.sample_rate;
         let passes = self.pass.map_or(f64::INFINITY, |pass| duration / pass);
-        let (Some(differences), Some(mean)) =
-            (self.differences(), super::finite_mean(self.samples))
+        let (Some(differences), Some(mean)) = (self.differences(), finite_mean(self.samples))
         else {
             return Steadiness::TooShort;
         };
@@ -253,7 +253,7 @@ impl Stretch<'_> {
         }
         let number = count.min(BLOCKS);
         let edge = |block: usize| block * count / number;
-        let block = |index| super::finite_mean(&differences[edge(index)..edge(index + 1)]);
+        let block = |index| finite_mean(&differences[edge(index)..edge(index + 1)]);
         Some(Differences {
             blocks: (0..number).map(block).collect::<Option<_>>()?,
             lag: lag as f64 / self.sample_rate,

@@ -18,7 +18,7 @@ const BRIDGE: f64 = 1.0e-3;
 /// Share of the passages that makes a class [-].
 pub(crate) const MOST: f64 = 0.9;
 
-/// Length [s] of a class window in the paper (Section 4.1).
+/// Length \[s\] of a class window in the paper (Section 4.1).
 pub const PAPER_WINDOW: f64 = 15.0;
 
 /// Part of the lug angle [-] a wheel must turn back before a lug passes the bottom again.
@@ -39,7 +39,7 @@ pub struct TruthRecorder {
 }
 
 impl TruthRecorder {
-    /// A recorder for `wheel` with class windows of `window` [s], see [`PAPER_WINDOW`].
+    /// A recorder for `wheel` with class windows of `window` \[s\], see [`PAPER_WINDOW`].
     pub fn new(wheel: &Wheel, window: f64) -> Self {
         Self {
             contacts: Contacts::new(wheel.lug_count()),

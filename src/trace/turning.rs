@@ -23,7 +23,7 @@ const ALIKE: f64 = 4.0;
 /// An angle without jumps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turning {
-    /// Angle [rad] since the first reading, plus that reading; what is no number stays so.
+    /// Angle \[rad\] since the first reading, plus that reading; what is no number stays so.
     pub angles: Vec<f64>,
     /// The counter's range, where it rolled over at another one than a turn.
     pub roll_over: Option<RollOver>,
@@ -35,14 +35,14 @@ pub struct Turning {
 /// A counter that starts again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollOver {
-    /// Its range [rad].
+    /// Its range \[rad\].
     pub range: f64,
     /// How often it rolled over.
     pub times: usize,
 }
 
 impl Turning {
-    /// The angle behind these `readings` [rad].
+    /// The angle behind these `readings` \[rad\].
     pub fn of(readings: &[f64]) -> Self {
         let steps = Steps::of(readings);
         let counter = steps.roll_over();
@@ -61,7 +61,7 @@ impl Turning {
     }
 }
 
-/// Wheel angles [rad] without the jumps of an encoder that starts again after a turn, or of a counter that
+/// Wheel angles \[rad\] without the jumps of an encoder that starts again after a turn, or of a counter that
 /// rolls over at any other angle. What is no number stays so.
 pub fn unwrapped(angles: &[f64]) -> Vec<f64> {
     Turning::of(angles).angles

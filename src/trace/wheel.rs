@@ -10,12 +10,12 @@ use std::fmt;
 pub struct Lugs {
     /// Number of lugs; 0 on a smooth wheel, `None` where it is unknown.
     pub count: Option<u32>,
-    /// Height [m]; NaN where it is unknown.
+    /// Height \[m\]; NaN where it is unknown.
     pub height: f64,
 }
 
 impl Lugs {
-    /// The lugs that `count` and `height` [m] of a file or campaign mean: height 0 is a smooth wheel
+    /// The lugs that `count` and `height` \[m\] of a file or campaign mean: height 0 is a smooth wheel
     /// also where no count is stated, and a smooth wheel's lugs have no height.
     pub fn stated(count: Option<u32>, height: f64) -> Self {
         match count {
@@ -70,20 +70,20 @@ impl fmt::Display for Lugs {
 pub enum Plate {
     /// A round plate.
     Disc {
-        /// Diameter [m].
+        /// Diameter \[m\].
         diameter: f64,
     },
     /// A rectangular plate.
     Rectangle {
-        /// Longer or equal side [m].
+        /// Longer or equal side \[m\].
         length: f64,
-        /// Shorter or equal side [m].
+        /// Shorter or equal side \[m\].
         width: f64,
     },
 }
 
 impl Plate {
-    /// The plate of two sides [m], in any order.
+    /// The plate of two sides \[m\], in any order.
     pub fn rectangle(sides: [f64; 2]) -> Self {
         Self::Rectangle {
             length: sides[0].max(sides[1]),
@@ -91,7 +91,7 @@ impl Plate {
         }
     }
 
-    /// Area [m²].
+    /// Area \[m²\].
     pub fn area(&self) -> f64 {
         match *self {
             Self::Disc { diameter } => 0.25 * std::f64::consts::PI * diameter * diameter,
@@ -99,7 +99,7 @@ impl Plate {
         }
     }
 
-    /// `b` [m] of `k_c/b + k_φ`: the shorter side, of a round plate its radius.
+    /// `b` \[m\] of `k_c/b + k_φ`: the shorter side, of a round plate its radius.
     ///
     /// # Reference
     /// Wong, *Theory of Ground Vehicles*, section 2.4.

@@ -59,14 +59,14 @@ use crate::wheel::Wheel;
 use libm::cos;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Amplitude [m] of the reference displacement, `(r + l)(1 - cos(α/2))`, of a multi-lugged wheel; 0
+/// Amplitude \[m\] of the reference displacement, `(r + l)(1 - cos(α/2))`, of a multi-lugged wheel; 0
 /// on a smooth wheel.
 pub fn reference_amplitude(wheel: &Wheel) -> f64 {
     let half = 0.5 * wheel.lug_angle().unwrap_or(0.0);
     wheel.tip_radius() * (1.0 - cos(half))
 }
 
-/// Largest amplitude [m] of the displacement while every lug touches, `(r + l)(1 - cos α)`, of a
+/// Largest amplitude \[m\] of the displacement while every lug touches, `(r + l)(1 - cos α)`, of a
 /// multi-lugged wheel; 0 on a smooth wheel.
 pub fn largest_amplitude(wheel: &Wheel) -> f64 {
     wheel.tip_radius() * (1.0 - cos(wheel.lug_angle().unwrap_or(0.0)))
@@ -105,7 +105,7 @@ pub fn mean_square_bound(lugs: u32) -> f64 {
 }
 
 /// Upper limit of `C_M` [-] for a wheel of `lugs` equally spaced lugs, two or more, of which the
-/// lines between neighbouring contacts rise or fall by `slope` [rad] at most (Eq. 55, corrected).
+/// lines between neighbouring contacts rise or fall by `slope` \[rad\] at most (Eq. 55, corrected).
 ///
 /// ```text
 /// (1 - cos(α/2 + |β|)) / (1 - cos(α/2))

@@ -7,7 +7,7 @@
 use crate::wheel::Wheel;
 use libm::{cos, floor, sin, sqrt};
 
-/// Angle `φ` [rad] of the lug nearest to straight down, in (-α/2, α/2] (Eq. 6).
+/// Angle `φ` \[rad\] of the lug nearest to straight down, in (-α/2, α/2] (Eq. 6).
 ///
 /// `None` on a smooth wheel.
 pub fn lug_at_the_bottom(wheel: &Wheel, wheel_angle: f64) -> Option<f64> {
@@ -15,7 +15,7 @@ pub fn lug_at_the_bottom(wheel: &Wheel, wheel_angle: f64) -> Option<f64> {
     Some(alpha * floor(wheel_angle / alpha + 0.5) - wheel_angle)
 }
 
-/// Height [m] of the rim's lowest point above the ground (Eq. 5; Eq. 8 where lugs are many).
+/// Height \[m\] of the rim's lowest point above the ground (Eq. 5; Eq. 8 where lugs are many).
 ///
 /// ```text
 /// h_rt = max(0, (r + l) cos φ - r)
@@ -24,7 +24,7 @@ pub fn rim_height(wheel: &Wheel, wheel_angle: f64) -> f64 {
     lug_at_the_bottom(wheel, wheel_angle).map_or(0.0, |phi| height_on(wheel, phi))
 }
 
-/// Displacement [m] of the axle from its lowest place (Eq. 10; Eq. 7 and 9 are its two cases).
+/// Displacement \[m\] of the axle from its lowest place (Eq. 10; Eq. 7 and 9 are its two cases).
 ///
 /// ```text
 /// y_rt = h_rt - max(0, (r + l) cos(α/2) - r)
@@ -60,7 +60,7 @@ pub fn acceleration(
     }
 }
 
-/// Angle [rad] from straight down within which a lug carries the wheel: half the lug angle, or
+/// Angle \[rad\] from straight down within which a lug carries the wheel: half the lug angle, or
 /// where the rim comes down first, `arccos(r / (r + l))`. 0 on a smooth wheel.
 pub fn support_angle(wheel: &Wheel) -> f64 {
     match wheel.lug_angle() {

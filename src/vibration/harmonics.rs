@@ -13,7 +13,7 @@ use crate::wheel::Wheel;
 use libm::{cos, sin};
 use std::f64::consts::TAU;
 
-/// Coefficient `C_i` [m] of the `order`-th lug harmonic, `i >= 1`; 0 on a smooth wheel.
+/// Coefficient `C_i` \[m\] of the `order`-th lug harmonic, `i >= 1`; 0 on a smooth wheel.
 ///
 /// ```text
 /// C_i = (2/α) ∫ [(r + l) cos φ - r] cos(i n_l φ) dφ  over the angles that a lug supports
@@ -37,7 +37,7 @@ pub fn displacement_harmonic(wheel: &Wheel, order: u32) -> f64 {
     2.0 / alpha * (lug - rim)
 }
 
-/// Mean `C_0` [m] of the reference displacement (Eq. 10); 0 on a smooth wheel.
+/// Mean `C_0` \[m\] of the reference displacement (Eq. 10); 0 on a smooth wheel.
 pub fn mean_displacement(wheel: &Wheel) -> f64 {
     let Some(alpha) = wheel.lug_angle() else {
         return 0.0;

@@ -23,11 +23,11 @@ pub enum Support {
 pub struct Footing {
     /// What it belongs to.
     pub support: Support,
-    /// Distance from the axle [m].
+    /// Distance from the axle \[m\].
     pub radius: f64,
-    /// Angle from straight down [rad], positive ahead.
+    /// Angle from straight down \[rad\], positive ahead.
     pub angle: f64,
-    /// Height of the axle above the ground's datum [m].
+    /// Height of the axle above the ground's datum \[m\].
     pub axle_height: f64,
 }
 
@@ -35,7 +35,7 @@ pub struct Footing {
 /// 0.35 mm apart on a rim of 140 mm, a sixth of the shortest roughness in use.
 const RIM_PLACES: i32 = 400;
 
-/// How a wheel at `position` [m], turned to `wheel_angle` [rad], stands on ground whose height [m]
+/// How a wheel at `position` \[m\], turned to `wheel_angle` \[rad\], stands on ground whose height \[m\]
 /// along the track is `ground`.
 pub fn footing(
     wheel: &Wheel,

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// One change of support on flat hard ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LugChange {
-    /// Time [s] from the first sample.
+    /// Time \[s\] from the first sample.
     pub time: f64,
     /// Jump of the vertical velocity [m/s], upward: the area under the acceleration's pulse.
     pub velocity_jump: f64,
@@ -40,9 +40,9 @@ fn is_reading(angle: f64) -> bool {
     angle.abs() < LARGEST
 }
 
-/// The lug changes of a wheel that turned by `angles` [rad] on flat hard ground, in their order.
+/// The lug changes of a wheel that turned by `angles` \[rad\] on flat hard ground, in their order.
 ///
-/// `angles` are equally spaced at `sample_rate` [Hz], grow when driving forward, and are 0 where a
+/// `angles` are equally spaced at `sample_rate` \[Hz\], grow when driving forward, and are 0 where a
 /// lug points straight down, as the simulation's are: an encoder with another zero shifts all
 /// changes alike. They may start again at 0 after a full turn: more than half a turn from one sample
 /// to the next is the counter's doing, not the wheel's. Samples that are no numbers, or beyond 1e9

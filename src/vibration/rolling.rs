@@ -24,16 +24,16 @@ const HALVINGS: u32 = 20;
 /// Where the wheel stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Wheel angle [rad].
+    /// Wheel angle \[rad\].
     pub wheel_angle: f64,
-    /// Position of the axle along the track `S_x` [m].
+    /// Position of the axle along the track `S_x` \[m\].
     pub position: f64,
-    /// Height `h` of the rim's lowest point above the ground's datum [m] (Eq. 11, 40); the axle
+    /// Height `h` of the rim's lowest point above the ground's datum \[m\] (Eq. 11, 40); the axle
     /// stands `r` higher.
     pub rim_height: f64,
     /// What carries the wheel.
     pub support: Support,
-    /// Position along the track of the point that carries it, `X_n` or `X_w` [m] (Eq. 14, 35, 37).
+    /// Position along the track of the point that carries it, `X_n` or `X_w` \[m\] (Eq. 14, 35, 37).
     /// Where one point takes over from another, the vertical velocity jumps by the wheel speed
     /// times the way between them.
     pub contact: f64,
@@ -54,7 +54,7 @@ pub struct Rolling<G> {
 }
 
 impl<G: FnMut(f64) -> f64> Rolling<G> {
-    /// `wheel` let down at `position` [m], turned to `wheel_angle` [rad], on ground whose height [m]
+    /// `wheel` let down at `position` \[m\], turned to `wheel_angle` \[rad\], on ground whose height \[m\]
     /// along the track is `ground`.
     pub fn new(wheel: &Wheel, mut ground: G, position: f64, wheel_angle: f64) -> Self {
         let footing = footing(wheel, &mut ground, position, wheel_angle);
@@ -68,7 +68,7 @@ impl<G: FnMut(f64) -> f64> Rolling<G> {
         }
     }
 
-    /// Rolls on, or back, to `wheel_angle` [rad].
+    /// Rolls on, or back, to `wheel_angle` \[rad\].
     pub fn turn_to(&mut self, wheel_angle: f64) -> Pose {
         let turn = wheel_angle - self.wheel_angle;
         let steps = (turn.abs() / STEP).ceil();
@@ -151,8 +151,8 @@ fn lug_number(wheel: &Wheel, footing: &Footing, wheel_angle: f64) -> i64 {
     }
 }
 
-/// The path of `wheel`, let down at `position` [m], over ground whose height [m] along the track is
-/// `ground`, as it turns through `wheel_angles` [rad].
+/// The path of `wheel`, let down at `position` \[m\], over ground whose height \[m\] along the track is
+/// `ground`, as it turns through `wheel_angles` \[rad\].
 ///
 /// ```
 /// use lugwheel::vibration::rolling::{displacement, path};
@@ -181,7 +181,7 @@ pub fn path(
         .collect()
 }
 
-/// Output displacement `y = h - min h` [m] along a path (Eq. 22, 41).
+/// Output displacement `y = h - min h` \[m\] along a path (Eq. 22, 41).
 pub fn displacement(path: &[Pose]) -> Vec<f64> {
     let lowest = path
         .iter()
@@ -195,10 +195,10 @@ pub fn displacement(path: &[Pose]) -> Vec<f64> {
 pub struct Stay {
     /// What carries the wheel.
     pub support: Support,
-    /// Wheel angles [rad] at its first pose and at the first pose of the next stay; at the last pose
+    /// Wheel angles \[rad\] at its first pose and at the first pose of the next stay; at the last pose
     /// of the path where there is none.
     pub wheel_angles: [f64; 2],
-    /// Lowest and highest height of the rim [m].
+    /// Lowest and highest height of the rim \[m\].
     pub rim_heights: [f64; 2],
 }
 

@@ -37,7 +37,7 @@ impl Scaling {
         })
     }
 
-    /// Displacement [m] at `wheel_angle` [rad], 0 being where a contact stands straight down (Eq.
+    /// Displacement \[m\] at `wheel_angle` \[rad\], 0 being where a contact stands straight down (Eq.
     /// 45, 46, 48; (46) and (47) corrected: the phase goes from contact to contact, and the least
     /// value is 0).
     ///

@@ -14,11 +14,11 @@ use crate::wheel::Wheel;
 use libm::{cos, floor};
 use std::f64::consts::FRAC_PI_2;
 
-/// Height `h` [m] of the rim's lowest point above the soil's surface, after a turn of `turned`
-/// [rad] since a lug entered the soil at `entry_angle` `β` [rad] ahead of straight down (Eq. 43,
+/// Height `h` \[m\] of the rim's lowest point above the soil's surface, after a turn of `turned`
+/// \[rad\] since a lug entered the soil at `entry_angle` `β` \[rad\] ahead of straight down (Eq. 43,
 /// negative of the depth printed).
 ///
-/// `tip_depth` is the depth [m] of the foremost edge below the surface by the turn [rad] since it
+/// `tip_depth` is the depth \[m\] of the foremost edge below the surface by the turn \[rad\] since it
 /// entered, asked for in [0, α); with the paper's `y_l`, counted from where the axle was at entry,
 /// it is `-(r + l) cos β - y_l`.
 ///
@@ -46,7 +46,7 @@ pub fn rim_height(
 /// and the edges carve circles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct YieldingSoil {
-    /// Depth [m] of the edge of a lug that points straight down; more than `1 - C_M` of the reference
+    /// Depth \[m\] of the edge of a lug that points straight down; more than `1 - C_M` of the reference
     /// amplitude, or lugs would leave the soil before the next one enters.
     pub tip_sinkage: f64,
     /// Amplitude over the reference vibration's, `C_M` of Eq. (48) [-], in [0, 1].
@@ -54,7 +54,7 @@ pub struct YieldingSoil {
 }
 
 impl YieldingSoil {
-    /// Angle `β` [rad] ahead of straight down at which a lug of `wheel` enters; `None` on a smooth
+    /// Angle `β` \[rad\] ahead of straight down at which a lug of `wheel` enters; `None` on a smooth
     /// wheel. At most a quarter turn.
     pub fn entry_angle(&self, wheel: &Wheel) -> Option<f64> {
         let alpha = wheel.lug_angle()?;
@@ -71,7 +71,7 @@ impl YieldingSoil {
         Some(outside)
     }
 
-    /// Depth [m] of the foremost edge after a turn of `turned` [rad] since it entered.
+    /// Depth \[m\] of the foremost edge after a turn of `turned` \[rad\] since it entered.
     ///
     /// `None` on a smooth wheel.
     pub fn tip_depth(&self, wheel: &Wheel, turned: f64) -> Option<f64> {

@@ -12,9 +12,9 @@ const SHORT_LUG: u32 = 2;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Flaws {
-    /// Distance [m] of the rim's centre from the axle, on the side of lug 0.
+    /// Distance \[m\] of the rim's centre from the axle, on the side of lug 0.
     pub eccentricity: f64,
-    /// Amplitude [m] of the rim's radius twice a turn, largest at lug 0.
+    /// Amplitude \[m\] of the rim's radius twice a turn, largest at lug 0.
     pub ovality: f64,
     /// Height missing at lug 2, as part of a lug [-].
     pub short_lug: f64,
@@ -67,7 +67,7 @@ impl Flaws {
         (1.0 - missing) * (1.0 - self.uneven_wear * (1.0 - cos(place)))
     }
 
-    /// Where the rim's centre stands from the axle [m], the wheel having turned by an angle of this
+    /// Where the rim's centre stands from the axle \[m\], the wheel having turned by an angle of this
     /// cosine and sine.
     ///
     /// ```text

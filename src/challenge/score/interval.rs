@@ -1,8 +1,7 @@
 //! A number over cases, and how far it would differ over other cases of the kind.
 
 use crate::quantity::Seed;
-use crate::recognition::confusion::Share;
-use rand::RngExt;
+use crate::statistics::{Share, bootstrap, mean, median, quantile_nearest_place};
 use serde::Serialize;
 
 /// Times the cases are drawn anew.
@@ -28,7 +27,7 @@ impl Score {
         let all: Vec<&T> = items.iter().collect();
         Self {
             value: statistic(&all),
-            ci95: bootstrap(items, &statistic),
+            ci95: interval(items, statistic),
             n: items.len(),
         }
     }
@@ -59,37 +58,15 @@ impl Score {
     }
 }
 
-fn bootstrap<T>(items: &[T], statistic: &impl Fn(&[&T]) -> Option<f64>) -> Option<[f64; 2]> {
+/// Ends of the 95 % interval of a statistic over items drawn anew.
+fn interval<T>(items: &[T], statistic: impl Fn(&[&T]) -> Option<f64>) -> Option<[f64; 2]> {
     if items.len() < 2 {
         return None;
     }
     let mut rng = Seed(0).rng("score", items.len() as u64);
-    let mut found: Vec<f64> = (0..RESAMPLES)
-        .filter_map(|_| {
-            let draw = |_| &items[rng.random_range(0..items.len())];
-            let drawn: Vec<&T> = (0..items.len()).map(draw).collect();
-            statistic(&drawn)
-        })
-        .collect();
-    found.sort_by(f64::total_cmp);
-    let last = found.len().checked_sub(1)?;
-    Some(ENDS.map(|end| found[libm::round(end * last as f64) as usize]))
-}
-
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (count, sum) = values.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value));
-    (count > 0).then(|| sum / f64::from(count))
-}
-
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        count if count % 2 == 1 => Some(values[middle]),
-        _ => Some((values[middle - 1] + values[middle]) / 2.0),
-    }
+    let drawn = bootstrap(items, RESAMPLES, &mut rng, statistic);
+    let [low, high] = ENDS.map(|end| quantile_nearest_place(&drawn, end));
+    Some([low?, high?])
 }
 
 #[cfg(test)]
@@ -119,11 +96,5 @@ mod tests {
         assert!((high - 1.0).abs() < 1.0e-12, "{high}");
         let none = Score::share([]);
         assert_eq!((none.value, none.ci95, none.n), (None, None, 0));
-    }
-
-    #[test]
-    fn a_median_of_an_even_count_lies_half_way() {
-        assert_eq!(median([4.0, 1.0, 3.0, 2.0].into_iter()), Some(2.5));
-        assert_eq!(median([3.0, 1.0, 2.0].into_iter()), Some(2.0));
     }
 }

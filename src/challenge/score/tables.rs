@@ -1,10 +1,11 @@
 //! Which effects are taken for which, and how large an effect has to be to be found.
 
-use super::interval::{Score, mean};
+use super::interval::Score;
 use super::judged::Judged;
 use crate::challenge::answer::{Answer, Verdict};
 use crate::challenge::order::Set;
 use crate::challenge::truth::Hidden;
+use crate::statistics::mean;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -23,6 +23,7 @@
 //! `resample_hz` as the remedy, or `sample_rate_hz` where the rows are in fact even.
 //!
 //! A clock whose second is constantly too long or too short cannot be detected here.
+use crate::statistics::upper_median;
 
 /// Tolerance [periods] of a time about an even grid, and of a step about the median one.
 pub(super) const FIFTH: f64 = 0.2;
@@ -185,9 +186,7 @@ impl Times<'_> {
 
     /// Median step [s].
     pub(super) fn median_step(&self) -> f64 {
-        let mut steps: Vec<f64> = self.steps().map(|step| step.time).collect();
-        let middle = steps.len() / 2;
-        *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+        upper_median(self.steps().map(|step| step.time)).unwrap_or(f64::NAN)
     }
 
     /// Time from the first row to the last [s].

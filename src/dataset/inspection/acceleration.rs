@@ -8,6 +8,7 @@ use super::doubts::Doubts;
 use super::subject::{SIGMAS, Steady, Subject};
 use super::{Severity, number};
 use crate::quantity::GRAVITY;
+use crate::statistics::upper_median;
 use crate::trace::Channel;
 
 /// How far a mean may lie off gravity [-]: gain and tilt of a cheap sensor.
@@ -106,9 +107,7 @@ fn check_size(subject: &Subject<'_>, acceleration: &Channel, doubts: &mut Doubts
     }
     let blocks = acceleration.samples.chunks_exact(length);
     let period = 1.0 / acceleration.sample_rate;
-    let mut swings: Vec<f64> = blocks.filter_map(|block| swing(block, period)).collect();
-    swings.sort_by(f64::total_cmp);
-    if let Some(&swing) = swings.get(swings.len() / 2)
+    if let Some(swing) = upper_median(blocks.filter_map(|block| swing(block, period)))
         && swing > most
     {
         let seen = format!(

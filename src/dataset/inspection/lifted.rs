@@ -18,8 +18,9 @@ use super::doubts::Doubts;
 use super::subject::Subject;
 use super::{Finding, Severity, number};
 use crate::sensors::drive_vibration::{CORNER, STATED_AT};
+use crate::signal::{Plans, hann_powers};
+use crate::statistics::upper_median;
 use crate::trace::Trace;
-use realfft::RealFftPlanner;
 use std::f64::consts::{FRAC_2_PI, LN_2, TAU};
 
 /// Band [Hz] in which the vibration is measured: above drift and below the broadband part's corner.
@@ -190,14 +191,16 @@ impl Lifted {
         let acceleration = trace.channel("acceleration_y")?;
         let samples = acceleration.steady();
         let is_whole = samples.iter().all(|sample| sample.is_finite());
-        if subject.is_rest() || wheel_speed == 0.0 || !is_whole {
+        if subject.is_rest() || wheel_speed == 0.0 || samples.is_empty() || !is_whole {
             return None;
         }
-        let powers = hann_periodogram(samples);
+        let transform = Plans::default().forward(samples.len());
+        let powers = hann_powers(&transform, samples);
         let spacing = acceleration.sample_rate / samples.len() as f64;
         let top = BAND[1].min(0.4 * acceleration.sample_rate);
         let lines = (BAND[0] / spacing).ceil() as usize..(top / spacing) as usize;
-        let band = powers.get(lines.clone())?;
+        // Powers are those from the second line on.
+        let band = powers.get(lines.start.checked_sub(1)?..lines.end.checked_sub(1)?)?;
         if band.len() < FEWEST_LINES {
             return None;
         }
@@ -363,9 +366,7 @@ struct Peak {
 ///
 /// Powers of noise are distributed exponentially, with a median of `ln 2` of their mean.
 fn peak(powers: &[f64]) -> Option<Peak> {
-    let mut sorted = powers.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let level = sorted[sorted.len() / 2] / LN_2;
+    let level = upper_median(powers.iter().copied())? / LN_2;
     let (line, largest) = powers
         .iter()
         .enumerate()
@@ -380,26 +381,6 @@ fn peak(powers: &[f64]) -> Option<Peak> {
     let power: f64 = near.clone().map(above).sum();
     let place = near.map(|line| line as f64 * above(line)).sum::<f64>() / power;
     Some(Peak { place, power })
-}
-
-/// Mean square by lines of the spectrum of `samples` less their mean, under a Hann window.
-fn hann_periodogram(samples: &[f64]) -> Vec<f64> {
-    let length = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / length;
-    let window = |i: usize| 0.5 - 0.5 * libm::cos(TAU * i as f64 / length);
-    let windowed = samples.iter().enumerate();
-    let mut windowed: Vec<f64> = windowed.map(|(i, x)| (x - mean) * window(i)).collect();
-    let transform = RealFftPlanner::new().plan_fft_forward(samples.len());
-    let mut spectrum = transform.make_output_vec();
-    if transform.process(&mut windowed, &mut spectrum).is_err() {
-        return Vec::new();
-    }
-    // One-sided, and over the mean square of the window, 3/8.
-    let scale = 2.0 / (0.375 * length * length);
-    spectrum
-        .iter()
-        .map(|line| line.norm_sqr() * scale)
-        .collect()
 }
 
 #[cfg(test)]
@@ -455,8 +436,9 @@ mod tests {
         // A floor, so that the level is not nil.
         let floor = |i: i32| 1.0e-3 * libm::sin(f64::from(i * i) * PI / 7.7);
         let samples: Vec<f64> = (0..1000).map(|i| sine(i) + floor(i)).collect();
-        let peak = peak(&hann_periodogram(&samples)).unwrap();
+        let powers = hann_powers(&Plans::default().forward(1000), &samples);
+        let peak = peak(&powers).unwrap();
         assert!((peak.power / 4.5 - 1.0).abs() < 0.01, "{peak:?}");
-        assert!((peak.place - 40.3).abs() < 0.05, "{peak:?}");
+        assert!((1.0 + peak.place - 40.3).abs() < 0.05, "{peak:?}");
     }
 }

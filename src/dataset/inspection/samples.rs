@@ -3,7 +3,7 @@
 use super::doubts::Doubts;
 use super::subject::Subject;
 use super::{Severity, number};
-use crate::trace::clipping::clipped_levels;
+use crate::signal::clipped_levels;
 use crate::trace::{Channel, unit_of};
 
 pub(super) fn check(subject: &Subject<'_>, doubts: &mut Doubts) {

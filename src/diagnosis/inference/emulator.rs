@@ -29,6 +29,7 @@ use super::covariance::{Covariance, covariances};
 use super::place::{CURVE, Place};
 use super::shrinkage::{Noise, shrink};
 use crate::diagnosis::rigs::{Part, Row};
+use crate::statistics::upper_median;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, RowDVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -383,9 +384,7 @@ impl Solved {
 /// Root mean square of the scores of a row about the emulator, the median over rows: in some, effects follow another law.
 fn unit(scores: &DMatrix<f64>) -> f64 {
     let squares = scores.row_iter().map(|row| row.norm_squared());
-    let mut squares: Vec<f64> = squares.collect();
-    squares.sort_by(f64::total_cmp);
-    let median = squares.get(squares.len() / 2).copied().unwrap_or(1.0);
+    let median = upper_median(squares).unwrap_or(1.0);
     libm::sqrt(median / scores.ncols() as f64)
 }
 

@@ -351,10 +351,10 @@ impl<'a> Curves<'a> {
     }
 
     /// The fit of these effects, each of a size, with the parameters free.
-    pub fn fit(&self, scores: &DVector<f64>, effects: &[(usize, f64)]) -> Fit {
+    pub fn fit(&self, scores: &DVector<f64>, effects: &[Part]) -> Fit {
         let changes = effects
             .iter()
-            .map(|(effect, size)| self.change(*effect, *size));
+            .map(|part| self.change(part.candidate, part.size));
         let scores = changes.fold(scores.clone(), |scores, change| scores - change);
         let mut about = vec![0.0; self.emulator.parameters()];
         for _ in 0..ROUNDS {

@@ -9,6 +9,7 @@
 //! not outweigh all others. A statistic that could not be taken is at the median.
 
 use crate::diagnosis::rigs::{Column, Table};
+use crate::statistics::{quantile_nearest_place, sorted};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -41,16 +42,18 @@ impl Scale {
                 .rows
                 .iter()
                 .filter(|row| row.values[place].is_finite());
-            let mut values: Vec<f64> = plain.iter().map(|row| f64::from(row[place])).collect();
-            values.retain(|value| value.is_finite());
-            if (have.count() as f64) < HAVE * table.rows.len() as f64 || values.is_empty() {
+            let values = plain.iter().map(|row| f64::from(row[place]));
+            let values = sorted(values.filter(|value| value.is_finite()));
+            let at = |share| quantile_nearest_place(&values, share);
+            let (Some(low), Some(centre), Some(high)) = (at(0.16), at(0.5), at(0.84)) else {
+                continue;
+            };
+            if (have.count() as f64) < HAVE * table.rows.len() as f64 {
                 continue;
             }
-            values.sort_by(f64::total_cmp);
-            let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
-            let scatter = 0.5 * (at(0.84) - at(0.16));
+            let scatter = 0.5 * (high - low);
             scale.used.push(place);
-            scale.centres.push(at(0.5));
+            scale.centres.push(centre);
             scale.scatters.push(scatter.max(resolution(column)));
         }
         scale

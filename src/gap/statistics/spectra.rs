@@ -3,9 +3,8 @@
 use super::signal::{Signal, mean};
 use crate::gap::cell::{Statistic, centre};
 use crate::gap::readings::Readings;
+use crate::signal::{Plans, hann_lines, smooth_below};
 use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
-use std::sync::Arc;
 
 /// Thirds of an octave by number, from 1 Hz to 50 kHz.
 const THIRDS: std::ops::RangeInclusive<i16> = 0..=47;
@@ -14,11 +13,10 @@ const FEWEST_LINES: usize = 4;
 /// Least number of lines in a third octave for a median as background.
 const FEWEST_FOR_MEDIAN: usize = 10;
 
-/// Caches the plans of Fourier transforms.
+/// Spectra of signals, their transforms planned once.
 #[derive(Default)]
 pub(super) struct Spectra {
-    planner: Option<RealFftPlanner<f64>>,
-    plans: Vec<(usize, Arc<dyn RealToComplex<f64>>)>,
+    plans: Plans,
 }
 
 /// The spectrum of a steady signal under a Hann window, without its mean.
@@ -37,55 +35,26 @@ impl Spectra {
 
     /// The spectrum of these samples; of so many of them as transform fast.
     pub fn of_samples(&mut self, samples: &[f64], rate: f64) -> Option<Spectrum> {
-        let length = smooth(samples.len());
+        let length = smooth_below(samples.len());
         if length < 32 {
             return None;
         }
         let samples = &samples[samples.len() - length..];
         let average = mean(samples);
-        let mut input: Vec<f64> = samples.iter().map(|x| x - average).collect();
+        let input: Vec<f64> = samples.iter().map(|x| x - average).collect();
         let largest = input.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         if largest <= 1.0e-12 * average.abs() || !largest.is_finite() {
             return None;
         }
-        let plan = self.plan(length);
-        let mut spectrum = plan.make_output_vec();
-        plan.process(&mut input, &mut spectrum)
-            .expect("lengths are the plan's");
+        let spectrum = self.plans.forward(length).apply(input);
         // One-sided, and over the root mean square of the window, √(3/8).
         let scale = libm::sqrt(2.0 / 0.375) / length as f64;
-        let hann = spectrum
-            .windows(3)
-            .map(|around| (around[1] * 0.5 - (around[0] + around[2]) * 0.25) * scale);
+        let lines = hann_lines(&spectrum).map(|line| line * scale);
         Some(Spectrum {
-            lines: hann.collect(),
+            lines: lines.collect(),
             spacing: rate / length as f64,
         })
     }
-
-    fn plan(&mut self, length: usize) -> Arc<dyn RealToComplex<f64>> {
-        if let Some((_, plan)) = self.plans.iter().find(|(of, _)| *of == length) {
-            return Arc::clone(plan);
-        }
-        let planner = self.planner.get_or_insert_with(RealFftPlanner::new);
-        let plan = planner.plan_fft_forward(length);
-        self.plans.push((length, Arc::clone(&plan)));
-        plan
-    }
-}
-
-/// The largest even number up to `length` whose only prime factors are 2, 3 and 5.
-fn smooth(length: usize) -> usize {
-    let is_smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n > 0 && n.is_multiple_of(prime) {
-                n /= prime;
-            }
-        }
-        n == 1
-    };
-    let mut even = (2..=length).rev().filter(|n| n.is_multiple_of(2));
-    even.find(|n| is_smooth(*n)).unwrap_or(0)
 }
 
 impl Spectrum {

@@ -4,7 +4,7 @@ use super::words;
 use crate::diagnosis::{Diagnosis, InUnits};
 use crate::gap::{self, Entry, Measure};
 use crate::report::page::{Cell, Column, Section, Table};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use crate::statistics::student_quantile;
 
 /// Rows shown; a page is no place for more.
 const SHOWN: usize = 300;
@@ -149,10 +149,11 @@ fn difference(diagnosis: &Diagnosis, row: &InUnits, shown: &Shown) -> Cell {
 
 /// Half of the 95 % interval of a difference, in its unit; infinite where its error is not known.
 pub fn half_width(entry: &Entry) -> f64 {
-    let student = StudentsT::new(0.0, 1.0, entry.freedom.min(MOST_FREEDOM));
-    let quantile = student.map(|student| student.inverse_cdf(1.0 - 0.5 * gap::LEVEL));
-    match quantile {
-        Ok(quantile) if entry.error.is_finite() => quantile * entry.error,
-        _ => f64::INFINITY,
+    let freedom = entry.freedom.min(MOST_FREEDOM);
+    let half = student_quantile(1.0 - 0.5 * gap::LEVEL, freedom) * entry.error;
+    if half.is_finite() {
+        half
+    } else {
+        f64::INFINITY
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::identification::{Force, Standing};
 use crate::identification::{Parameter, TerrainParameters};
-use crate::recognition::confusion::Share;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{IdentifiedGround, force_curves, parameter_figure};
 use crate::soil::{Soil, table_6};
+use crate::statistics::Share;
 use crate::study::identification::score::{
     Accuracy, CarriedScore, Choice, DriftScore, GroundScore, GroupScore, IdentificationScore,
     ModelScore, ParameterScore, PredictionScore, Source,

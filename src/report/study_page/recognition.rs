@@ -1,6 +1,6 @@
 //! How well classes were recognised.
 
-use crate::recognition::confusion::{CLASSES, Confusion, Share};
+use crate::recognition::confusion::{CLASSES, Confusion};
 use crate::report::figure::Layout;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::sweep_figure::unit_behind_number;
@@ -8,6 +8,7 @@ use crate::report::{
     FeaturePoint, Group, MethodParts, SweptKey, confusion_figure, feature_planes, feature_values,
     sweep_figure,
 };
+use crate::statistics::Share;
 use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
 

@@ -1,10 +1,11 @@
 //! Where along a swept value classes are recognised: right answers against the value.
 
 use super::{MethodParts, SweptKey, frame_area};
-use crate::recognition::confusion::{CLASSES, Share};
+use crate::recognition::confusion::CLASSES;
 use crate::report::figure::{
     Anchor, Area, Axis, Canvas, Font, INK, Layout, PALETTE, Panel, Stroke,
 };
+use crate::statistics::Share;
 use crate::study::score::Part;
 use crate::table::Cell;
 use crate::terrain::class::Wtic;

@@ -20,13 +20,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Carriage {
-    /// Mass [kg] that moves along the track and not vertically.
+    /// Mass \[kg\] that moves along the track and not vertically.
     pub mass: f64,
     /// Stiffness [N/m] of belt or screw; `inf` is rigid.
     pub stiffness: f64,
     /// Damping ratio [-] of all that moves along the track on it.
     pub damping_ratio: f64,
-    /// Largest force [N] of the drive, either way.
+    /// Largest force \[N\] of the drive, either way.
     pub force_limit: f64,
 }
 

@@ -121,7 +121,7 @@ pub struct FrameFlaws {
     /// How much stiffer the leg is at large deflections, as part of its stiffness [-]; half of it
     /// at 5 µm.
     pub stiffening: f64,
-    /// Coulomb friction [N] of the vertical guide.
+    /// Coulomb friction \[N\] of the vertical guide.
     pub friction: f64,
     /// The same as part of the drawbar pull that leans on the guide [-].
     pub friction_of_pull: f64,

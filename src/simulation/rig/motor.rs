@@ -41,7 +41,7 @@ pub struct Motor {
     pub damping_ratio: f64,
     /// Largest torque [N·m] at the output, either way.
     pub torque_limit: f64,
-    /// Bandwidth [Hz] of the speed loop.
+    /// Bandwidth \[Hz\] of the speed loop.
     pub bandwidth: f64,
 }
 

@@ -148,7 +148,7 @@ impl LugBites {
                 lowest: bite.lowest,
                 reached: bite.reached - dug,
             },
-            contact.shear.mobilised(bite.shear),
+            contact.mobilised(bite.shear),
         );
         let entry = entry_angle(radius, virgin - (motion.y - radius));
         let angles =

@@ -4,7 +4,7 @@ use super::fit::GroupRows;
 use super::own::{holds, own_value};
 use super::score::RepeatScore;
 use crate::identification::{Estimate, Identified, Parameter, identify};
-use crate::recognition::confusion::Share;
+use crate::statistics::{Share, mean, standard_deviation};
 use crate::terrain::class::Wtic;
 
 /// Scores of each free parameter of a class over the repeats; none for fewer than two fits.
@@ -32,7 +32,7 @@ fn score(parameter: Parameter, fits: &[Estimate], own: Option<f64>) -> RepeatSco
         .iter()
         .map(|identified| parameter.coordinate(identified.value))
         .collect();
-    let mean = mean(&at);
+    let centre = mean(at.iter().copied());
     let share = |value: f64| {
         let covering = identified
             .iter()
@@ -44,9 +44,9 @@ fn score(parameter: Parameter, fits: &[Estimate], own: Option<f64>) -> RepeatSco
         parameter,
         fits: fits.len(),
         identified: identified.len(),
-        deviation: deviation(&at),
-        half_width: self::mean(&halves),
-        holds_mean: mean.and_then(|mean| share(parameter.value(mean))),
+        deviation: standard_deviation(&at),
+        half_width: mean(halves),
+        holds_mean: centre.and_then(|mean| share(parameter.value(mean))),
         holds_own: own.and_then(share),
     }
 }
@@ -56,27 +56,4 @@ fn half_width(identified: &Identified) -> Option<f64> {
     let [low, high] = identified.ci95();
     let coordinate = |value: f64| identified.parameter.coordinate(value);
     Some(0.5 * (coordinate(high?) - coordinate(low?)))
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// Standard deviation of a sample; none of fewer than two.
-fn deviation(values: &[f64]) -> Option<f64> {
-    let mean = mean(values)?;
-    let square: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
-    (values.len() > 1).then(|| libm::sqrt(square / (values.len() - 1) as f64))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_deviation_of_a_sample_divides_by_one_less_than_its_size() {
-        assert_eq!(deviation(&[1.0, 3.0]), Some(libm::sqrt(2.0)));
-        assert_eq!(deviation(&[1.0]), None);
-        assert_eq!(mean(&[]), None);
-    }
 }

@@ -37,7 +37,7 @@ use crate::identification::{
     Estimate, Force, ForceErrors, Identification, Identified, Parameter, Predictor, Setting,
     SteadyLoad,
 };
-use crate::recognition::confusion::Share;
+use crate::statistics::Share;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use serde::Serialize;
 use std::collections::BTreeMap;

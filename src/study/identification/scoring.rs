@@ -14,8 +14,8 @@ use super::score::{
 use crate::identification::{
     Drift, Estimate, Force, ForceErrors, Identified, PredictedForce, Warning,
 };
-use crate::recognition::confusion::Share;
 use crate::scenario::Scenario;
+use crate::statistics::Share;
 use crate::study::{Study, StudyError, group};
 use crate::terrain::class::Wtic;
 use rayon::prelude::*;

@@ -6,7 +6,8 @@ use super::score::{
     GroupScore, IdentificationScore, ModelScore, ParameterScore, PredictionScore, RepeatScore,
 };
 use crate::identification::{Force, Parameter, Standing};
-use crate::recognition::confusion::{CLASSES, Share};
+use crate::recognition::confusion::CLASSES;
+use crate::statistics::Share;
 use crate::table::{Cell, Column, Table};
 use crate::terrain::class::Wtic;
 use std::fmt;

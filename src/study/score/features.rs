@@ -3,10 +3,10 @@
 
 use super::reading::Row;
 use crate::recognition::paper::regions;
+use crate::statistics::{quantile_linear, sorted, student_quantile};
 use crate::study::Study;
 use crate::table::{Cell, Column, Table};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Names of the features, in their order.
 const NAMES: [&str; 4] = ["p1", "p2", "p3", "p4"];
@@ -97,27 +97,15 @@ impl Window {
     }
 }
 
-/// The value that a `share` of the sorted ones lie below, straight between neighbours; the median is the mean
-/// of the two in the middle. NaN without values.
-fn percentile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * sorted.len().saturating_sub(1) as f64;
-    let [below, above] = [place.floor(), place.ceil()].map(|it| sorted.get(it as usize));
-    match (below, above) {
-        (Some(below), Some(above)) => below + place.fract() * (above - below),
-        _ => f64::NAN,
-    }
-}
-
 fn spread(windows: &[Window], feature: usize) -> FeatureSpread {
-    let mut sorted: Vec<f64> = windows.iter().map(|window| window.p[feature]).collect();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(windows.iter().map(|window| window.p[feature]));
     let points: Vec<[f64; 2]> = windows
         .iter()
         .filter_map(|window| Some([window.log_speed?, window.p[feature]]))
         .filter(|point| point[1].is_finite())
         .collect();
     FeatureSpread {
-        percentiles: [0.1, 0.5, 0.9].map(|share| percentile(&sorted, share)),
+        percentiles: [0.1, 0.5, 0.9].map(|share| quantile_linear(&sorted, share)),
         within: windows
             .iter()
             .filter(|window| window.within[feature])
@@ -139,7 +127,7 @@ fn slope(points: &[[f64; 2]]) -> Option<Slope> {
     }
     let value = xy / xx;
     let residual = ((yy - value * xy) / (n - 2.0)).max(0.0);
-    let quantile = StudentsT::new(0.0, 1.0, n - 2.0).ok()?.inverse_cdf(0.975);
+    let quantile = student_quantile(0.975, n - 2.0);
     let half = quantile * libm::sqrt(residual / xx);
     Some(Slope {
         value,
@@ -212,14 +200,6 @@ fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_median_of_an_even_number_lies_between_the_two_in_the_middle() {
-        let medians = [&[1.0, 2.0, 6.0][..], &[1.0, 2.0, 6.0, 7.0]].map(|it| percentile(it, 0.5));
-        assert_eq!(medians, [2.0, 4.0]);
-        assert_eq!(percentile(&[0.0, 10.0], 0.9), 9.0);
-        assert!(percentile(&[], 0.5).is_nan());
-    }
 
     #[test]
     fn a_feature_that_follows_speed_has_its_power_as_slope_and_one_that_does_not_has_none() {

@@ -2,7 +2,8 @@
 
 use super::features;
 use super::{Against, Counted, MethodScore, Part, RecognitionScore};
-use crate::recognition::confusion::{CLASSES, Share};
+use crate::recognition::confusion::CLASSES;
+use crate::statistics::Share;
 use crate::study::table::{cell, line};
 use crate::table::{Cell, Column, Table};
 use std::fmt;

@@ -8,6 +8,7 @@ use crate::features::Extractor;
 use crate::features::record::Record;
 use crate::scenario::Scenario;
 use crate::simulation::rig::Command;
+use crate::statistics::sorted;
 use crate::terrain::class::TerrainLabel;
 use crate::terrain::profile::Profile;
 use crate::terrain::{Stretch, Terrain};
@@ -93,8 +94,7 @@ impl Ground {
             .filter(of_lugs)
             .filter_map(|stay| Scaling::of(stay, &wheel))
             .collect();
-        let mut amplitudes: Vec<f64> = scalings.iter().map(|scaling| scaling.amplitude).collect();
-        amplitudes.sort_by(f64::total_cmp);
+        let amplitudes = sorted(scalings.iter().map(|scaling| scaling.amplitude));
         let largest = *amplitudes.last()?;
         let reference: Vec<f64> = wheel_angles
             .iter()

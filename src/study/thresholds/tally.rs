@@ -1,8 +1,7 @@
 //! Values counted against their bounds.
 
-use crate::recognition::confusion::Share;
+use crate::statistics::{Share, quantile_interval, quantile_nearest_rank, sorted};
 use serde::Serialize;
-use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// A value and what it is to stay below.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,12 +50,12 @@ impl Tally {
         let ratios = sorted(points.iter().map(Bounded::ratio));
         Some(Self {
             n: points.len(),
-            median: quantile(&values, 0.5),
-            q95: quantile(&values, 0.95),
-            q99: quantile(&values, 0.99),
+            median: quantile_nearest_rank(&values, 0.5),
+            q95: quantile_nearest_rank(&values, 0.95),
+            q99: quantile_nearest_rank(&values, 0.99),
             largest: values[values.len() - 1],
             bound: [bounds[0], bounds[bounds.len() - 1]],
-            tightness: quantile(&ratios, 0.99),
+            tightness: quantile_nearest_rank(&ratios, 0.99),
             violations,
         })
     }
@@ -82,7 +81,7 @@ impl Empirical {
         if ratios.is_empty() {
             return None;
         }
-        let limit = quantile(&ratios, 0.99);
+        let limit = quantile_nearest_rank(&ratios, 0.99);
         let above = others.iter().filter(|point| point.ratio() > limit);
         Some(Self {
             quantile: limit,
@@ -91,32 +90,6 @@ impl Empirical {
             exceeded: Share::of(above.count() as u64, others.len() as u64)?,
         })
     }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values
-}
-
-/// The smallest value that a `share` of all do not exceed.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let rank = (share * sorted.len() as f64).ceil() as usize;
-    sorted[rank.clamp(1, sorted.len()) - 1]
-}
-
-/// Values between which the quantile lies with 95 %: the number of values below it is binomial.
-fn quantile_interval(sorted: &[f64], share: f64) -> [Option<f64>; 2] {
-    let Ok(below) = Binomial::new(share, sorted.len() as u64) else {
-        return [None, None];
-    };
-    let [low, high] = [0.025, 0.975].map(|p| below.inverse_cdf(p) as usize);
-    [
-        low.checked_sub(1)
-            .and_then(|rank| sorted.get(rank))
-            .copied(),
-        sorted.get(high).copied(),
-    ]
 }
 
 #[cfg(test)]
@@ -139,17 +112,6 @@ mod tests {
         assert!((tally.tightness - 4.95 / 4.0).abs() < 1e-12);
         assert_eq!(tally.bound, [4.0, 4.0]);
         assert_eq!(Tally::of(&[]), None);
-    }
-
-    /// Ranks 982 and 997 of 1000 cover the 990th with 95 % (tables of the binomial distribution).
-    #[test]
-    fn the_interval_of_a_quantile_is_that_of_its_order_statistics() {
-        let values: Vec<f64> = (1..=1000).map(f64::from).collect();
-        let [low, high] = quantile_interval(&values, 0.99).map(Option::unwrap);
-        assert!((982.0..=984.0).contains(&low), "{low}");
-        assert!((996.0..=997.0).contains(&high), "{high}");
-        // The largest of 100 values lies below the 99 % quantile in one case of three.
-        assert_eq!(quantile_interval(&values[..100], 0.99)[1], None);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::statement::{Part, Statement, ThresholdScore};
 use super::tally::{Empirical, Tally};
-use crate::recognition::confusion::Share;
+use crate::statistics::Share;
 use crate::table::{Cell, Column, Table};
 use std::fmt;
 

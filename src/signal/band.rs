@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-/// Frequencies from `low` to `high` [Hz].
+/// Frequencies from `low` to `high` \[Hz\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// Lower corner [Hz], 3 dB down.
+    /// Lower corner \[Hz\], 3 dB down.
     pub low: f64,
-    /// Upper corner [Hz], 3 dB down.
+    /// Upper corner \[Hz\], 3 dB down.
     pub high: f64,
 }
 
@@ -15,7 +15,7 @@ pub struct Band {
 const DAMPING: [f64; 2] = [0.923_879_532_511_286_7, 0.382_683_432_365_089_8];
 
 impl Band {
-    /// The part of `samples`, taken at `rate` [Hz], within the band: Butterworth filters of fourth
+    /// The part of `samples`, taken at `rate` \[Hz\], within the band: Butterworth filters of fourth
     /// order at both corners, started at rest. `None` where the band reaches beyond 0.4 of the
     /// rate, whence anti-alias filters take over.
     pub fn of(&self, samples: &[f64], rate: f64) -> Option<Vec<f64>> {
