@@ -50,7 +50,7 @@ pub fn behind_number(unit: &str) -> String {
     }
 }
 
-/// A steady value of a channel [SI], 0 where it is below what a simulated mean resolves: rounding of the solver, and
+/// A steady value of a channel \[SI\], 0 where it is below what a simulated mean resolves: rounding of the solver, and
 /// the part of a lug pass by which a record is no whole number of them.
 pub fn without_rounding(channel: &str, value: f64) -> f64 {
     let least = match channel {
