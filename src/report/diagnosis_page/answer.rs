@@ -1,6 +1,7 @@
 //! The answer in a sentence, what it rests on, and what to measure next.
 
 use super::DiagnosisReport;
+use super::shrinkage;
 use super::words::{self, listed, p_value, percent};
 use crate::diagnosis::{Answer, Diagnosis, Suspect, Verdict};
 use crate::report::page::Section;
@@ -86,12 +87,8 @@ fn effects(diagnosis: &Diagnosis) -> String {
     });
     let strengths: Vec<String> = strengths.collect();
     let closes = closed.map_or(String::new(), |closed| {
-        let [low, high] = closed.ci95.map(percent);
-        let share = percent(closed.value);
-        format!(
-            " The most probable explanation closes {share} [{low}, {high}] of the gap that remains after \
-             recalibration."
-        )
+        let explanation = "The most probable explanation";
+        format!(" {}.", shrinkage::of_the_gap(&closed, explanation))
     });
     format!(
         "{subject} missing: {}, with probability {}. Best estimate: {}.{closes}",

@@ -35,24 +35,37 @@ fn answer(closed: Option<Closed>, added: &str) -> String {
     }
 }
 
-/// How much of the gap is closed by what is added.
+/// How much of the gap is closed by what is added. Where the interval has 0 in it, nothing is claimed.
 pub fn of_the_gap(closed: &Closed, added: &str) -> String {
-    format!(
-        "{added} closes {} of the gap that remains after recalibration{}",
-        percent(closed.value),
-        interval(closed)
-    )
+    let (claimed, [low, _]) = (share(closed.value), closed.ci95);
+    if closed.clusters < 2 {
+        return format!(
+            "{added} closes {claimed} of the gap that remains after recalibration, from one condition and so without \
+             an interval"
+        );
+    }
+    let interval = interval(closed);
+    if low <= 0.0 {
+        return format!(
+            "{added} is not shown to close the gap that remains after recalibration (best estimate {claimed}, {interval})"
+        );
+    }
+    format!("{added} closes {claimed} of the gap that remains after recalibration ({interval})")
 }
 
 fn interval(closed: &Closed) -> String {
-    if closed.clusters < 2 {
-        return ", from one condition and so without an interval".to_owned();
+    let [low, high] = closed.ci95.map(share);
+    let clusters = closed.clusters;
+    format!("95 % interval {low} to {high}, over {clusters} conditions and days")
+}
+
+/// A share of the gap. One above 1 is no more than all of it: the score is below the floor, which is an estimate; one below
+/// -1 more than doubles the gap.
+fn share(value: f64) -> String {
+    if value < -1.0 {
+        return "below −100 %".to_owned();
     }
-    let [low, high] = closed.ci95.map(percent);
-    format!(
-        " (95 % interval {low} to {high}, over {} conditions and days)",
-        closed.clusters
-    )
+    percent(value.min(1.0))
 }
 
 fn scores(gaps: &Gaps, added: &str) -> Table {
@@ -66,5 +79,42 @@ fn scores(gaps: &Gaps, added: &str) -> Table {
             row(&format!("with {added}"), gaps.with_effect),
             row("floor", gaps.floor),
         ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stated(value: f64, ci95: [f64; 2], clusters: usize) -> String {
+        let closed = Closed {
+            value,
+            ci95,
+            clusters,
+        };
+        of_the_gap(&closed, "gain_error")
+    }
+
+    #[test]
+    fn a_share_whose_interval_holds_0_is_not_claimed_and_none_is_above_all() {
+        let vague = stated(6.567, [-0.423, 14.565], 3);
+        assert_eq!(
+            vague,
+            "gain_error is not shown to close the gap that remains after recalibration (best estimate 100.0 %, \
+             95 % interval −42.3 % to 100.0 %, over 3 conditions and days)"
+        );
+        assert!(stated(-3.0, [-7.0, 0.5], 3).contains("estimate below −100 %"));
+        let sure = stated(0.8, [0.6, 1.1], 3);
+        assert!(
+            sure.starts_with("gain_error closes 80 % of the gap"),
+            "{sure}"
+        );
+        assert!(
+            sure.contains("(95 % interval 60 % to 100.0 %, over 3"),
+            "{sure}"
+        );
+        assert!(
+            stated(0.8, [0.8, 0.8], 1).ends_with("from one condition and so without an interval")
+        );
     }
 }
