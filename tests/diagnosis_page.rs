@@ -382,7 +382,7 @@ fn the_answer_comes_first_with_probability_magnitude_and_what_it_closes() {
     for told in [
         "slip_sinkage or lug_action, with probability 90 %",
         "slip_sinkage = 0.8100 [0.7000, 0.9300]",
-        "closes 81 % [70 %, 90 %]",
+        "closes 81 % of the gap that remains after recalibration (95 % interval 70 % to 90 %",
     ] {
         assert!(page.answer.contains(told), "{told}: {}", page.answer);
     }

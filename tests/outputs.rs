@@ -804,12 +804,17 @@ fn parts(folder: &Path) -> Vec<String> {
         .collect()
 }
 
-/// A command in `folder` that has begun to write its file.
+/// A command in `folder` that has begun to write its run file, which has a lock beside it. A part without one only tries whether
+/// the folder can be written.
 fn writing(folder: &Path, words: &str) -> Child {
     let mut program = program(folder);
     program.args(words.split_whitespace());
     let mut child = program.spawn().unwrap();
-    while !parts(folder).iter().any(|name| name.ends_with(".part")) {
+    let is_of_a_run_file = |name: &String| {
+        let stem = name.strip_suffix(".lock");
+        stem.is_some_and(|stem| folder.join(format!("{stem}.part")).exists())
+    };
+    while !parts(folder).iter().any(is_of_a_run_file) {
         assert!(child.try_wait().unwrap().is_none(), "it ended too early");
         thread::sleep(Duration::from_millis(5));
     }
