@@ -55,6 +55,14 @@ pub struct Closed {
     pub clusters: usize,
 }
 
+impl Closed {
+    /// Whether it is shown that some of the gap is closed: the interval lies above 0. One cluster has no interval and shows
+    /// nothing.
+    pub fn is_shown(&self) -> bool {
+        self.clusters > 1 && self.ci95[0] > 0.0
+    }
+}
+
 /// Resamples behind an interval.
 const RESAMPLES: usize = 2000;
 /// Share of resamples [-] that may have nothing to close.

@@ -172,10 +172,10 @@ impl Summary {
             let [low, high] = closed.ci95.map(|share| 100.0 * share);
             let interval = match closed.clusters {
                 1 => ", of one condition and so without an interval".to_owned(),
-                _ if low <= 0.0 => {
+                _ if closed.is_shown() => format!(" [{low:.0}, {high:.0}]"),
+                _ => {
                     format!(" [{low:.0}, {high:.0}], which contains 0: not shown to close the gap")
                 }
-                _ => format!(" [{low:.0}, {high:.0}]"),
             };
             writeln!(f, "closed: {:.0} %{interval}", 100.0 * closed.value)?;
         }

@@ -37,7 +37,7 @@ fn answer(closed: Option<Closed>, added: &str) -> String {
 
 /// How much of the gap is closed by what is added. Where the interval has 0 in it, nothing is claimed.
 pub fn of_the_gap(closed: &Closed, added: &str) -> String {
-    let (claimed, [low, _]) = (share(closed.value), closed.ci95);
+    let claimed = share(closed.value);
     if closed.clusters < 2 {
         return format!(
             "{added} closes {claimed} of the gap that remains after recalibration, from one condition and so without \
@@ -45,7 +45,7 @@ pub fn of_the_gap(closed: &Closed, added: &str) -> String {
         );
     }
     let interval = interval(closed);
-    if low <= 0.0 {
+    if !closed.is_shown() {
         return format!(
             "{added} is not shown to close the gap that remains after recalibration (best estimate {claimed}, {interval})"
         );
