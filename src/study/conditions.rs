@@ -1,7 +1,7 @@
 //! What the runs of a condition have in common: means of their steady values, from `runs.csv`.
 
 use super::table::{Stored, StoredRow};
-use crate::statistics::student_quantile;
+use crate::statistics::{mean_and_variance, student_quantile};
 use crate::trace::without_rounding;
 use serde::Serialize;
 
@@ -90,6 +90,9 @@ pub const QUANTITIES: [Quantity; 8] = [
     quantity("200 to 800 Hz", "m/s²", "acceleration_rms_200_800_hz_m_s2"),
 ];
 
+/// Place of the sinkage in [`QUANTITIES`].
+pub const SINKAGE: usize = 3;
+
 /// A condition and the means of its runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Condition {
@@ -105,6 +108,13 @@ pub struct Condition {
     pub means: [Option<Mean>; QUANTITIES.len()],
     /// How many runs are not known to be steady in a quantity, where there are any.
     pub unsteady: Vec<Unsteady>,
+}
+
+impl Condition {
+    /// Whether the rim is above the surface in the mean, as the wheel stands on its lugs.
+    pub fn is_on_lugs(&self) -> bool {
+        self.means[SINKAGE].is_some_and(|mean| mean.value < 0.0)
+    }
 }
 
 /// A quantity whose means are not all those of a steady state.
@@ -138,9 +148,8 @@ impl Mean {
         if values.is_empty() {
             return None;
         }
-        let value = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (v - value) * (v - value)).sum();
-        let half = student_quantile(0.975, n - 1.0) * libm::sqrt(squares / (n - 1.0) / n);
+        let [value, variance] = mean_and_variance(values);
+        let half = student_quantile(0.975, n - 1.0) * libm::sqrt(variance / n);
         Some(Self {
             value,
             ci95: (n > 1.0).then_some([value - half, value + half]),
@@ -249,7 +258,7 @@ pub(super) fn missing_column(table: &Stored) -> Option<&'static str> {
         .into_iter()
         .chain(values)
         .chain(tested.flatten());
-    needed.find(|name| table.header().all(|column| column != *name))
+    needed.find(|name| !table.has(name))
 }
 
 #[cfg(test)]

@@ -63,7 +63,7 @@ impl Results {
     /// `NoStudy` where there is no table of runs, `Unreadable` where the system refuses to read a table,
     /// `NoColumn` where it is not one of a study.
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
-        let file = folder.join("runs.csv");
+        let [file, of_recognition] = tables(folder);
         let text = read(&file)?.ok_or_else(|| ResultsError::NoStudy {
             folder: folder.to_owned(),
         })?;
@@ -71,9 +71,8 @@ impl Results {
         if let Some(column) = conditions::missing_column(&runs) {
             return Err(ResultsError::NoColumn { file, column });
         }
-        let file = folder.join("recognition.csv");
-        let recognition = match read(&file)? {
-            Some(text) => recognition(file, &Stored::read(&text))?,
+        let recognition = match read(&of_recognition)? {
+            Some(text) => recognition(of_recognition, &Stored::read(&text))?,
             None => Vec::new(),
         };
         Ok(Self {
@@ -82,6 +81,11 @@ impl Results {
             recognition,
         })
     }
+}
+
+/// The tables that are read in the folder of a study: of the runs, and of a recognition, which need not be there.
+pub fn tables(folder: &Path) -> [PathBuf; 2] {
+    ["runs.csv", "recognition.csv"].map(|name| folder.join(name))
 }
 
 /// The text of a file; none where there is no such file.
@@ -110,8 +114,7 @@ const COLUMNS: [&str; 9] = [
 ];
 
 fn recognition(file: PathBuf, table: &Stored) -> Result<Vec<MethodResults>, ResultsError> {
-    let is_missing = |name: &&str| table.header().all(|column| column != *name);
-    if let Some(column) = COLUMNS.into_iter().find(is_missing) {
+    if let Some(column) = COLUMNS.into_iter().find(|name| !table.has(name)) {
         return Err(ResultsError::NoColumn { file, column });
     }
     let of_label = |row: &StoredRow| row.text("against") == Against::Label.as_str();

@@ -96,6 +96,11 @@ impl Stored {
         self.header.iter()
     }
 
+    /// Whether there is a column of this name.
+    pub(super) fn has(&self, column: &str) -> bool {
+        self.places.contains_key(column)
+    }
+
     pub(super) fn rows(&self) -> impl ExactSizeIterator<Item = StoredRow<'_>> {
         let row = |record| StoredRow {
             table: self,

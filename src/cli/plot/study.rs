@@ -4,7 +4,7 @@ use super::{Format, Plot};
 use crate::cli::output::{self, Output};
 use crate::report::{MethodParts, SweptKey, sweep_figure};
 use crate::study::conditions::varied;
-use crate::study::results::Results;
+use crate::study::results::{Results, tables};
 use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 use std::fmt;
@@ -82,7 +82,7 @@ impl Plot {
             None => self.file.join(format!("over_{key}.{}", format.ending())),
         });
         let targets: Vec<PathBuf> = targets.collect();
-        let tables = ["runs.csv", "recognition.csv"].map(|name| self.file.join(name));
+        let tables = tables(&self.file);
         let tables = tables.each_ref().map(PathBuf::as_path);
         for target in &targets {
             output.claim(&tables).file(target)?;

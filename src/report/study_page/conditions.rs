@@ -9,8 +9,6 @@ use crate::study::Study;
 use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady, varied};
 use crate::table::four_digits;
 
-/// Place of the sinkage in [`QUANTITIES`].
-const SINKAGE: usize = 3;
 /// Conditions shown in the table, and conditions in a figure; a page is no place for more.
 const SHOWN: usize = 400;
 const DRAWN: usize = 2000;
@@ -101,9 +99,7 @@ pub fn section(study: &Study, conditions: &[Condition]) -> Section {
     } else {
         ""
     };
-    let is_on_lugs =
-        |condition: &Condition| condition.means[SINKAGE].is_some_and(|it| it.value < 0.0);
-    let on_lugs = if conditions.iter().any(is_on_lugs) {
+    let on_lugs = if conditions.iter().any(Condition::is_on_lugs) {
         " Sinkage is the depth of the rim below the undisturbed surface: below 0 the wheel stands on its lugs and the \
          rim is above the surface."
     } else {

@@ -5,7 +5,7 @@ use crate::report::envelope::bounds;
 use crate::report::figure::{
     Anchor, Area, Axis, Canvas, Font, GRID, INK, Layout, MUTED, PALETTE, Panel, Scale, Stroke,
 };
-use crate::study::conditions::{Condition, Mean, QUANTITIES};
+use crate::study::conditions::{Condition, Mean, QUANTITIES, SINKAGE};
 use crate::table::{Cell, four_digits};
 
 /// Quantities that have a panel, by their place in [`QUANTITIES`], and how a panel is headed. Load and slip are
@@ -13,14 +13,12 @@ use crate::table::{Cell, four_digits};
 const PANELS: [(usize, &str); 6] = [
     (0, "Drawbar pull F_{DP}"),
     (2, "Driving torque T_{D}"),
-    (3, "Sinkage of the rim z_{}"),
+    (SINKAGE, "Sinkage of the rim z_{}"),
     (5, "Acceleration a_{y}, 2 to 20 Hz, rms"),
     (6, "Acceleration a_{y}, 20 to 200 Hz, rms"),
     (7, "Acceleration a_{y}, 200 to 800 Hz, rms"),
 ];
 
-/// Place of the sinkage in [`QUANTITIES`].
-const SINKAGE: usize = 3;
 /// Height of a panel [px], on a screen and in a column of a paper.
 const HEIGHT: [f64; 2] = [150.0, 80.0];
 /// Height of a line of the legend [px].
@@ -88,6 +86,11 @@ struct Line<'s> {
     points: Vec<(f64, &'s Condition)>,
 }
 
+/// Whether there is a colour for every line; else lines have that of their scenario.
+fn is_each_coloured(lines: &[Line]) -> bool {
+    lines.len() <= PALETTE.len()
+}
+
 impl<'s> Sweep<'s> {
     fn of(swept: &'s SweptKey<'s>) -> Self {
         let place = swept.keys.iter().position(|key| *key == swept.key);
@@ -120,7 +123,7 @@ impl<'s> Sweep<'s> {
                 }),
             }
         }
-        let is_each_coloured = lines.len() <= PALETTE.len();
+        let is_each_coloured = is_each_coloured(&lines);
         for (number, line) in lines.iter_mut().enumerate() {
             line.points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let colour = if is_each_coloured {
@@ -190,12 +193,13 @@ impl<'s> Sweep<'s> {
     /// Names and colours: of the lines where each has its own, else of the scenarios.
     fn legend(&self) -> Vec<(String, &'static str)> {
         let mut entries: Vec<(String, &str)> = Vec::new();
-        let is_each_coloured = self.lines.len() <= PALETTE.len();
+        let is_each_coloured = is_each_coloured(&self.lines);
         for line in &self.lines {
             let scenario = self.scenarios[line.scenario];
-            let name = match is_each_coloured {
-                true => self.name(line),
-                false => scenario.to_owned(),
+            let name = if is_each_coloured {
+                self.name(line)
+            } else {
+                scenario.to_owned()
             };
             if entries.iter().all(|(known, _)| *known != name) {
                 entries.push((name, line.colour));
@@ -232,13 +236,15 @@ impl<'s> Sweep<'s> {
             [key] => format!(" A line for each value of {key}."),
             _ => format!(" A line for each combination of {}.", others.join(", ")),
         };
-        let bars = match self.means(0).any(|mean| mean.ci95.is_some()) {
-            true => " Bars: Student's 95 % interval over the repeats.",
-            false => "",
+        let bars = if self.means(0).any(|mean| mean.ci95.is_some()) {
+            " Bars: Student's 95 % interval over the repeats."
+        } else {
+            ""
         };
-        let on_lugs = match self.means(SINKAGE).any(|mean| mean.value < 0.0) {
-            true => " Sinkage below 0: the wheel stands on its lugs, its rim above the surface.",
-            false => "",
+        let on_lugs = if self.swept.conditions.iter().any(Condition::is_on_lugs) {
+            " Sinkage below 0: the wheel stands on its lugs, its rim above the surface."
+        } else {
+            ""
         };
         format!("Means of the steady state of each condition.{of_each}{bars}{on_lugs}")
     }
