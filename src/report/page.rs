@@ -233,6 +233,12 @@ fn values(page: &Page) -> Value {
     };
     let has_runs = has(|it| matches!(it, Block::Run(_)));
     let has_figures = has(|it| matches!(it, Block::Figure(_)));
+    let axes = if has_figures || has_runs {
+        include_str!("page/ticks.js")
+    } else {
+        ""
+    };
+    let script = [include_str!("page/page.js"), axes].concat();
     let with_runs = |text: String| has_runs.then(|| Value::from_safe_string(text));
     let sections = page
         .sections
@@ -243,7 +249,7 @@ fn values(page: &Page) -> Value {
         run_style => with_runs(RUN_STYLE.to_owned()),
         run_script => with_runs(RUN_SCRIPT.concat()),
         style => Value::from_safe_string(include_str!("page/page.css").to_owned()),
-        script => Value::from_safe_string(include_str!("page/page.js").to_owned()),
+        script => Value::from_safe_string(script),
         figure_script => has_figures.then(|| Value::from_safe_string(include_str!("page/figure.js").to_owned())),
         title => page.title.as_str(),
         question => page.question.as_str(),

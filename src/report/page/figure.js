@@ -31,18 +31,13 @@ class Axis {
   written(pixel) {
     const value = this.value(pixel), step = Math.abs(this.value(pixel + 0.5) - value) || 1;
     const decimals = Math.min(Math.max(0, Math.ceil(-Math.log10(step))), 12);
-    return value.toFixed(decimals).replace(/^-(0\.?0*)$/, "$1").replace("-", "−");
+    return fixed(value, decimals);
   }
 
   // Round values between two pixels, at most so many.
   ticks(one, other, most) {
-    const [low, high] = [this.value(one), this.value(other)].sort((a, b) => a - b);
-    const raw = (high - low) / most, decade = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map(times => times * decade).find(step => step >= raw * (1 - 1e-9));
-    const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), found = [];
-    for (let n = Math.ceil(low / step); n * step <= high; n++)
-      found.push([this.pixel(n * step), (n * step).toFixed(decimals).replace(/^-(0\.?0*)$/, "$1").replace("-", "−")]);
-    return found;
+    const ends = [this.value(one), this.value(other)].sort((a, b) => a - b);
+    return ticks(ends, most).map(([value, text]) => [this.pixel(value), text]);
   }
 }
 

@@ -124,7 +124,7 @@ class Picture {
   showRuler() {
     const half = this.width / 2 / this.scale, bottom = this.height;
     this.ruler.replaceChildren();
-    for (const [x, text] of ticks([1e3 * (this.eye.x - half), 1e3 * (this.eye.x + half)], this.width / 90)) {
+    for (const [x, text] of ticks([1e3 * (this.eye.x - half), 1e3 * (this.eye.x + half)], Math.max(this.width / 90, 1))) {
       const [pixel] = this.at(1e-3 * x, 0);
       svg(this.ruler, "path", { d: `M${pixel} ${bottom}v-6` });
       if (pixel > 30 && pixel < this.width - 40) svg(this.ruler, "text", { x: pixel, y: bottom - 9, "text-anchor": "middle" }, `${text} mm`);

@@ -63,16 +63,6 @@ class Series {
   }
 }
 
-// Round numbers along an axis and what to write there.
-function ticks([low, high], most) {
-  const raw = (high - low) / Math.max(most, 1), decade = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map(times => times * decade).find(step => step >= raw * (1 - 1e-9));
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), found = [];
-  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++)
-    found.push([n * step, (n * step).toFixed(decimals).replace(/^-(0\.?0*)$/, "$1").replace("-", "−")]);
-  return found;
-}
-
 // Six digits, as many as single precision has.
 const written = value => Number.isFinite(value) ? String(Number(value.toPrecision(6))).replaceAll("-", "−") : "–";
 const writtenBounds = ([low, high]) => low === high ? written(low) : `${written(low)} to ${written(high)}`;

@@ -29,11 +29,11 @@ class Trace {
     const range = this.range(lines), floor = top + height;
     this.x = time => left + (time - view[0]) / (view[1] - view[0]) * (width - left - right);
     this.y = value => floor - (value - range[0]) / (range[1] - range[0]) * height;
-    for (const [value, text] of ticks(range, height / 21)) {
+    for (const [value, text] of ticks(range, Math.max(height / 21, 1))) {
       svg(this.drawing, "path", { class: "grid", d: `M${left} ${this.y(value)}H${width - right}` });
       svg(this.drawing, "text", { x: left - 6, y: this.y(value) + 4, "text-anchor": "end" }, text);
     }
-    for (const [time, text] of ticks(view, (width - left - right) / 80)) {
+    for (const [time, text] of ticks(view, Math.max((width - left - right) / 80, 1))) {
       svg(this.drawing, "path", { class: "grid", d: `M${this.x(time)} ${top}V${floor}` });
       if (isLast) svg(this.drawing, "text", { x: this.x(time), y: floor + 16, "text-anchor": "middle" }, text);
     }
