@@ -47,7 +47,7 @@ pub fn story(results: &Results) -> Page {
         .chain(identified.answer())
         .chain([diagnosed.answer.clone()]);
     Page {
-        title: "A lugged wheel on three grounds".to_owned(),
+        title: "A lugged wheel on four grounds".to_owned(),
         question:
             "Which ground does a rover's wheel roll on, what are its parameters, and what does a \
                    simulation of it lack?"
