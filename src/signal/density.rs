@@ -111,23 +111,12 @@ pub(super) fn check(channel: &Channel) -> Result<(), SpectrumError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn channel(name: &str, rate: f64, seconds: f64, value: impl Fn(f64) -> f64) -> Channel {
-        Channel {
-            name: name.to_owned(),
-            unit: String::new(),
-            sample_rate: rate,
-            start: 0.0,
-            samples: (0..(rate * seconds) as usize)
-                .map(|i| value(i as f64 / rate))
-                .collect(),
-        }
-    }
+    use crate::signal::sampled;
 
     #[test]
     fn the_density_of_white_noise_is_its_deviation_over_the_root_of_half_its_rate() {
         let mut state = 1_u64;
-        let noise = channel("acceleration_y", 1000.0, 40.0, |_| 0.0);
+        let noise = sampled("acceleration_y", 1000.0, 40.0, |_| 0.0);
         let samples = noise.samples.iter().map(|_| {
             state = state
                 .wrapping_mul(6364136223846793005)
@@ -149,7 +138,7 @@ mod tests {
 
     #[test]
     fn two_samples_have_a_density_and_one_has_none() {
-        let mut signal = channel("acceleration_y", 10.0, 0.2, |t| t);
+        let mut signal = sampled("acceleration_y", 10.0, 0.2, |t| t);
         assert_eq!(density_spectrum(&signal).unwrap().density.len(), 2);
         signal.samples.pop();
         assert!(density_spectrum(&signal).is_err());

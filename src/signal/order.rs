@@ -132,18 +132,7 @@ fn resample(signal: &Channel, knots: &[[f64; 2]], step: f64, count: usize) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn channel(name: &str, rate: f64, seconds: f64, value: impl Fn(f64) -> f64) -> Channel {
-        Channel {
-            name: name.to_owned(),
-            unit: String::new(),
-            sample_rate: rate,
-            start: 0.0,
-            samples: (0..(rate * seconds) as usize)
-                .map(|i| value(i as f64 / rate))
-                .collect(),
-        }
-    }
+    use crate::signal::sampled;
 
     /// A wheel whose speed wavers by 30 %.
     fn wavering(t: f64) -> f64 {
@@ -159,8 +148,8 @@ mod tests {
     #[test]
     fn a_sine_per_lug_pass_reads_its_amplitude_at_order_1_while_the_speed_wavers() {
         for sign in [1.0, -1.0] {
-            let angle = channel("wheel_angle", 500.0, 20.0, |t| sign * wavering(t));
-            let signal = channel("acceleration_y", 2000.0, 20.0, |t| {
+            let angle = sampled("wheel_angle", 500.0, 20.0, |t| sign * wavering(t));
+            let signal = sampled("acceleration_y", 2000.0, 20.0, |t| {
                 3.0 * libm::sin(28.0 * wavering(t)) + 5.0
             });
             let spectrum = order_spectrum(&signal, &angle, 28).unwrap();
@@ -180,8 +169,8 @@ mod tests {
     #[test]
     fn a_slow_short_run_still_separates_the_harmonics_of_the_lug_pass() {
         // The paper's 14 mm/s: 15 s are 6.7 lug passes.
-        let angle = channel("wheel_angle", 1000.0, 15.0, |t| 0.1 * t);
-        let signal = channel("acceleration_y", 2000.0, 15.0, |t| {
+        let angle = sampled("wheel_angle", 1000.0, 15.0, |t| 0.1 * t);
+        let signal = sampled("acceleration_y", 2000.0, 15.0, |t| {
             libm::sin(2.8 * t) + 0.25 * libm::cos(3.0 * 2.8 * t)
         });
         let spectrum = order_spectrum(&signal, &angle, 28).unwrap();
@@ -194,10 +183,10 @@ mod tests {
     #[test]
     fn encoder_steps_and_wrapping_do_not_move_the_lug_pass() {
         let counts = TAU / 1024.0;
-        let angle = channel("wheel_angle", 1000.0, 20.0, |t| {
+        let angle = sampled("wheel_angle", 1000.0, 20.0, |t| {
             ((2.0 * t / counts).floor() * counts) % TAU
         });
-        let signal = channel("acceleration_y", 2000.0, 20.0, |t| libm::sin(56.0 * t));
+        let signal = sampled("acceleration_y", 2000.0, 20.0, |t| libm::sin(56.0 * t));
         let spectrum = order_spectrum(&signal, &angle, 28).unwrap();
         let line = strongest(&spectrum);
         assert_eq!(spectrum.lug_order(line), 1.0);
@@ -208,8 +197,8 @@ mod tests {
 
     #[test]
     fn a_smooth_wheel_counts_turns() {
-        let angle = channel("wheel_angle", 500.0, 20.0, |t| 2.0 * t);
-        let signal = channel("acceleration_y", 1000.0, 20.0, |t| 0.5 * libm::sin(2.0 * t));
+        let angle = sampled("wheel_angle", 500.0, 20.0, |t| 2.0 * t);
+        let signal = sampled("acceleration_y", 1000.0, 20.0, |t| 0.5 * libm::sin(2.0 * t));
         let spectrum = order_spectrum(&signal, &angle, 0).unwrap();
         let line = strongest(&spectrum);
         assert_eq!(spectrum.wheel_order(line), 1.0);
@@ -218,19 +207,19 @@ mod tests {
 
     #[test]
     fn a_run_too_short_says_how_far_the_wheel_turned() {
-        let angle = channel("wheel_angle", 500.0, 1.0, |t| 0.5 * t);
-        let signal = channel("acceleration_y", 1000.0, 1.0, |_| 1.0);
+        let angle = sampled("wheel_angle", 500.0, 1.0, |t| 0.5 * t);
+        let signal = sampled("acceleration_y", 1000.0, 1.0, |_| 1.0);
         let message = order_spectrum(&signal, &angle, 28).unwrap_err().to_string();
         assert!(message.contains("made 2.2 lug passes"), "{message}");
-        let still = channel("wheel_angle", 500.0, 1.0, |_| 0.0);
+        let still = sampled("wheel_angle", 500.0, 1.0, |_| 0.0);
         let error = order_spectrum(&signal, &still, 28).unwrap_err();
         assert!(matches!(error, SpectrumError::TooFewPasses { passes, .. } if passes == 0.0));
     }
 
     #[test]
     fn a_sample_that_is_no_number_is_named_with_its_time() {
-        let angle = channel("wheel_angle", 500.0, 20.0, |t| 2.0 * t);
-        let mut signal = channel("acceleration_y", 1000.0, 20.0, libm::sin);
+        let angle = sampled("wheel_angle", 500.0, 20.0, |t| 2.0 * t);
+        let mut signal = sampled("acceleration_y", 1000.0, 20.0, libm::sin);
         signal.samples[2500] = f64::NAN;
         let message = order_spectrum(&signal, &angle, 28).unwrap_err().to_string();
         assert!(message.starts_with("channel acceleration_y is not a finite number at 2.5000 s"));
