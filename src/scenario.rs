@@ -11,6 +11,7 @@
 //! assert!(error.to_string().starts_with("short.toml:1:1: missing field `terrain`"));
 //! ```
 
+pub(crate) mod caught;
 pub mod experiment;
 pub mod extensions;
 pub mod keys;

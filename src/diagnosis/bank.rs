@@ -16,16 +16,15 @@ use super::condition::{Case, statistician};
 use crate::gap::{Run, Statistician};
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::Scenario;
+use crate::scenario::caught::caught;
 use crate::scenario::experiment::{Experiment, ExperimentError};
 use crate::scenario::recording::Recording;
 use crate::trace::Trace;
 use crate::whole_file;
 use rayon::prelude::*;
-use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -376,7 +375,7 @@ impl Work<'_> {
             let mut rng = self.bank.seed.rng("reading", self.bank.run(request));
             Ok(case.read_simulated(statistician, &trace, &mut rng))
         };
-        let outcome = match caught(read) {
+        let outcome = match caught(read, panicked) {
             Ok(run) => Ok(run),
             Err(NoRun::Stopped) => return Err(Halt::Stopped),
             Err(NoRun::Failed(failure)) => Err(failure),
@@ -433,19 +432,8 @@ impl From<ExperimentError> for NoRun {
     }
 }
 
-/// A run that panics fails like any other.
-fn caught<T>(run: impl FnOnce() -> Result<T, NoRun>) -> Result<T, NoRun> {
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-        let reason = format!("it panicked: {}", panic_message(&*panic));
-        Err(NoRun::Failed(Failure(reason)))
-    })
-}
-
-/// The message of a panic.
-fn panic_message(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("no message")
+fn panicked(reason: String) -> NoRun {
+    NoRun::Failed(Failure(reason))
 }
 
 /// Whence the traces of one motion come.
@@ -470,7 +458,7 @@ impl Traces {
             work.motions.fetch_add(1, Ordering::Relaxed);
             Ok(scenario.record(bank.seed, run, &mut |_| work.report())?)
         };
-        match caught(record) {
+        match caught(record, panicked) {
             Ok(recording) => Ok(Self::Recorded(Box::new(Ok(recording)))),
             Err(NoRun::Failed(failure)) => Ok(Self::Recorded(Box::new(Err(failure)))),
             Err(NoRun::Stopped) => Err(Halt::Stopped),

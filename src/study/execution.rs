@@ -14,12 +14,11 @@ use crate::dataset::hdf5::write_table;
 use crate::dataset::records::Records;
 use crate::learning::DataSet;
 use crate::quantity::RangeError;
+use crate::scenario::caught::caught;
 use crate::trace::Trace;
 use rayon::prelude::*;
-use std::any::Any;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
@@ -386,11 +385,10 @@ impl Work<'_> {
     /// A run and its rows for every table, or why there are none; a run that panics fails like any
     /// other.
     fn outcome(&self, run: &Run) -> Result<Result<(Trace, Vec<Rows>), String>, Halt> {
-        match catch_unwind(AssertUnwindSafe(|| self.rows(run))) {
-            Ok(Ok(traced)) => Ok(Ok(traced)),
-            Ok(Err(NoRows::Stopped)) => Err(Halt::Stopped),
-            Ok(Err(NoRows::Failed(reason))) => Ok(Err(reason)),
-            Err(panic) => Ok(Err(format!("it panicked: {}", panic_message(&*panic)))),
+        match caught(|| self.rows(run), NoRows::Failed) {
+            Ok(traced) => Ok(Ok(traced)),
+            Err(NoRows::Stopped) => Err(Halt::Stopped),
+            Err(NoRows::Failed(reason)) => Ok(Err(reason)),
         }
     }
 
@@ -423,13 +421,6 @@ impl Work<'_> {
         }
         ControlFlow::Continue(())
     }
-}
-
-/// The message of a panic.
-pub(super) fn panic_message(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("no message")
 }
 
 /// The shards put together.

@@ -8,14 +8,13 @@ use crate::diagnosis::condition::LONGEST;
 use crate::diagnosis::inference::BaseRates;
 use crate::diagnosis::rigs::Origin;
 use crate::diagnosis::{self, Investigation, InvestigationError, Settings};
-use crate::study::execution::panic_message;
+use crate::scenario::caught::caught;
 use crate::study::folder::Folder;
 use crate::study::group::{self, Group};
 use crate::study::shard::{self, Shard, opened, sealed};
 use crate::study::{Diagnosing, Study, StudyError};
 use crate::trace::Trace;
 use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The folder of simulated statistics.
 const BANK: &str = "bank";
@@ -102,17 +101,9 @@ impl Asking<'_> {
     }
 
     fn ask(&self, number: usize, group: &Group) -> Result<CampaignResult, StudyError> {
-        let at = (self.folder, self.shards);
-        let measured = campaign::measured(self.study, at, group)?;
+        let measured = campaign::measured(self.study, self.folder, self.shards, group)?;
         let runs = measured.len();
-        let against = AssertUnwindSafe(|| self.finding(number, group, measured));
-        let found = catch_unwind(against).unwrap_or_else(|panic| {
-            Err(Halt::Failed(format!(
-                "it panicked: {}",
-                panic_message(&*panic)
-            )))
-        });
-        match found {
+        match caught(|| self.finding(number, group, measured), Halt::Failed) {
             Ok(finding) => Ok(CampaignResult {
                 runs,
                 reason: None,

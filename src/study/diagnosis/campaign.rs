@@ -12,7 +12,8 @@ use std::ops::Range;
 /// The runs of a group that did not fail, in the order of their numbers, without ground truth.
 pub(super) fn measured(
     study: &Study,
-    (folder, shards): (&Folder, &[Shard]),
+    folder: &Folder,
+    shards: &[Shard],
     group: &Group,
 ) -> Result<Vec<Trace>, RunFileError> {
     let mut measured = Vec::new();
