@@ -315,15 +315,17 @@ impl Unknown {
     fn of(cases: &[Judged]) -> Self {
         let scored = cases.iter().filter_map(|case| {
             let answer = case.answer.as_ref()?;
-            Some((
-                case.is_of(Set::C3),
-                answer.probability(Verdict::Unknown.name()),
-            ))
+            Some(Detection {
+                is_positive: case.is_of(Set::C3),
+                score: answer.probability(Verdict::Unknown.name()),
+            })
         });
-        let scored: Vec<(bool, f64)> = scored.collect();
-        let verdicts = cases.iter();
-        let verdicts = verdicts.map(|case| (case.is_of(Set::C3), case.is(Verdict::Unknown)));
-        let verdicts: Vec<(bool, bool)> = verdicts.collect();
+        let scored: Vec<Detection<f64>> = scored.collect();
+        let verdicts = cases.iter().map(|case| Detection {
+            is_positive: case.is_of(Set::C3),
+            score: case.is(Verdict::Unknown),
+        });
+        let verdicts: Vec<Detection<bool>> = verdicts.collect();
         Self {
             auroc: Score::of(&scored, auroc),
             f1: Score::of(&verdicts, f1),
@@ -331,28 +333,39 @@ impl Unknown {
     }
 }
 
+/// A case of a binary test, and what the test says of it.
+struct Detection<S> {
+    is_positive: bool,
+    score: S,
+}
+
 /// Probability [-] that a positive case has a higher score than a negative one; ties count half (area under
 /// the ROC curve).
-fn auroc(scored: &[&(bool, f64)]) -> Option<f64> {
-    let mut sorted = scored.to_vec();
-    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+fn auroc(cases: &[&Detection<f64>]) -> Option<f64> {
+    let mut sorted = cases.to_vec();
+    sorted.sort_by(|a, b| a.score.total_cmp(&b.score));
     let mut below = 0;
     let mut wins = 0.0;
-    for ties in sorted.chunk_by(|a, b| a.1 == b.1) {
-        let hits = ties.iter().filter(|(is_true, _)| *is_true).count();
+    for ties in sorted.chunk_by(|a, b| a.score == b.score) {
+        let hits = ties.iter().filter(|case| case.is_positive).count();
         let others = ties.len() - hits;
         wins += hits as f64 * (f64::from(below) + 0.5 * others as f64);
         below += u32::try_from(others).ok()?;
     }
-    let hits = scored.iter().filter(|(is_true, _)| *is_true).count();
+    let hits = cases.iter().filter(|case| case.is_positive).count();
     let pairs = hits as f64 * f64::from(below);
     (pairs > 0.0).then(|| wins / pairs)
 }
 
 /// Harmonic mean of precision and recall; none where there is nothing to find.
-fn f1(verdicts: &[&(bool, bool)]) -> Option<f64> {
-    let count = |wanted: (bool, bool)| verdicts.iter().filter(|it| ***it == wanted).count() as f64;
-    let [hit, missed, false_alarm] = [(true, true), (true, false), (false, true)].map(count);
+fn f1(cases: &[&Detection<bool>]) -> Option<f64> {
+    let count = |is_positive, score| {
+        let counted = cases.iter();
+        counted
+            .filter(|case| case.is_positive == is_positive && case.score == score)
+            .count() as f64
+    };
+    let [hit, missed, false_alarm] = [count(true, true), count(true, false), count(false, true)];
     (hit + missed > 0.0).then(|| 2.0 * hit / (2.0 * hit + missed + false_alarm))
 }
 
@@ -657,16 +670,17 @@ mod tests {
 
     #[test]
     fn an_area_under_the_curve_is_the_share_of_pairs_in_order() {
+        let case = |is_positive, score| Detection { is_positive, score };
         let scored = [
-            (true, 0.9),
-            (true, 0.4),
-            (false, 0.4),
-            (false, 0.1),
-            (false, 0.6),
+            case(true, 0.9),
+            case(true, 0.4),
+            case(false, 0.4),
+            case(false, 0.1),
+            case(false, 0.6),
         ];
         // 0.9 beats three; 0.4 beats one, ties one, loses one.
         let area = auroc(&scored.iter().collect::<Vec<_>>()).unwrap();
         assert!((area - 4.5 / 6.0).abs() < 1.0e-12, "{area}");
-        assert_eq!(auroc(&[&(true, 0.5)]), None);
+        assert_eq!(auroc(&[&case(true, 0.5)]), None);
     }
 }

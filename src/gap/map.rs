@@ -16,7 +16,7 @@ use super::comparison::{Caveat, Comparison, Table};
 use super::condition::Condition;
 use super::evidence::Evidence;
 use super::global::{self, Global};
-use super::tree;
+use super::tree::{self, Leaf};
 use crate::quantity::Seed;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -212,10 +212,12 @@ fn entry(evidence: &Evidence, margins: &Margins, tested: &Tested) -> Entry {
 }
 
 fn colour(entries: &mut [Entry]) {
-    let leaves: Vec<(String, Domain, f64)> = entries
-        .iter()
-        .map(|entry| (entry.channel.clone(), entry.domain, entry.p))
-        .collect();
+    let leaf = |entry: &Entry| Leaf {
+        channel: entry.channel.clone(),
+        domain: entry.domain,
+        p: entry.p,
+    };
+    let leaves: Vec<_> = entries.iter().map(leaf).collect();
     let q = tree::q_values(&leaves, LEVEL);
     for (entry, q) in entries.iter_mut().zip(q) {
         entry.q = q;

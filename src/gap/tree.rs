@@ -19,16 +19,26 @@ enum Node {
     Family(Vec<Node>),
 }
 
-/// q of every leaf, given its branch (outer and inner family) and its p-value.
-pub(super) fn q_values<O: PartialEq, I: PartialEq>(leaves: &[(O, I, f64)], level: f64) -> Vec<f64> {
+/// A cell of the tree.
+pub(super) struct Leaf<C, D> {
+    /// Its channel.
+    pub channel: C,
+    /// Its domain.
+    pub domain: D,
+    /// Its p-value.
+    pub p: f64,
+}
+
+/// q of every leaf.
+pub(super) fn q_values<C: PartialEq, D: PartialEq>(leaves: &[Leaf<C, D>], level: f64) -> Vec<f64> {
     let outer = families((0..leaves.len()).collect(), |a, b| {
-        leaves[a].0 == leaves[b].0
+        leaves[a].channel == leaves[b].channel
     });
     let root = Node::Family(
         outer
             .into_iter()
             .map(|members| {
-                let inner = families(members, |a, b| leaves[a].1 == leaves[b].1);
+                let inner = families(members, |a, b| leaves[a].domain == leaves[b].domain);
                 let domains = inner
                     .into_iter()
                     .map(|cells| Node::Family(cells.into_iter().map(Node::Leaf).collect()));
@@ -36,7 +46,7 @@ pub(super) fn q_values<O: PartialEq, I: PartialEq>(leaves: &[(O, I, f64)], level
             })
             .collect(),
     );
-    let p: Vec<f64> = leaves.iter().map(|(_, _, p)| *p).collect();
+    let p: Vec<f64> = leaves.iter().map(|leaf| leaf.p).collect();
     let mut q = vec![1.0; leaves.len()];
     descend(&root, &p, [1.0, 0.0], level, &mut q);
     q
@@ -125,15 +135,16 @@ mod tests {
 
     #[test]
     fn one_strong_cell_is_found_and_its_quiet_neighbours_and_the_other_channels_are_not() {
-        let mut leaves: Vec<(usize, usize, f64)> = Vec::new();
+        let mut leaves = Vec::new();
         for channel in 0..4 {
             for domain in 0..3 {
                 for cell in 0..10 {
-                    leaves.push((channel, domain, 0.05 + 0.09 * f64::from(cell)));
+                    let p = 0.05 + 0.09 * f64::from(cell);
+                    leaves.push(Leaf { channel, domain, p });
                 }
             }
         }
-        leaves[45].2 = 1.0e-8;
+        leaves[45].p = 1.0e-8;
         let q = q_values(&leaves, 0.05);
         assert!(q[45] < 1.0e-4, "{}", q[45]);
         let found = q.iter().filter(|q| **q <= 0.05).count();
@@ -144,9 +155,12 @@ mod tests {
     fn a_family_selected_among_many_is_tested_at_a_level_divided_by_its_share() {
         // Of ten channels of one cell each only the first is found: ten times its p-value among the
         // channels, and within it a level divided by ten.
-        let leaves: Vec<(usize, usize, f64)> = (0..10)
-            .map(|channel| (channel, 0, if channel == 0 { 1.0e-6 } else { 0.7 }))
-            .collect();
+        let leaf = |channel| Leaf {
+            channel,
+            domain: 0,
+            p: if channel == 0 { 1.0e-6 } else { 0.7 },
+        };
+        let leaves: Vec<_> = (0..10).map(leaf).collect();
         let q = q_values(&leaves, 0.05);
         assert!((q[0] / 1.0e-5 - 1.0).abs() < 1e-9, "{}", q[0]);
         assert!(q[1] > 0.6);

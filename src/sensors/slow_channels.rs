@@ -41,7 +41,7 @@ impl SlowChannels {
                 vision,
                 wheel_radius,
                 instants(vision.frame_rate, vision.delay),
-                (seed, run),
+                |stage| seed.rng(stage, run),
             ),
             output_rate,
             frame_rate: vision.frame_rate,

@@ -3,8 +3,9 @@
 use super::noise::WhiteNoise;
 use super::sampling::Instants;
 use super::transducer::{finite, not_negative, quantised};
-use crate::quantity::{RangeError, Seed, SlipRatio};
+use crate::quantity::{RangeError, SlipRatio};
 use crate::simulation::WheelState;
+use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -169,9 +170,9 @@ impl Camera {
         vision: Vision,
         wheel_radius: f64,
         instants: Instants,
-        (seed, run): (Seed, u64),
+        rng: impl Fn(&str) -> ChaCha8Rng,
     ) -> Self {
-        let noise = |deviation, stage| WhiteNoise::of_deviation(deviation, seed.rng(stage, run));
+        let noise = |deviation, stage| WhiteNoise::of_deviation(deviation, rng(stage));
         Self {
             vision,
             wheel_radius,
@@ -246,6 +247,7 @@ fn drawn(noise: &mut Option<WhiteNoise>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Seed;
 
     const RADIUS: f64 = 0.14;
 
@@ -256,7 +258,7 @@ mod tests {
             .wheel_speed(RADIUS, forward_speed);
         let steps_per_frame = 1000.0 / vision.frame_rate;
         let instants = Instants::new(steps_per_frame, 1000.0 * vision.delay);
-        let mut camera = Camera::new(vision, RADIUS, instants, (Seed(3), 0));
+        let mut camera = Camera::new(vision, RADIUS, instants, |stage| Seed(3).rng(stage, 0));
         for step in 0..20_000_u32 {
             let time = f64::from(step) / 1000.0;
             let state = WheelState {

@@ -46,8 +46,8 @@ impl fmt::Display for Gap {
 pub(super) struct Gaps(Rc<RefCell<Vec<Gap>>>);
 
 impl Gaps {
-    /// Notes a `cell` of a column, by [`Gap`]'s names.
-    pub(super) fn note(&self, (file, column): (&str, &str), line: u64, cell: &str) {
+    /// Notes a `cell` of a column of a file.
+    pub(super) fn note(&self, file: &str, column: &str, line: u64, cell: &str) {
         let mut gaps = self.0.borrow_mut();
         let known = gaps
             .iter_mut()

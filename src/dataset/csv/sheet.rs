@@ -349,8 +349,8 @@ impl Header {
         let way_out = match content {
             Content::Number(number) => return Ok(number),
             Content::Missing => {
-                let place = (self.file.as_str(), self.name(column));
-                self.gaps.note(place, row.line, text.trim());
+                let column = self.name(column);
+                self.gaps.note(&self.file, column, row.line, text.trim());
                 return Ok(f64::NAN);
             }
             Content::OtherMark => self.way_out_of_marks(),
