@@ -55,10 +55,12 @@ enum Latent {
 
 impl Observation {
     pub fn new(model: &Model, row: &SteadyLoad, sd: Uncertainty) -> Self {
-        let forces = match row.has_torque() {
-            _ if model.setting.holds_by_friction(row, model.class) => 1,
-            false => 2,
-            true => 3,
+        let forces = if model.setting.holds_by_friction(row, model.class) {
+            1
+        } else if row.has_torque() {
+            3
+        } else {
+            2
         };
         Self {
             row: *row,
@@ -172,12 +174,23 @@ impl Observation {
         }
     }
 
-    /// Solves for the true slip and sinkage by damped Gauss-Newton from the last solution.
+    /// Where to begin: the last solution, or the measured point where that explains more: after parameters far off,
+    /// the last solution may lie in another basin.
+    fn start(&self, model: &Model, at: &Coordinates) -> (Truth, Linear) {
+        let [last, measured] = [self.last.get().truth, Truth::default()]
+            .map(|truth| (truth, self.linear(model, at, truth)));
+        if last.1.squares() <= measured.1.squares() {
+            last
+        } else {
+            measured
+        }
+    }
+
+    /// Solves for the true slip and sinkage by damped Gauss-Newton.
     fn explained(&self, model: &Model, at: &Coordinates) -> Explained {
         const STEPS: u32 = 15;
         const HALVINGS: u32 = 12;
-        let mut truth = self.last.get().truth;
-        let mut here = self.linear(model, at, truth);
+        let (mut truth, mut here) = self.start(model, at);
         for _ in 0..STEPS {
             let step = solved(here.slopes, &here.residuals);
             // Below the resolution of the outer fit.
@@ -386,6 +399,29 @@ mod tests {
             assert!(
                 (claimed - slope).abs() < 1e-3 * slope.abs().max(1.0),
                 "{}: {claimed}, not {slope}",
+                parameter.name()
+            );
+        }
+    }
+
+    #[test]
+    fn residuals_do_not_depend_on_the_parameters_evaluated_before() {
+        let fresh = squares(&read(0.014, 0.27), &at());
+        for (parameter, by) in [
+            (Parameter::SinkageModulus, -300.0),
+            (Parameter::SinkageModulus, 20.0),
+            (Parameter::SinkageExponent, -50.0),
+            (Parameter::SinkageExponent, 3.0),
+            (Parameter::ShearModulus, -12.0),
+        ] {
+            let mut far = at();
+            far[parameter as usize] += by;
+            let observation = read(0.014, 0.27);
+            squares(&observation, &far);
+            let after = squares(&observation, &at());
+            assert!(
+                (after - fresh).abs() < 1e-6,
+                "{} {by}: {after}, not {fresh}",
                 parameter.name()
             );
         }
