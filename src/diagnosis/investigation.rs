@@ -512,7 +512,7 @@ impl<'a> Investigation<'a> {
     fn model(&self, set: &RigSet, on_progress: OnProgress) -> Result<Model, InvestigationError> {
         let names: Vec<String> = self.candidates.iter().map(Candidate::name).collect();
         let discrepancy = self.settings.discrepancy;
-        let key = format!("{} {discrepancy} {}", set.key(), names.join(","));
+        let key = format!("{} contact {discrepancy} {}", set.key(), names.join(","));
         let path = model_file::path(set.folder(), self.rigs, &key);
         if let Some(model) = model_file::read(&path, &key) {
             return Ok(model);
@@ -521,7 +521,8 @@ impl<'a> Investigation<'a> {
         let kept = (0..self.of_rigs.len())
             .filter(|place| self.of_rigs[*place].is_none_of(&self.settings.without));
         let mut table = table.restricted(&kept.collect::<Vec<_>>());
-        discrepancy::add(&mut table, discrepancy, self.settings.seed);
+        let is_loaded: Vec<bool> = self.cases.iter().map(|case| !case.is_lifted()).collect();
+        discrepancy::add(&mut table, discrepancy, &is_loaded, self.settings.seed);
         let model = Model::train(&table, &self.candidates, self.settings.seed)?;
         model_file::write(&path, &key, &model).map_err(|source| RigError::File {
             path: set.folder().to_owned(),
