@@ -66,10 +66,11 @@ fn detectable(candidate: &Candidate, by_size: &[[f64; 2]]) -> Option<f64> {
     };
     let in_proportion = |[size, deviations]: [f64; 2]| {
         let factor = SHOWS / deviations.max(f64::MIN_POSITIVE);
-        match neutral.is_finite() {
-            true => departure(size) * factor,
+        if neutral.is_finite() {
+            departure(size) * factor
+        } else {
             // The farther from infinity, the more shows.
-            false => departure(size) / factor,
+            departure(size) / factor
         }
     };
     if first[1] >= SHOWS {

@@ -100,31 +100,21 @@ impl Drawn<'_> {
                 };
                 let panel = panel(area, curves);
                 panel.draw_frame(canvas, row.header);
-                self.draw_curves(canvas, &panel, (row, curves), *arm);
+                for (group, points) in curves.iter().enumerate() {
+                    let shown = Shown {
+                        header: row.header,
+                        group: &self.groups[group],
+                        arm: *arm,
+                        colour: PALETTE[group % PALETTE.len()],
+                    };
+                    shown.draw(canvas, &panel, points);
+                }
                 if number + 1 == self.rows.len() {
                     panel.draw_footer(canvas, "slip ratio s_{} [-]");
                 }
             }
         }
         below + Panel::FOOTER
-    }
-
-    fn draw_curves(
-        &self,
-        canvas: &mut Canvas,
-        panel: &Panel,
-        (row, curves): (&ChannelRow, &Curves),
-        arm: ArmColumn,
-    ) {
-        for (group, points) in curves.iter().enumerate() {
-            let shown = Shown {
-                header: row.header,
-                group: &self.groups[group],
-                arm,
-                colour: PALETTE[group % PALETTE.len()],
-            };
-            shown.draw(canvas, panel, points);
-        }
     }
 }
 

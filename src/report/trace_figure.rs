@@ -348,16 +348,17 @@ impl Sheet {
         for mean in &trace.means {
             let Mean { name, unit, .. } = mean;
             let value = four_digits(mean.value);
-            let line = match mean.sd.is_nan() {
-                true => format!("{name}: {value} {unit}"),
-                false => format!(
+            let line = if mean.sd.is_nan() {
+                format!("{name}: {value} {unit}")
+            } else {
+                format!(
                     "{name}: {value} ± {} {unit} (standard deviation, n = {})",
                     four_digits(mean.sd),
                     match mean.n {
                         0 => "unknown".to_owned(),
                         n => n.to_string(),
                     }
-                ),
+                )
             };
             self.line(Font::SMALL, &line);
         }

@@ -137,11 +137,14 @@ impl Supports {
     fn at(&self, angle: f64) -> f64 {
         let lug = floor(angle / self.lug_angle + 0.5);
         let past = angle - lug * self.lug_angle;
-        match self.rim_between {
-            false => lug,
-            true if past > self.lug_reach => 2.0 * lug + 1.0,
-            true if past < -self.lug_reach => 2.0 * lug - 1.0,
-            true => 2.0 * lug,
+        if !self.rim_between {
+            lug
+        } else if past > self.lug_reach {
+            2.0 * lug + 1.0
+        } else if past < -self.lug_reach {
+            2.0 * lug - 1.0
+        } else {
+            2.0 * lug
         }
     }
 

@@ -292,12 +292,13 @@ fn described(suspect: &Suspect) -> String {
         absorbed,
         ..
     } = suspect;
-    let alike = match equivalent_to.is_empty() {
-        true => String::new(),
-        false => format!(
+    let alike = if equivalent_to.is_empty() {
+        String::new()
+    } else {
+        format!(
             "; cannot be distinguished from {}",
             equivalent_to.join(", ")
-        ),
+        )
     };
     let unit = behind_number(unit);
     format!(

@@ -318,10 +318,12 @@ impl Times<'_> {
         } = self.farthest_off(line);
         let rate = roundest(1.0 / median, 0.01 / median);
         let lost = (worst / median - 1.0).round();
-        let lost_rows = match worst > LOST * median {
-            true if lost > 1.0 => format!(", as if {lost} rows were lost"),
-            true => ", as if a row were lost".to_owned(),
-            false => String::new(),
+        let lost_rows = if worst <= LOST * median {
+            String::new()
+        } else if lost > 1.0 {
+            format!(", as if {lost} rows were lost")
+        } else {
+            ", as if a row were lost".to_owned()
         };
         format!(
             "{file}:{at}: {worst:.6} s after the row before, {median:.6} s elsewhere{lost_rows}; \

@@ -39,15 +39,16 @@ pub fn sentence(report: &DiagnosisReport) -> String {
 fn parameter(verdict: &Verdict) -> String {
     let [parameter, none] =
         [Answer::Parameter, Answer::None].map(|answer| verdict.probability(answer));
-    let others = match parameter + none < 0.5 {
-        true => format!(
+    let others = if parameter + none < 0.5 {
+        format!(
             " Nothing else is probable enough to be named.{}",
             likeliest(
                 verdict,
                 &[Answer::Undecided, Answer::Parameter, Answer::None]
             )
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     format!(
         "Recalibrated parameters explain the difference without an effect (probability {}; probability of no \

@@ -24,12 +24,13 @@ pub fn section(report: &DiagnosisReport) -> Section {
              it has one part per condition.",
         );
     let title = format!("{} against {} as shipped", report.measured, report.name);
-    let section = match map.entries.is_empty() {
-        true => section.prose("Measurement and simulation have no statistic in common."),
-        false => section.figure(Figure::new(
+    let section = if map.entries.is_empty() {
+        section.prose("Measurement and simulation have no statistic in common.")
+    } else {
+        section.figure(Figure::new(
             gap_map(&map, &title),
             "The gap map, before any recalibration.",
-        )),
+        ))
     };
     let located = located(report);
     if located.rows.is_empty() {

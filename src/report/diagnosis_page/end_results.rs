@@ -30,20 +30,21 @@ pub fn section(report: &DiagnosisReport) -> Option<Section> {
             rows,
         });
     let shares = shares(report);
-    Some(match shares.is_empty() {
-        true => section,
-        false => section
-            .prose(
-                "Contributions of the parts of the input to the distance: each part of the simulated input is \
-                 replaced by the measured one in every combination, and its contribution averaged over all orders \
-                 (Shapley 1953). The shares sum to one; a negative share reduces the distance.",
-            )
-            .table(Table {
-                caption: "Shares of the parts of the input in the errors of features, class and terrain".to_owned(),
-                columns: Column::named(["result", "simulator", "measured part", "share of its error"]),
-                rows: shares,
-            }),
-    })
+    if shares.is_empty() {
+        return Some(section);
+    }
+    let section = section
+        .prose(
+            "Contributions of the parts of the input to the distance: each part of the simulated input is \
+             replaced by the measured one in every combination, and its contribution averaged over all orders \
+             (Shapley 1953). The shares sum to one; a negative share reduces the distance.",
+        )
+        .table(Table {
+            caption: "Shares of the parts of the input in the errors of features, class and terrain".to_owned(),
+            columns: Column::named(["result", "simulator", "measured part", "share of its error"]),
+            rows: shares,
+        });
+    Some(section)
 }
 
 fn rows(shipped: &EndResults, steps: &[EndResults]) -> Vec<Vec<Cell>> {

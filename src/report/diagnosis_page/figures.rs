@@ -64,13 +64,13 @@ fn differences(diagnosis: &Diagnosis) -> String {
         vibration(&diagnosis.in_units),
     ];
     let all: Vec<String> = all.into_iter().flatten().collect();
-    match all.is_empty() {
-        true => "no steady mean was measured".to_owned(),
-        false => format!(
-            "root mean square over conditions, measured less simulated; {}",
-            all.join("; ")
-        ),
+    if all.is_empty() {
+        return "no steady mean was measured".to_owned();
     }
+    format!(
+        "root mean square over conditions, measured less simulated; {}",
+        all.join("; ")
+    )
 }
 
 fn step_of_mean(results: &EndResults, channel: &str) -> Option<String> {

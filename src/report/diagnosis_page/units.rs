@@ -64,11 +64,12 @@ pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
             rows: rows.collect(),
         });
     let all = diagnosis.in_units.len();
-    Some(match all > SHOWN {
-        true => section.prose(format!(
+    Some(if all > SHOWN {
+        section.prose(format!(
             "These are the first {SHOWN} of {all} rows; diagnosis.json has all."
-        )),
-        false => section,
+        ))
+    } else {
+        section
     })
 }
 

@@ -113,9 +113,10 @@ pub(super) fn typeset(text: &str, size: f64) -> String {
             attributes.push_str(&format!(r#" dy="{shift}""#));
         }
         depth = kind.depth();
-        let _ = match attributes.is_empty() {
-            true => write!(set, "{letters}"),
-            false => write!(set, "<tspan{attributes}>{letters}</tspan>"),
+        let _ = if attributes.is_empty() {
+            write!(set, "{letters}")
+        } else {
+            write!(set, "<tspan{attributes}>{letters}</tspan>")
         };
     }
     set

@@ -34,13 +34,13 @@ pub fn section(set: &DataSet) -> Section {
         .table(balance(set))
         .table(parts(set));
     let points: Vec<FeaturePoint> = points(set).collect();
-    match points.is_empty() {
-        true => section,
-        false => section.figure(Figure::new(
-            feature_values(&points),
-            "The four features of every window by ground.",
-        )),
+    if points.is_empty() {
+        return section;
     }
+    section.figure(Figure::new(
+        feature_values(&points),
+        "The four features of every window by ground.",
+    ))
 }
 
 fn columns(first: &[&str]) -> Vec<Column> {

@@ -24,13 +24,13 @@ pub fn answer(score: &RecognitionScore) -> String {
     let published = score.published.iter();
     let published = published.filter_map(|counted| right("published", counted));
     let shares: Vec<String> = methods.chain(published).collect();
-    match shares.is_empty() {
-        true => "No ground stands for one class.".to_owned(),
-        false => format!(
-            "Windows recognised as the class of their ground: {}.",
-            shares.join("; ")
-        ),
+    if shares.is_empty() {
+        return "No ground stands for one class.".to_owned();
     }
+    format!(
+        "Windows recognised as the class of their ground: {}.",
+        shares.join("; ")
+    )
 }
 
 fn right_answers(confusion: &Confusion, share: &Share) -> String {
@@ -58,13 +58,14 @@ fn methods(score: &RecognitionScore) -> Section {
         );
     let labelled: Vec<&MethodScore> = of_label(score).collect();
     let is_baseline = |score: &&MethodScore| score.method.starts_with("baseline");
-    let section = match labelled.iter().any(is_baseline) {
-        true => section.prose(
+    let section = if labelled.iter().any(is_baseline) {
+        section.prose(
             "paper and improved need no training data. The baselines are support vector machines on band powers: \
              baseline_new is trained on the other values of the swept key, baseline_known on the other repeats of \
              the same values.",
-        ),
-        false => section,
+        )
+    } else {
+        section
     };
     let section = section.table(totals(score));
     let mut rows = Vec::new();
