@@ -159,7 +159,7 @@ impl fmt::Display for Summary {
         }
         if *doubts > 0 {
             let plural = plural(*doubts);
-            writeln!(f, "{doubts} doubt{plural}; see lugwheel inspect {file}")?;
+            writeln!(f, "{doubts} finding{plural}; see lugwheel inspect {file}")?;
         }
         writeln!(f, "\nwritten to {file}")
     }
