@@ -317,7 +317,7 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             rigs: 200,
             driven: 14_000.0,
         },
-        caveats: vec!["no simulation makes motor_current".to_owned()],
+        caveats: vec!["motor_current is not simulated".to_owned()],
     }
 }
 
@@ -424,7 +424,7 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
     let html = sample();
     let headings = [
         "Basis of the answer",
-        "Shrinkage of the gap",
+        "Closed share of the difference",
         "Gap map",
         "Candidate effects",
         "Recalibrated parameters",
@@ -447,8 +447,8 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
     for told in [
         "rig.h5, SHA-256 0123",
         "slip makes the wheel sink deeper",
-        "no simulation makes motor_current",
-        "differ by 0.94 scatters per statistic",
+        "motor_current is not simulated",
+        "differ by 0.94 standard deviations per statistic",
         "150.0, unbounded",
         "error of sinkage",
         "distance of the terrain",

@@ -403,5 +403,5 @@ fn drawn_map(diagnosis: &Diagnosis) -> String {
         entries: diagnosis.map.clone(),
         caveats: Vec::new(),
     };
-    report::gap_map(&map, "Measured against the scenario as shipped")
+    report::gap_map(&map, "Measured against the nominal scenario")
 }

@@ -67,7 +67,7 @@ fn differences(diagnosis: &Diagnosis) -> String {
     match all.is_empty() {
         true => "no steady mean was measured".to_owned(),
         false => format!(
-            "root mean square over conditions, measured less simulated; {}",
+            "root mean square over conditions, measured minus simulated; {}",
             all.join("; ")
         ),
     }
