@@ -131,8 +131,8 @@ fn likeliest(verdict: &Verdict, but: &[Answer]) -> String {
         .collect();
     match &named[..] {
         [] => String::new(),
-        [one] => format!(" Likeliest is {one}."),
-        _ => format!(" Likeliest are {}.", listed(&named, "and")),
+        [one] => format!(" Most probable is {one}."),
+        _ => format!(" Most probable are {}.", listed(&named, "and")),
     }
 }
 

@@ -122,7 +122,7 @@ fn answers(score: &DiagnosisScore) -> Table {
         "P(none)",
         "P(parameter)",
         "P(unknown)",
-        "likeliest effect",
+        "most probable effect",
         "P(effect)",
         "magnitude",
         "unit",
