@@ -8,12 +8,12 @@ use std::fmt;
 
 /// List the effects that a simulation can be given
 ///
-/// Each is a named departure from the ideal: what it edits, how large it is in practice, how it
-/// shows. With a name: all that is known of that one.
+/// Each is a named departure from the ideal experiment: parameters changed, practical magnitudes, affected
+/// channels. With a name: the full description of that one.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Effects {
-    /// One effect, with a channel that it sits on or without
+    /// One effect, with or without an affected channel
     name: Option<String>,
 }
 
