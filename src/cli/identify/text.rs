@@ -164,7 +164,7 @@ impl Report {
             let unit = shown_unit(report.unit);
             let interval = interval(report);
             let standing = match &report.reason {
-                _ if report.effective => "effective".to_owned(),
+                _ if report.effective => "effective (this wheel and load only)".to_owned(),
                 Some(reason) => format!("not identifiable: {reason}"),
                 None => report.standing.to_string(),
             };
