@@ -175,7 +175,11 @@ fn a_pull_that_no_torque_pays_for_is_found_and_a_wheels_own_weight_downhill_is_n
 #[test]
 fn a_towed_wheel_that_pulls_is_found_and_one_that_drags_is_sound() {
     let towed = |pull| drive(-0.1, [pull, 0.02], FAST);
-    is_found("pulls", &towed(20.0), ["drawbar_pull", "times the power"]);
+    is_found(
+        "pulls",
+        &towed(20.0),
+        ["drawbar_pull", "times the input power"],
+    );
     is_sound("drags", &towed(-8.0));
     let by_means = |pull| {
         row(
@@ -190,7 +194,7 @@ fn a_towed_wheel_that_pulls_is_found_and_one_that_drags_is_sound() {
     is_found(
         "pulls, a row",
         &by_means(20.0),
-        ["drawbar_pull", "gives power"],
+        ["drawbar_pull", "output power without input power"],
     );
     is_sound("drags, a row", &by_means(-8.0));
     // Braked by its motor, and locked.
