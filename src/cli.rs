@@ -65,21 +65,21 @@ static VERSION: LazyLock<String> = LazyLock::new(|| {
 
 const EXAMPLES: &str = "\
 Examples:
-  lugwheel demo                                       all of it on small scenarios, in a report
+  lugwheel demo                                       the main commands on small scenarios, in a report
   lugwheel scenarios                                  what is ready to run
   lugwheel simulate single_wheel_st                   one run on sand
   lugwheel new my_rig                                 a scenario to edit
   lugwheel keys wheel.lugs                            its keys in a scenario
   lugwheel dataset single_wheel_ht --runs 50          a labelled data set
-  lugwheel study quick                                sweeps and seeds, a row a run
-  lugwheel import campaign.toml --out measured.h5     measured CSV files in a run file
-  lugwheel inspect output/single_wheel_ht/runs.h5     what is in it, checked
+  lugwheel study quick                                sweeps and seeds, one row per run
+  lugwheel import campaign.toml --out measured.h5     measured CSV files to a run file
+  lugwheel inspect output/single_wheel_ht/runs.h5     its contents, checked
   lugwheel plot output/single_wheel_st/run.h5         a figure of a run
-  lugwheel recognize output/single_wheel_ht/runs.h5   how the lugs met the ground
-  lugwheel identify measured.h5                       terrain parameters and how sure they are
-  lugwheel effects                                    what a simulation can be given beyond the ideal
+  lugwheel recognize output/single_wheel_ht/runs.h5   interaction class of every window
+  lugwheel identify measured.h5                       terrain parameters with confidence intervals
+  lugwheel effects                                    catalogue of effects
   lugwheel diagnose --measured rig.h5 --scenario single_wheel_st   why they differ
-  lugwheel challenge make --out output/trial          campaigns whose truth is sealed
+  lugwheel challenge make --out output/trial          campaigns with hidden causes
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid input file,
 4 study or trial finished with failed runs or undiagnosed campaigns, 130 interrupted.";

@@ -20,7 +20,7 @@
 //! ([`scenario::ready`]), and [`scenario::keys`] lists the keys of a file. From it come the [`terrain`] along the track, the
 //! [`wheel`], and the rig that carries and drives it; [`simulation`] integrates the motion, state by state, with the
 //! equations of [`soil`] on sand. The kinematics of a rigid wheel are in [`vibration`]. [`quantity`] holds the typed
-//! numbers, [`statistics`] the moments and quantiles that all rooms use. A stream of random numbers belongs to seed, run
+//! numbers, [`statistics`] the moments and quantiles used by all modules. A stream of random numbers belongs to seed, run
 //! and stage, so that results do not depend on threads.
 //!
 //! ```
@@ -234,28 +234,28 @@
 //! | term | meaning |
 //! |---|---|
 //! | ALCT, SLCT, LEIS, UWTIC | all lugs contact the terrain; some lugs contact; lugs enter soil; unknown class |
-//! | arm | a variant of a scenario: parameters moved, effects included |
+//! | arm | a variant of a scenario: with changed parameters, with effects |
 //! | axle load, `W` | vertical force on the wheel \[N\] |
 //! | campaign | the runs that one rig measured, with their conditions |
-//! | case | a measured condition as the simulator repeats it |
-//! | cell | one statistic of one channel |
+//! | case | a simulated condition: the scenario at the load, speed and slip of a measured condition |
+//! | cell | a statistic of one channel |
 //! | closed form | equations (62)-(66): loads of a smooth cylinder with triangular stresses |
 //! | condition | commanded slip, speed and load of a run |
-//! | drawbar pull, `F_DP` | horizontal force that the wheel exerts on the rig \[N\] |
+//! | drawbar pull, `F_DP` | force along the track that the wheel exerts on the rig \[N\] |
 //! | effect | a named departure from the ideal rig, with a magnitude |
 //! | feature, `κ` | one of the paper's four numbers of a window: frequency, amplitudes, mean value, mean square |
 //! | lug | a grouser: a plate across the rim |
 //! | lug pass | the time between two lugs at the same place |
 //! | motion | the simulated states of a run, before any sensor |
 //! | order | frequency over the wheel's rate of rotation |
-//! | physics rate | steps of the simulation per second \[Hz\] |
+//! | physics rate | integration rate: time steps of the simulation per second \[Hz\] |
 //! | quadrature | integration of the stresses over rim, lug edges and lug faces |
 //! | reference | the features' values on flat hard ground, by which they are normalised |
 //! | run | one record: a trace with its attributes |
-//! | seat | the channel on which an effect acts |
+//! | seat | the affected channel of an effect |
 //! | shear deformation modulus, `K` | displacement at which shear stress reaches 63 % of its limit \[m\] |
 //! | sinkage, `z` | depth of the rim below the undisturbed surface \[m\] |
-//! | sinkage exponent, `n = n_0 + n_1 s` | exponent of pressure over sinkage, and its growth with slip |
+//! | sinkage exponent, `N = n_0 + n_1 abs(s)` | exponent of pressure over sinkage, and its growth with slip |
 //! | slip ratio, `s` | `1 - v/(r ω)` driving, `r ω/v - 1` braking, with the rim's radius |
 //! | slip-sinkage | sinkage that grows with slip |
 //! | stream | the random numbers of one stage of one run |

@@ -58,7 +58,8 @@ pub struct Scenario {
     #[serde(skip_serializing_if = "is_zero")]
     #[schemars(default)]
     pub lead_in: f64,
-    /// Steps per second of the simulation \[Hz\]; the terrain's own rate if absent.
+    /// Integration rate \[Hz\]: time steps of the simulation per second, at least 4000 and a divisor of the sensor
+    /// rate; the terrain's own rate if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub physics_rate: Option<SampleRate>,
     /// Length \[s\] of the windows in which the run is labelled; if absent 15 s, or the whole of a shorter run.

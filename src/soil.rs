@@ -98,7 +98,7 @@ pub struct Soil<T = f64> {
     pub bulk_density: f64,
     /// Angle of repose [°] to which loose slopes relax.
     pub repose_angle_deg: f64,
-    /// What this soil has beyond the ideal; nothing if absent.
+    /// Additional soil effects; none by default.
     #[serde(default, skip_serializing_if = "Departures::is_none")]
     pub departures: Departures,
 }

@@ -23,9 +23,9 @@ pub struct HardContact {
     pub reference_load: f64,
     /// Indentation `δ_0` \[m\] at that load.
     pub reference_indentation: f64,
-    /// Exponent `n` [-].
+    /// Exponent `n` [-] of the contact force `F = F_0 (δ/δ_0)ⁿ (1 + d δ̇)`.
     pub exponent: f64,
-    /// Dissipation `d` [s/m].
+    /// Dissipation `d` [s/m] of the contact force: factor `1 + d δ̇`, with the indentation rate `δ̇`.
     pub dissipation: f64,
     /// Thickness \[m\] of the dust on the stone; none if absent. It takes friction away; a cover that
     /// also bears is a soil over a hard base ([`crate::soil::hard_base`]).

@@ -355,7 +355,7 @@ fn what_an_import_doubts_it_says_and_inspect_explains() {
     fs::write(at.join("campaign.toml"), kilograms).unwrap();
     let said = done(run(at, "import campaign.toml --out runs.h5"));
     assert!(
-        said.contains("1 doubt; see lugwheel inspect runs.h5\n"),
+        said.contains("1 finding; see lugwheel inspect runs.h5\n"),
         "{said}"
     );
     let inspected = run(at, "inspect runs.h5");

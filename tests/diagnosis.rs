@@ -403,7 +403,7 @@ fn a_simulated_run_has_the_channels_rates_and_means_that_were_measured() {
     real.channels.push(channel("motor_current", 100, 100.0));
     real.means.push(mean("normal_force"));
     let found = cases(&short(), &[real]);
-    assert_eq!(texts(&found), ["no simulation makes motor_current"]);
+    assert_eq!(texts(&found), ["motor_current is not simulated"]);
     let case = &found.cases[0];
     // The next divisor of 128 000, and the camera's own frames.
     assert_eq!(case.scenario.sensors.output_rate.whole(), 400);

@@ -317,7 +317,7 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             rigs: 200,
             driven: 14_000.0,
         },
-        caveats: vec!["no simulation makes motor_current".to_owned()],
+        caveats: vec!["motor_current is not simulated".to_owned()],
     }
 }
 
@@ -406,7 +406,10 @@ fn every_kind_of_answer_says_what_it_is_and_how_probable() {
     };
     assert!(answer(Answer::None).contains("explains these runs without any change"));
     let parameter = answer(Answer::Parameter);
-    for told in ["(probability 3.0 %", "Likeliest are slip_sinkage (81 %)"] {
+    for told in [
+        "(probability 3.0 %",
+        "Most probable are slip_sinkage (81 %)",
+    ] {
         assert!(parameter.contains(told), "{told}: {parameter}");
     }
     let unknown = answer(Answer::Unknown);
@@ -424,7 +427,7 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
     let html = sample();
     let headings = [
         "Basis of the answer",
-        "Shrinkage of the gap",
+        "Closed share of the difference",
         "Gap map",
         "Candidate effects",
         "Recalibrated parameters",
@@ -446,9 +449,9 @@ fn the_page_has_every_section_in_order_and_needs_nothing_else() {
     }
     for told in [
         "rig.h5, SHA-256 0123",
-        "slip makes the wheel sink deeper",
-        "no simulation makes motor_current",
-        "differ by 0.94 scatters per statistic",
+        "slip-sinkage in excess of",
+        "motor_current is not simulated",
+        "differ by 0.94 standard deviations per statistic",
         "150.0, unbounded",
         "error of sinkage",
         "distance of the terrain",

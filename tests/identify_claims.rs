@@ -114,7 +114,10 @@ fn the_lugged_wheel_of_ding_misses_its_load_by_a_third_and_the_smooth_one_does_n
         .find(|one| one["kind"] == "load_missed")
         .unwrap();
     let message = missed["message"].as_str().unwrap();
-    assert!(message.contains("carry 31 % more or less"), "{message}");
+    assert!(
+        message.contains("deviates by 31 % from the measured load"),
+        "{message}"
+    );
 }
 
 #[test]

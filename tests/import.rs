@@ -199,10 +199,10 @@ fn the_wrong_command_in_the_carnegie_mellon_runs_is_found_and_nothing_else() {
         .iter()
         .zip(["run_000015", "run_000016", "run_000017"])
     {
-        let commanded = format!("{run} slip_ratio: the run commanded slip 0.1667 (rim at 12 mm/s)");
+        let commanded = format!("{run} slip_ratio: commanded slip 0.1667 (rim at 12 mm/s)");
         assert!(doubt.contains(&commanded), "{doubt}");
         assert!(
-            doubt.ends_with("the label is wrong; trust the channel"),
+            doubt.ends_with("commanded value incorrect? use the measured value"),
             "{doubt}"
         );
     }

@@ -57,7 +57,7 @@ fn a_pull_that_is_not_tared_gives_more_power_than_the_torque_puts_in() {
         ("run_000001", "1.48"),
         ("run_000002", "1.137"),
     ] {
-        let part = format!("gives {ratio} times the power that the torque puts in");
+        let part = format!("output power is {ratio} times the input power of the torque");
         let found = doubts.iter().find(|doubt| doubt.contains(run));
         assert!(
             found.is_some_and(|doubt| doubt.contains(&part)),

@@ -157,7 +157,7 @@ fn is_sound(name: &str, trace: &Trace) {
 
 #[test]
 fn a_pull_that_no_torque_pays_for_is_found_and_a_wheels_own_weight_downhill_is_none() {
-    const PAYS: &str = "times the power that the torque puts in";
+    const PAYS: &str = "times the input power of the torque";
     let untared = |trace| with(trace, "drawbar_pull", |pull| pull + 50.0);
     is_found("level", &untared(sound()), ["drawbar_pull", PAYS]);
     // 12 kg on -20°: 40.2 N of weight in the reading, more than the torque's 35.7 N at the rim.
@@ -175,7 +175,11 @@ fn a_pull_that_no_torque_pays_for_is_found_and_a_wheels_own_weight_downhill_is_n
 #[test]
 fn a_towed_wheel_that_pulls_is_found_and_one_that_drags_is_sound() {
     let towed = |pull| drive(-0.1, [pull, 0.02], FAST);
-    is_found("pulls", &towed(20.0), ["drawbar_pull", "times the power"]);
+    is_found(
+        "pulls",
+        &towed(20.0),
+        ["drawbar_pull", "times the input power"],
+    );
     is_sound("drags", &towed(-8.0));
     let by_means = |pull| {
         row(
@@ -190,7 +194,7 @@ fn a_towed_wheel_that_pulls_is_found_and_one_that_drags_is_sound() {
     is_found(
         "pulls, a row",
         &by_means(20.0),
-        ["drawbar_pull", "gives power"],
+        ["drawbar_pull", "output power without input power"],
     );
     is_sound("drags, a row", &by_means(-8.0));
     // Braked by its motor, and locked.
@@ -422,7 +426,7 @@ fn a_time_in_milliseconds_is_found_by_the_turning_and_a_slow_log_is_at_most_too_
         let by_angle = without(drive(0.2, [20.0, 5.0], log), &["forward_speed"]);
         is_sound(&format!("{rate} Hz, by the angle alone"), &by_angle);
         let mislabelled = but(by_angle, |trace| trace.attributes.slip_ratio = 0.4);
-        is_found("label", &mislabelled, ["wheel_angle", "ran at slip 0.2"]);
+        is_found("label", &mislabelled, ["wheel_angle", "measured slip 0.2"]);
         for finding in doubts(&shaken(
             Log {
                 seconds: 20.0,
@@ -541,7 +545,7 @@ fn a_counter_that_rolls_over_and_an_encoder_of_few_counts_are_not_doubted_and_a_
         let alone = without(read, &["forward_speed"]);
         is_sound(name, &alone);
         let mislabelled = but(alone, |trace| trace.attributes.slip_ratio = 0.4);
-        is_found(name, &mislabelled, ["wheel_angle", "ran at slip"]);
+        is_found(name, &mislabelled, ["wheel_angle", "measured slip"]);
     }
 }
 
@@ -806,7 +810,7 @@ fn a_slip_of_rest_counts_for_nothing_wherever_the_rest_is_and_a_wrong_slip_of_th
             assert_eq!(of_slip(&by_turning), [], "{name}, slip by the turning");
             for (trace, channel) in [(trace, "slip_ratio"), (by_turning, "wheel_angle")] {
                 let mislabelled = but(trace, |trace| trace.attributes.slip_ratio = 0.5);
-                is_found(name, &mislabelled, [channel, "ran at slip 0."]);
+                is_found(name, &mislabelled, [channel, "measured slip 0."]);
             }
         }
         let stands = pausing(|_| false, log);

@@ -94,7 +94,7 @@ fn each_swept_key_has_a_figure_whose_marks_are_the_means_of_the_table_with_key_a
         assert!(mark.contains(&pull[..4]), "{pull}: {mark}");
         assert_eq!(marks.next(), None);
     }
-    assert!(slip.contains("LEIS, share of right answers"), "{slip}");
+    assert!(slip.contains("LEIS, share of correct answers"), "{slip}");
 }
 
 #[test]

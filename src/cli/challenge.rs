@@ -24,8 +24,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Test the diagnosis in blind trials
 ///
-/// `make` simulates campaigns whose truth is sealed, `run` diagnoses them, `score` opens the truth
-/// and counts.
+/// `make` simulates campaigns with hidden causes, `run` diagnoses them, `score` reveals the true causes
+/// and computes scores.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Challenge {
@@ -45,7 +45,7 @@ bank/ and answers/ of the diagnoses, and score/ (scores.json, figures).
 All three commands continue after an interruption. `sha256sum truth/case_0001.json` verifies a truth against
 the manifest.
 
-Sets: C0 nothing withheld, C1 one effect, C2 one effect in another form than the catalogue's,
+Sets: C0 no effect (parameters deviate), C1 one effect, C2 one effect in another form than the catalogue's,
 C3 one effect that is excluded from the diagnosis, C4 two effects; all; and calibration, whose seeds
 are never those of a case that is scored.";
 
@@ -56,7 +56,7 @@ enum Action {
     Score(Score),
 }
 
-/// Simulate campaigns and seal their truth
+/// Simulate campaigns with hidden causes
 #[derive(Debug, Args)]
 struct Make {
     /// Folder of the trial
@@ -65,10 +65,10 @@ struct Make {
     /// C0, C1, C2, C3, C4, some of them with commas between, all or calibration
     #[arg(long, value_name = "NAME", default_value = "all")]
     set: Selection,
-    /// Cases at most, balanced over sets, effects and magnitudes; all if not given
+    /// Maximum number of cases, balanced over sets, effects and magnitudes; all if not given
     #[arg(long, value_name = "N")]
     cases: Option<NonZeroUsize>,
-    /// Ground of the campaigns: sand, hard, gravel (nine times the time); may be given several times
+    /// Ground of the campaigns: sand, hard, gravel (about ten times as long); may be given several times
     #[arg(long, value_name = "NAME", default_values_t = ["sand".to_owned(), "hard".to_owned()], value_parser = GROUNDS)]
     ground: Vec<String>,
     /// Duration of each of the twelve runs of a case, and their longest lead-in [s]; 8 and 2 if not given
@@ -88,18 +88,18 @@ struct Run {
     /// Folder of the trial
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Campaigns at a time, which share the cores. One is best until the bank is filled
+    /// Parallel campaigns, which share the cores; use 1 until the simulation cache is filled
     #[arg(long, value_name = "N", default_value = "1")]
     jobs: NonZeroUsize,
-    /// Simulated time of each diagnosis [s], as for `diagnose`
+    /// Simulated duration of the random rigs [s], as for `diagnose`
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = super::positive)]
     budget: Option<f64>,
-    /// Folder of simulated statistics [default: DIR/bank]
+    /// Folder of the simulation cache [default: DIR/bank]
     #[arg(long, value_name = "DIR")]
     bank: Option<PathBuf>,
 }
 
-/// Open the truth and score the answers
+/// Reveal the true causes and score the answers
 #[derive(Debug, Args)]
 struct Score {
     /// Folder of the trial

@@ -20,10 +20,10 @@ pub struct Cluster {
     /// Run it on this machine's Slurm cluster, as an array of jobs, and follow them
     #[arg(long, conflicts_with_all = ["shard", "collect"])]
     slurm: bool,
-    /// Option of sbatch for every job, as often as need be: --slurm-option=--partition=short
+    /// Option of sbatch for every job, repeatable: --slurm-option=--partition=short
     #[arg(long, value_name = "OPTION", requires = "slurm")]
     slurm_option: Vec<String>,
-    /// Most tasks of the array [default: 1000, or what the cluster allows]
+    /// Maximum number of array tasks [default: 1000, or what the cluster allows]
     #[arg(long, value_name = "N", requires = "slurm")]
     slurm_tasks: Option<NonZeroU32>,
 }

@@ -36,10 +36,10 @@ pub struct Dataset {
     /// Run file to write [default: output/<scenario>/runs.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
-    /// Store the samples at the sensor rate [128 kHz] too, some 2 MB a second
+    /// Store the samples at the sensor rate [128 kHz] too, about 2 MB per second
     #[arg(long, conflicts_with = "features")]
     raw: bool,
-    /// Store class and features of every window instead of the samples, some 0.5 kB a window
+    /// Store class and features of every window instead of the samples, about 0.5 kB per window
     #[arg(long)]
     features: bool,
     /// Continue from the runs of an interrupted data set of the same name

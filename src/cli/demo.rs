@@ -33,17 +33,17 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use story::Results;
 
-/// Show all of it on small scenarios, in a report that opens in a browser
+/// Demonstrate the main commands on small scenarios, in a report that opens in a browser
 ///
 /// Simulates the paper's single wheel on several grounds, writes labelled run files, checks and draws
-/// them, recognises how the lugs met the ground, identifies the sand's parameters, diagnoses what a
-/// rig has that its scenario lacks, and reports in one HTML page. It takes less than three minutes.
+/// them, recognises the interaction class, identifies the parameters of the sand, diagnoses an effect of a
+/// rig that its scenario lacks, and reports in one HTML page. It takes less than three minutes.
 #[derive(Debug, Args)]
 pub struct Demo {
     /// Folder for run files, scenarios, figures and the report
     #[arg(long, default_value = "output/demo", value_name = "DIR")]
     out: PathBuf,
-    /// Seed of all randomness; the same seed gives the same bytes
+    /// Seed of the random numbers; the same seed gives the same bytes
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
     #[command(flatten)]

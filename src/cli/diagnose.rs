@@ -34,9 +34,10 @@ use summary::{Input, Inputs, Summary};
 /// Identify where measured runs and a scenario differ, which missing effect causes it, and how far
 /// adding it closes the gap
 ///
-/// Random rigs with the measured conditions and channels are simulated: their parameters are off, and effects of `lugwheel
-/// effects` act on them. A model learned from these rigs judges the measured runs, and is tested on rigs that it has not
-/// seen. Answers: none, parameter, effect, effects, unknown (and where), undecided (and which run would decide).
+/// Random rigs with the measured conditions and channels are simulated, with parameters drawn from the priors and
+/// effects of the catalogue (`lugwheel effects`). A model trained on these rigs classifies the measured runs, and is
+/// tested on rigs that were not used for the training. Answers: none, parameter, effect, effects, unknown (and where),
+/// undecided (and which run would decide).
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Diagnose {
@@ -62,7 +63,7 @@ pub struct Diagnose {
     /// Folder of the simulation cache, shared by diagnoses
     #[arg(long, value_name = "DIR", default_value = "output/bank")]
     pub(super) bank: PathBuf,
-    /// Simulated time of the random rigs [s]: more rigs, more certain answers
+    /// Simulated duration of the random rigs [s]; a longer one gives a larger training set
     #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, allow_negative_numbers = true, value_parser = super::positive)]
     pub(super) budget: f64,
     /// Computing time of the random rigs on this machine, for example 10min; sets --budget by an estimate
@@ -71,8 +72,8 @@ pub struct Diagnose {
     /// Print an estimate of the computing time, and do nothing else
     #[arg(long)]
     pub(super) dry_run: bool,
-    /// How far any rig differs from any simulator, in margins of equivalence (5 % of a mean, 1 dB); 0 where the runs are
-    /// simulated
+    /// Assumed discrepancy between any rig and any simulator, in margins of equivalence (5 % of a mean, 1 dB); 0 for
+    /// simulated runs
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true, value_parser = factor)]
     pub(super) discrepancy: f64,
     /// Longest part of a measured run that is compared [s]
@@ -403,5 +404,5 @@ fn drawn_map(diagnosis: &Diagnosis) -> String {
         entries: diagnosis.map.clone(),
         caveats: Vec::new(),
     };
-    report::gap_map(&map, "Measured against the scenario as shipped")
+    report::gap_map(&map, "Measured against the nominal scenario")
 }

@@ -8,12 +8,12 @@ use std::fmt;
 
 /// List the effects that a simulation can be given
 ///
-/// Each is a named departure from the ideal: what it edits, how large it is in practice, how it
-/// shows. With a name: all that is known of that one.
+/// Each is a named departure from the ideal experiment: parameters changed, practical magnitudes, affected
+/// channels. With a name: the full description of that one.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Effects {
-    /// One effect, with a channel that it sits on or without
+    /// One effect, with or without an affected channel
     name: Option<String>,
 }
 
@@ -47,13 +47,13 @@ impl fmt::Display for Catalogue {
             "unit",
             "neutral",
             "low, typical, high",
-            "bound to",
+            "varies with",
             "source",
         ];
         let [name, unit, neutral, levels, bound, source] = head;
         writeln!(
             f,
-            "{name:<20}{unit:>6}{neutral:>9}  {levels:<22}{bound:<11}{source:<7}what it is"
+            "{name:<20}{unit:>6}{neutral:>9}  {levels:<22}{bound:<13}{source:<7}what it is"
         )?;
         for effect in &self.0 {
             let Seat { unit, neutral, .. } = effect.seats[0];
@@ -71,7 +71,7 @@ impl fmt::Display for Catalogue {
             };
             writeln!(
                 f,
-                "{name:<20}{unit:>6}{neutral:>9}  {levels:<22}{bound:<11}{source:<7}{title}"
+                "{name:<20}{unit:>6}{neutral:>9}  {levels:<22}{bound:<13}{source:<7}{title}"
             )?;
         }
         writeln!(
@@ -101,7 +101,7 @@ impl fmt::Display for Entry {
             ..
         } = self.0;
         writeln!(f, "{name}: {title}\n")?;
-        let mut line = |word: &str, text: &str| writeln!(f, "{word:<12}{text}");
+        let mut line = |word: &str, text: &str| writeln!(f, "{word:<18}{text}");
         line("edits", edits)?;
         line(
             "stage",
@@ -110,18 +110,18 @@ impl fmt::Display for Entry {
                 Stage::Physics => "physics: the motion changes",
             },
         )?;
-        line("shows in", &signature.channels.join(", "))?;
+        line("channels affected", &signature.channels.join(", "))?;
         line(
-            "bound to",
+            "varies with",
             match signature.bound {
-                Bound::WheelAngle => "the wheel's angle",
-                Bound::Frequency => "frequencies in hertz",
-                Bound::History => "time, way or former runs",
+                Bound::WheelAngle => "wheel angle",
+                Bound::Frequency => "frequency in hertz",
+                Bound::History => "time, distance or previous runs",
                 Bound::Condition => "slip, speed and load",
             },
         )?;
         line("how", signature.dependence)?;
-        line("confused", &confusers.join(", "))?;
+        line("similar effects", &confusers.join(", "))?;
         let other = other_form.as_ref();
         line(
             "other form",

@@ -31,9 +31,9 @@ use std::str::FromStr;
 use summary::{Report, Summary};
 use unused::Unused;
 
-/// Find the terrain's parameters from steady loads, slip and sinkage
+/// Estimate terrain parameters from steady loads, slip and sinkage
 ///
-/// Every stretch of steady slip in a run gives a row, from time series or means of drawbar_pull,
+/// Each interval of constant slip in a run gives one data point, from time series or means of drawbar_pull,
 /// driving_torque, normal_force (or the commanded load), slip_ratio (or the commanded one) and, where lugs
 /// enter soil, sinkage. Runs of one class and wheel are fitted together; slip has to differ among them.
 /// Simulated and measured runs are treated alike. Runs of a plate in place of a wheel give k and n of p = k
@@ -44,14 +44,14 @@ pub struct Identify {
     /// Run files, simulated or measured; runs of several are fitted together
     #[arg(value_name = "FILE.h5", required = true)]
     files: Vec<PathBuf>,
-    /// How the lugs met the ground, which selects the model; auto recognises it run by run, or takes the
-    /// run's label where that fails
+    /// Interaction class, which selects the model; auto recognises it run by run, or takes the run's label
+    /// where that fails
     #[arg(long, value_enum, default_value_t = ClassName::Auto, ignore_case = true)]
     class: ClassName,
     /// Only this run of every file; may be given several times
     #[arg(long, value_name = "ID")]
     run: Vec<String>,
-    /// Only rows with a slip ratio from LOW to HIGH, for example 0:1 to exclude a braking wheel
+    /// Only data points with a slip ratio from LOW to HIGH, for example 0:1 to exclude a braking wheel
     #[arg(long, value_name = "LOW:HIGH", default_value_t = SlipRange::ALL, allow_negative_numbers = true)]
     slip: SlipRange,
     #[command(flatten)]

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Gather measured CSV files in a run file
+/// Convert measured CSV files to a run file
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Import {
@@ -159,7 +159,7 @@ impl fmt::Display for Summary {
         }
         if *doubts > 0 {
             let plural = plural(*doubts);
-            writeln!(f, "{doubts} doubt{plural}; see lugwheel inspect {file}")?;
+            writeln!(f, "{doubts} finding{plural}; see lugwheel inspect {file}")?;
         }
         writeln!(f, "\nwritten to {file}")
     }

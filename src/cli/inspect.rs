@@ -6,7 +6,7 @@ use crate::dataset::inspection::{Inspection, Severity, inspect};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// List the contents of a run file and its faults
+/// List the contents of a run file and check them for errors of units, signs and offsets
 ///
 /// Channels with units, rates, gaps and means, and findings: clipped or constant channels, units
 /// and signs that look wrong, loads that no wheel can have, labels that the channels contradict.

@@ -11,7 +11,7 @@ use std::fmt;
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Keys {
-    /// Only keys that begin with this, or where none does, that have it anywhere
+    /// Only keys that begin with this, or if none does, that contain it
     prefix: Option<String>,
     /// Print the JSON schema of scenario files, for editors
     #[arg(long, conflicts_with = "prefix")]

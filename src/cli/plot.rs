@@ -20,9 +20,9 @@ use std::path::{Path, PathBuf};
 /// Draw a run or the results of a study over its swept keys
 ///
 /// A run is drawn with the wheel on its ground, every channel over time and the spectrum: as a figure (SVG, PNG or
-/// PDF), as an HTML page in which the wheel moves and the channels can be zoomed and read off, or as MCAP for viewers of
-/// robots. A study is drawn as one figure for each swept key, with the steady means and, where classes were
-/// recognised, the right answers; as HTML it is its report.
+/// PDF), as an HTML page in which the wheel moves and the channels can be zoomed and read, or as MCAP for robotics
+/// viewers. A study is drawn as one figure for each swept key, with the steady means and, where classes were
+/// recognised, the share of correct answers; as HTML it is its report.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Plot {
@@ -43,7 +43,7 @@ pub struct Plot {
     /// What to write [default: as --out ends, else svg]
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Width on paper with its unit (88mm, 3.5in): letters of 7 pt, compact in a column
+    /// Width on paper with its unit (88mm, 3.5in): 7 pt font; compact layout below about 130 mm
     #[arg(long, value_name = "LENGTH", value_parser = format::width)]
     width: Option<f64>,
     /// Omit title, condition and remarks, for a figure with a caption

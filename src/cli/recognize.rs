@@ -19,8 +19,8 @@ use summary::Summary;
 ///
 /// ALCT: all lugs contact the surface. SLCT: some do. LEIS: lugs enter the soil. UWTIC: cannot be
 /// recognised, with the reason. Needs the channel acceleration_y, and wheel_angle or forward_speed;
-/// simulated and measured runs, labelled or not. Where the class is known, answers are counted
-/// against it.
+/// simulated and measured runs, labelled or not. Where the true class is known, the result is
+/// scored against it.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Recognize {
@@ -33,10 +33,10 @@ pub struct Recognize {
     /// Length of the windows [s] [default: 15]
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = super::positive)]
     window: Option<f64>,
-    /// Cut windows by the turn of the wheel, of this many lug passes each
+    /// Define windows by number of lug passes (wheel angle) instead of time
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = super::positive, conflicts_with = "window")]
     window_passes: Option<f64>,
-    /// Runs on flat hard ground (REF), measured on the same rig, to normalise features by
+    /// Runs on flat hard ground (REF), measured on the same rig, that normalise the features
     #[arg(long, value_name = "REF.h5")]
     reference: Option<PathBuf>,
     /// Corner frequency of the low-pass before feature extraction [Hz] [default: 100]
@@ -63,9 +63,9 @@ computed, with the sensors of the scenario if the file contains one.
 /// Method of recognition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MethodName {
-    /// By the paper's regions of the features; needs no wheel_angle, but answers UWTIC more often
+    /// The paper's regions of the features; needs no wheel_angle, but answers UWTIC more often
     Paper,
-    /// Lug by lug: whether impacts keep step with the lugs; finds the zero of the wheel angle itself
+    /// Tests each lug pass for an impact synchronous with the lug rotation; needs no zero of the wheel angle
     Improved,
 }
 

@@ -17,7 +17,7 @@ pub struct ScenarioArgs {
     /// Add an effect of `lugwheel effects`, for example gain_error.drawbar_pull=0.05
     #[arg(long, value_name = "NAME=VALUE")]
     effect: Vec<String>,
-    /// Seed of all randomness; the same seed gives the same bytes
+    /// Seed of the random numbers; the same seed gives the same bytes
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
 }

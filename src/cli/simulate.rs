@@ -21,13 +21,13 @@ use std::path::PathBuf;
 pub struct Simulate {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Which run of the series that the seed begins
+    /// Index of the run in the random sequence of this seed
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=999_999))]
     run: u64,
     /// Run file to write [default: output/<scenario>/run.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
-    /// Store the samples at the sensor rate [128 kHz] too, some 2 MB a second
+    /// Store the samples at the sensor rate [128 kHz] too, about 2 MB per second
     #[arg(long)]
     raw: bool,
 }

@@ -35,14 +35,13 @@ pub struct StudyCommand {
     /// Folder of the results [default: output/<study>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs at a time; all cores if not given, with --slurm one a task. The results do not depend
-    /// on it
+    /// Parallel runs; all cores if not given, with --slurm one per task. The results do not depend on it
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroU32>,
     /// Resume: reuse the complete shards in the folder
     #[arg(long)]
     resume: bool,
-    /// Do only share I of N; several processes may work on one folder
+    /// Run only part I of N; several processes may work on one folder
     #[arg(long, value_name = "I/N", value_parser = share)]
     shard: Option<(u32, u32)>,
     /// When to merge the shards into tables
@@ -55,11 +54,11 @@ pub struct StudyCommand {
 /// When to merge the shards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Collect {
-    /// When all are present
+    /// After the last part
     Whole,
-    /// Not now: others do
+    /// Never; another process does
     Never,
-    /// At once, without running anything
+    /// Now, without simulation
     Only,
 }
 

@@ -267,7 +267,7 @@ impl fmt::Display for Inspection {
             run.fmt(f)?;
         }
         if findings.is_empty() {
-            return writeln!(f, "\nnothing odd");
+            return writeln!(f, "\nno findings");
         }
         writeln!(f, "\n{}", counted(findings.len(), "finding"))?;
         for (finding, runs) in alike(findings) {
@@ -537,7 +537,7 @@ mod tests {
     fn a_run_commanded_12_mm_s_that_ran_at_13_is_named() {
         let mut trace = with("forward_speed", scaled(13.0 / 14.0));
         trace.attributes.speed = 0.012;
-        let part = "the run commanded 12 mm/s ran at 13 mm/s";
+        let part = "commanded 12 mm/s, measured 13 mm/s";
         expect(&trace, Some("forward_speed"), Severity::Warning, part);
     }
 
@@ -552,7 +552,7 @@ mod tests {
         ];
         trace.attributes.speed = 0.01;
         trace.attributes.slip_ratio = 1.0 / 6.0;
-        let part = "slip 0.1667 (rim at 12 mm/s) ran at slip 0.2311 (rim at 13.01 mm/s)";
+        let part = "slip 0.1667 (rim at 12 mm/s), measured slip 0.2311 (rim at 13.01 mm/s)";
         expect(&trace, Some("slip_ratio"), Severity::Warning, part);
     }
 
@@ -562,7 +562,7 @@ mod tests {
         trace.channels.retain(|c| c.name != "slip_ratio");
         assert_eq!(findings("run", &trace), []);
         trace.attributes.slip_ratio = 0.2;
-        let part = "commanded slip 0.2 (rim at 17.5 mm/s) ran at slip 0.1 (rim at 15.56 mm/s)";
+        let part = "commanded slip 0.2 (rim at 17.5 mm/s), measured slip 0.1 (rim at 15.56 mm/s)";
         expect(&trace, Some("wheel_angle"), Severity::Warning, part);
     }
 
@@ -830,7 +830,7 @@ mod tests {
         };
         for direction in [1.0, -1.0] {
             assert_eq!(findings("run", &starts_again(TAU, direction)), []);
-            let part = "after 5 rad (0.7958 turns); taken for one angle that goes on";
+            let part = "after 5 rad (0.7958 turns); unwrapped";
             let counter = starts_again(5.0, direction);
             expect(&counter, Some("wheel_angle"), Severity::Info, part);
             expect(

@@ -77,7 +77,7 @@ fn on_stones(
 
 const DUST_COVER: Effect = Effect {
     name: "dust_cover",
-    title: "dust lies on hard ground",
+    title: "dust on hard ground",
     edits: "contact.dust",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -113,7 +113,7 @@ const DOUBLING: f64 = 150.0;
 
 const GRAVEL_EMBEDDING: Effect = Effect {
     name: "gravel_embedding",
-    title: "stones lie in fines that drag on them",
+    title: "drag of fines on embedded stones",
     edits: "stones.drag",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -145,7 +145,7 @@ const GRAVEL_EMBEDDING: Effect = Effect {
 
 const SLOPE: Effect = Effect {
     name: "slope",
-    title: "the track rises in the direction of travel",
+    title: "uphill slope of the track",
     edits: "rig.slope_deg, added",
     stage: Stage::Physics,
     seats: &[Seat::new(

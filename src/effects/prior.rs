@@ -62,11 +62,11 @@ impl fmt::Display for Prior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Normal { mean, sd } => write!(f, "normal, {mean} ± {sd}"),
-            Self::HalfNormal { scale } => write!(f, "half normal, root mean square {scale}"),
+            Self::HalfNormal { scale } => write!(f, "half-normal, root mean square {scale}"),
             Self::LogNormal { median, factor } => {
                 write!(
                     f,
-                    "log-normal, median {median}, a deviation a factor of {factor}"
+                    "log-normal, median {median}, geometric standard deviation {factor}"
                 )
             }
             Self::Uniform { low, high } => write!(f, "uniform, {low} to {high}"),

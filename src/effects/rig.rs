@@ -13,7 +13,7 @@ const TYPICAL_SLIP: f64 = 0.3;
 
 const RIG_RESONANCE: Effect = Effect {
     name: "rig_resonance",
-    title: "the frame gives between wheel and slide",
+    title: "compliance of the frame between wheel and slide",
     edits: "rig.*.frame_flaws.compliance",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -56,7 +56,7 @@ const RIG_RESONANCE: Effect = Effect {
 
 const RAIL_FRICTION: Effect = Effect {
     name: "rail_friction",
-    title: "the vertical guide rubs",
+    title: "friction in the vertical guide",
     edits: "rig.*.frame_flaws.friction",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -99,7 +99,7 @@ const RAIL_FRICTION: Effect = Effect {
 
 const LOAD_DRIFT: Effect = Effect {
     name: "load_drift",
-    title: "the load grows with slip",
+    title: "load increase with slip",
     edits: "rig.*.load",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -145,7 +145,7 @@ const LOAD_DRIFT: Effect = Effect {
 
 const LOAD_TRANSFER: Effect = Effect {
     name: "load_transfer",
-    title: "the linkage adds a part of the pull to the load",
+    title: "transfer of pull to the load by the linkage",
     edits: "rig.*.frame_flaws.load_transfer",
     stage: Stage::Physics,
     seats: &[Seat::new(

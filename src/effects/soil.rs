@@ -48,7 +48,7 @@ fn soils(terrain: &mut TerrainSpec) -> Vec<&mut Soil> {
 
 const SLIP_SINKAGE: Effect = Effect {
     name: "slip_sinkage",
-    title: "slip makes the wheel sink deeper than by the soil's n_1",
+    title: "slip-sinkage in excess of the soil's n_1",
     edits: "soil.sinkage_exponent_slip, added",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -89,7 +89,7 @@ const NEW_LUGS: (u32, f64) = (30, 0.003);
 
 const LUG_ACTION: Effect = Effect {
     name: "lug_action",
-    title: "lugs cut and push soil: higher than stated, or 30 of them on a wheel stated to be smooth",
+    title: "lugs higher than stated, or (smooth wheel) 30 unmodelled lugs",
     edits: "wheel.lugs.height, added",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -137,7 +137,7 @@ const LUG_ACTION: Effect = Effect {
 
 const BULLDOZING: Effect = Effect {
     name: "bulldozing",
-    title: "the wheel pushes soil ahead of it",
+    title: "bulldozing resistance ahead of the wheel",
     edits: "soil.departures.front_pressure",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -179,7 +179,7 @@ const BULLDOZING: Effect = Effect {
 
 const MULTIPASS: Effect = Effect {
     name: "multipass",
-    title: "former wheels have compacted the track",
+    title: "soil compaction by previous passes",
     edits: "soil.departures.compaction; one wheel has passed, or more where the scenario states earlier ones",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -211,7 +211,7 @@ const MULTIPASS: Effect = Effect {
 
 const RATE_DEPENDENT_SOIL: Effect = Effect {
     name: "rate_dependent_soil",
-    title: "soil resists the more, the faster it is pressed",
+    title: "rate-dependent penetration resistance",
     edits: "soil.departures.rate_exponent",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -251,7 +251,7 @@ const MODULUS_PER_COHESION: f64 = 30.0;
 
 const APPARENT_COHESION: Effect = Effect {
     name: "apparent_cohesion",
-    title: "moisture holds the grains together",
+    title: "apparent cohesion by moisture",
     edits: "soil.cohesion, added",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -284,7 +284,7 @@ const APPARENT_COHESION: Effect = Effect {
 
 const THIN_SOFT_LAYER: Effect = Effect {
     name: "thin_soft_layer",
-    title: "a hard base lies close below the soil",
+    title: "rigid base below a soft layer",
     edits: "soil.departures.base_nearness, one over the depth of the base",
     stage: Stage::Physics,
     seats: &[Seat::new(

@@ -28,7 +28,7 @@ const TYPICAL_SPEED: f64 = 0.4;
 
 const WHEEL_ECCENTRICITY: Effect = Effect {
     name: "wheel_eccentricity",
-    title: "the axle stands beside the rim's centre",
+    title: "eccentricity of the axle",
     edits: "wheel.flaws.eccentricity",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -58,7 +58,7 @@ const WHEEL_ECCENTRICITY: Effect = Effect {
 
 const WHEEL_OVALITY: Effect = Effect {
     name: "wheel_ovality",
-    title: "the rim is oval",
+    title: "ovality of the rim",
     edits: "wheel.flaws.ovality",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -87,7 +87,7 @@ const WHEEL_OVALITY: Effect = Effect {
 
 const SHORT_LUG: Effect = Effect {
     name: "short_lug",
-    title: "one lug is short or broken off",
+    title: "one short or missing lug",
     edits: "wheel.flaws.short_lug",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -116,7 +116,7 @@ const SHORT_LUG: Effect = Effect {
 
 const LUG_WEAR: Effect = Effect {
     name: "lug_wear",
-    title: "all lugs are worn down",
+    title: "wear of all lugs",
     edits: "wheel.lugs.height",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -150,7 +150,7 @@ const LUG_WEAR: Effect = Effect {
 
 const MOTOR_COGGING: Effect = Effect {
     name: "motor_cogging",
-    title: "motor or gear turns the wheel by jerks",
+    title: "speed ripple by motor cogging or gear",
     edits: "rig.*.drive_flaws.cogging",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -188,7 +188,7 @@ const MOTOR_COGGING: Effect = Effect {
 
 const SERVO_RIPPLE: Effect = Effect {
     name: "servo_ripple",
-    title: "the speed loop hunts",
+    title: "speed-loop oscillation",
     edits: "rig.*.drive_flaws.hunting",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -224,7 +224,7 @@ const SERVO_RIPPLE: Effect = Effect {
 
 const ENCODER_SCALE: Effect = Effect {
     name: "encoder_scale",
-    title: "encoder or rim radius is off, and the speed loop trusts it",
+    title: "encoder scale error within the speed loop",
     edits: "rig.*.drive_flaws.wheel_scale, sensors.encoder.wheel_angle.gain",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -278,7 +278,7 @@ fn scale_wheel(setup: &mut Setup, scale: f64) {
 
 const CARRIAGE_SCALE: Effect = Effect {
     name: "carriage_scale",
-    title: "the carriage's scale is off, and its speed loop trusts it",
+    title: "carriage scale error within its speed loop",
     edits: "rig.*.drive_flaws.carriage_scale, sensors.encoder.forward_speed.gain",
     stage: Stage::Physics,
     seats: &[Seat::new(
@@ -335,7 +335,7 @@ fn shorten(
 
 const DRIVE_VIBRATION: Effect = Effect {
     name: "drive_vibration",
-    title: "motor and gear shake the axle",
+    title: "vibration of motor and gear at the axle",
     edits: "sensors.accelerometer.drive_vibration",
     stage: Stage::Sensors,
     seats: &[Seat::new(

@@ -36,10 +36,10 @@ impl fmt::Display for Caveat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OneCondition => {
-                f.write_str("one condition only: the dependence of the gap on it is unknown")
+                f.write_str("one condition only: how the difference depends on the condition is unknown")
             }
             Self::NoRepeats => f.write_str(
-                "no condition was measured twice: measurements are taken to spread as replicates do",
+                "no condition was measured twice: the measured scatter is assumed equal to that of simulated repeats",
             ),
             Self::NotSimulated(conditions) => write!(
                 f,

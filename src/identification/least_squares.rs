@@ -26,7 +26,7 @@ impl fmt::Display for Termination {
         f.write_str(match self {
             Self::Converged => "converged",
             Self::PrecisionReached => "double precision allows no further step",
-            Self::OutOfPatience => "the steps allowed were used up",
+            Self::OutOfPatience => "maximum number of evaluations reached",
             Self::NotFinite => "the equations gave a number that is not finite",
         })
     }

@@ -98,9 +98,8 @@ impl fmt::Display for LoadMissed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the load itself is missed: at the slip and sinkage measured the parameters carry {:.0} % more or less than the \
-             load measured, {:+.0} % at slip {:.2}; the load is known to {:.1} %, with the errors of slip and sinkage \
-             to {:.0} %",
+            "at the measured slip and sinkage the predicted load deviates by {:.0} % from the measured load, by {:+.0} % \
+             at slip {:.2}; its uncertainty is {:.1} %, with the errors of slip and sinkage {:.0} %",
             self.percent,
             self.worst_percent,
             self.worst_slip,

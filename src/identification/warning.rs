@@ -88,7 +88,7 @@ impl fmt::Display for Warning {
             ),
             Self::PeakAtEnd { slip } => write!(
                 f,
-                "the maximum stress is at an end of the contact at slip {slip:.3}, which bounds it"
+                "the angle of maximum stress reached an end of the contact arc at slip {slip:.3}"
             ),
             Self::Misfit { reduced_chi_square } => write!(
                 f,

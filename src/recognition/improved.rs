@@ -214,7 +214,8 @@ impl<'r> Evidence<'r> {
             height,
             ..
         } = *rhythm;
-        let seen = format!("of {cells} lug passes {struck} struck in step with the lugs");
+        let seen =
+            format!("of {cells} lug passes {struck} had an impact synchronous with the lugs");
         let [drift, error] = rhythm.drift;
         let shifted = drift.abs() * cells as f64;
         if drift.abs() > DRIFTS * error && shifted > OUT_OF_STEP {
@@ -249,7 +250,7 @@ impl<'r> Evidence<'r> {
         let limit = QUIET.min(self.stands_out);
         let leis = self.most_below(limit);
         let seen = format!(
-            "of {} lug passes {} were quiet, without impacts",
+            "of {} lug passes {} had no impact",
             self.loudest.len(),
             self.passes_below(limit)
         );
@@ -282,7 +283,7 @@ impl<'r> Evidence<'r> {
         } = self.pulses;
         let support = &self.record.support;
         if background <= ABOVE_NOISE * noise || kurtosis <= BURSTS {
-            Some("nothing but noise: is the accelerometer alive?")
+            Some("nothing but noise: is the accelerometer connected?")
         } else if support.carries(self.span).is_none() {
             Some("no normal force over a known load shows that ground carries the wheel")
         } else if support.lugs_are_in_the_ground(self.span) == Some(false) {
@@ -315,7 +316,7 @@ impl<'r> Evidence<'r> {
             class: if slct > 0.5 { Wtic::Slct } else { Wtic::Uwtic },
             confidence: slct,
             reason: format!(
-                "impacts in {loud} of {passes} lug passes, in step with nothing; unequal with probability {:.2}",
+                "impacts in {loud} of {passes} lug passes, without lug period; unequal with probability {:.2}",
                 self.unequal
             ),
             offset: None,

@@ -27,7 +27,7 @@ impl ArmColumn {
     /// What stands above the column.
     pub fn title(self, effect: &str) -> String {
         match self {
-            Self::AsShipped => "as shipped".to_owned(),
+            Self::AsShipped => "nominal".to_owned(),
             Self::Recalibrated => "recalibrated".to_owned(),
             Self::WithEffect => format!("with {effect}"),
         }

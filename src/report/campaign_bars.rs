@@ -17,11 +17,11 @@ const SHOWN: usize = 40;
 
 /// What a part of a bar stands for, in its order, and its colour.
 const PARTS: [(&str, &str); 6] = [
-    ("what is so", PALETTE[0]),
+    ("true cause", PALETTE[0]),
     ("other effects", PALETTE[1]),
-    ("parameters off", PALETTE[2]),
-    ("nothing missing or off", PALETTE[4]),
-    ("something unknown", PALETTE[5]),
+    ("parameters", PALETTE[2]),
+    ("none", PALETTE[4]),
+    ("unknown cause", PALETTE[5]),
     ("undecided", "#b9c0cc"),
 ];
 

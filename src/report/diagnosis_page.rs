@@ -80,7 +80,7 @@ pub fn diagnosis_page(report: &DiagnosisReport) -> Page {
         ),
         answer: answer::sentence(report),
         intro: "A gap is a difference between measured and simulated runs at the same load, speed and slip. Three \
-         simulators are compared with the measurements: the scenario as shipped, the scenario with its parameters \
+         simulators are compared with the measurements: the nominal scenario, the scenario with its parameters \
          recalibrated within their priors, and the recalibrated scenario with an effect added. An effect is \
          inferred from the remainder after recalibration only."
             .to_owned(),
@@ -94,8 +94,9 @@ fn looks(report: &DiagnosisReport) -> Section {
     let named = report.named();
     let mut section = Section::new("Measured and simulated runs");
     if named.is_empty() {
-        section = section
-            .prose("No effect is named: the runs are simulated as shipped and recalibrated only.");
+        section = section.prose(
+            "No effect is named: only the nominal and the recalibrated scenario are simulated.",
+        );
     }
     let drawn = |traces, layout| arm_traces(traces, &named, layout);
     let traces = report.traces.and_then(|traces| {

@@ -35,14 +35,14 @@ struct Step {
 /// vermilion. `added` names the effect. One SVG 1100 px wide.
 pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String {
     let steps = steps(gaps, added);
-    let title = "Shrinkage of the gap";
+    let title = "Closed share of the difference";
     let mut canvas = Canvas::new([WIDTH, PANEL.bottom() + 76.0], title);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
     let whisker = interval(gaps, closed);
     let note = if whisker.is_empty() {
-        "Floor: what a perfect model scores."
+        "Noise floor: score of a perfect model."
     } else {
-        "Floor: what a perfect model scores. Whisker: 95 % interval of what the effect closes."
+        "Noise floor: score of a perfect model. Whisker: 95 % interval of what the effect closes."
     };
     canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, note);
     let ends: Vec<f64> = steps.iter().flat_map(|step| [step.from, step.to]).collect();
@@ -53,7 +53,7 @@ pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String
         x: Axis::exact([0.0, steps.len() as f64], [PANEL.left, PANEL.right()]),
         y: Axis::roomy([low.min(0.0), high.max(0.0)], [PANEL.bottom(), PANEL.top]),
     };
-    let header = "Energy score [scatters per statistic]";
+    let header = "Energy score [standard deviations per statistic]";
     panel.draw_category_frame(&mut canvas, header);
     for (place, step) in steps.iter().enumerate() {
         draw_step(&mut canvas, &panel, place as f64, step);
@@ -97,7 +97,7 @@ fn steps(gaps: &Gaps, added: &str) -> Vec<Step> {
         ..fall("unknown remainder".to_owned(), with_effect, floor, UNKNOWN)
     };
     vec![
-        total("as shipped", as_shipped, "#8a93a3"),
+        total("nominal", as_shipped, "#8a93a3"),
         fall(
             "parameters recalibrated".to_owned(),
             as_shipped,
@@ -134,7 +134,7 @@ fn draw_step(canvas: &mut Canvas, panel: &Panel, place: f64, step: &Step) {
         signed(step.to - step.from)
     };
     let reading = format!(
-        "{}: energy score {value} scatters per statistic, from {} to {}",
+        "{}: energy score {value} standard deviations per statistic, from {} to {}",
         step.name,
         four_digits(step.from),
         four_digits(step.to)

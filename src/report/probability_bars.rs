@@ -66,13 +66,9 @@ fn bars(probabilities: &BTreeMap<String, f64>) -> Vec<(String, f64)> {
 
 /// Answers that name no effect: their colours and what they are called.
 const PLAIN: [(Answer, &str, &str); 4] = [
-    (Answer::None, PALETTE[2], "nothing missing, nothing off"),
-    (
-        Answer::Parameter,
-        PALETTE[2],
-        "parameters off, nothing missing",
-    ),
-    (Answer::Unknown, PALETTE[5], "something unknown"),
+    (Answer::None, PALETTE[2], "none"),
+    (Answer::Parameter, PALETTE[2], "parameters"),
+    (Answer::Unknown, PALETTE[5], "unknown cause"),
     (Answer::Undecided, "#8a93a3", "undecided"),
 ];
 

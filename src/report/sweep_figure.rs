@@ -48,7 +48,7 @@ impl SweptKey<'_> {
 }
 
 /// Steady means over the values of a key, a panel a quantity and a line for every scenario and combination of the
-/// other swept keys; then the share of right answers of every method at every value with Wilson's 95 % interval, a
+/// other swept keys; then the share of correct answers of every method at every value with Wilson's 95 % interval, a
 /// panel for every true class that occurs. One SVG as wide as `layout` says: on a screen the means are in two columns.
 pub fn sweep_figure(swept: &SweptKey, layout: Layout) -> String {
     let title = format!("Results over {}", swept.key_and_unit());
@@ -124,7 +124,7 @@ mod tests {
             methods: methods.to_vec(),
         };
         let figure = sweep_figure(&swept, Layout::SCREEN);
-        assert_eq!(figure.matches("share of right answers").count(), 2);
+        assert_eq!(figure.matches("share of correct answers").count(), 2);
         for shares in ["25 % of 4", "100 % of 4", "50 % of 4"] {
             let of_method = format!("paper: {shares} windows at wheel.lugs.count");
             assert_eq!(figure.matches(&of_method).count(), 1, "{shares}");

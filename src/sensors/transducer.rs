@@ -27,7 +27,7 @@ pub struct Transducer {
     pub single_pole: f64,
     /// Reading over quantity [-].
     pub gain: f64,
-    /// Growth [1/unit] of that, as part of it, with the size of the quantity.
+    /// Relative change [1/unit] of the gain per unit of the quantity.
     pub curvature: f64,
     /// Reading at zero [unit].
     pub bias: f64,
@@ -44,11 +44,11 @@ pub struct Transducer {
     pub ripple: f64,
     /// Largest reading [unit], either way; beyond it the channel clips.
     pub range: f64,
-    /// Reading [unit] that a channel nears without reaching it, either way.
+    /// Saturation level `R` [unit] of the reading `R tanh(x/R)`, either way.
     pub soft_range: f64,
-    /// Step [unit] between readings; 0 is continuous.
+    /// Quantisation step [unit] with rounding; 0 is continuous.
     pub resolution: f64,
-    /// Step [unit] of a converter that drops what is left over, toward 0; 0 is continuous.
+    /// Quantisation step [unit] with truncation toward zero; 0 is continuous.
     pub truncation: f64,
     /// Time \[s\] by which readings lag their time stamps.
     pub delay: f64,

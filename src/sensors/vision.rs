@@ -24,7 +24,7 @@ pub struct Vision {
     pub slip_frames: u32,
     /// Sinkage read over sinkage [-].
     pub sinkage_gain: f64,
-    /// Sinkage read at none \[m\].
+    /// Offset \[m\] of the sinkage reading.
     pub sinkage_bias: f64,
     /// Standard deviation \[m\] of the sinkage in a frame.
     pub sinkage_noise: f64,

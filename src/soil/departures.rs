@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Departures {
-    /// Weight `w` [-] of the sinkage that slip adds by digging, beside `n_1`; 1 is Lyasko's.
+    /// Weight `w` [-] of Lyasko's slip-sinkage term, beside `n_1`; 1 is the full term.
     #[serde(skip_serializing_if = "is_zero")]
     pub slip_digging: f64,
     /// Gain `m` [-] of the soil's moduli where many wheels have passed; the number of passes is one, or
@@ -37,13 +37,14 @@ pub struct Departures {
     /// Number [-] of wheels that passed before the last one; the surface is that of their rut.
     #[serde(skip_serializing_if = "is_zero")]
     pub earlier_passes: f64,
-    /// Depth `z_p` \[m\] by which the soil was pressed before, below what was then its surface.
+    /// Depth `z_p` \[m\] of an earlier precompression, below the surface before it.
     #[serde(skip_serializing_if = "is_zero")]
     pub precompression: f64,
-    /// Nearness `1/H` [1/m] of a hard base at the depth `H`, felt as `1/(1 - z/H)`.
+    /// Inverse depth `1/H` [1/m] of a rigid base: `z` is replaced by `z/(1 - z/H)`.
     #[serde(skip_serializing_if = "is_zero")]
     pub base_nearness: f64,
-    /// The same, felt as `-ln(1 - z/H)`: later and more suddenly.
+    /// Inverse depth `1/H` [1/m] of a rigid base: `z` is replaced by `-H ln(1 - z/H)`, which acts later and more
+    /// abruptly.
     #[serde(skip_serializing_if = "is_zero")]
     pub sudden_base_nearness: f64,
     /// Exponent `m` [-] of pressure over penetration rate.

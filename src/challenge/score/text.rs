@@ -74,12 +74,12 @@ impl Scores {
         lines.extend(of_single(Set::C2, &self.other_form));
         lines.extend([
             percent(
-                "C1 less C2, up to equivalence",
+                "C1 minus C2, up to equivalence",
                 &self.c1_less_c2,
                 "10 % or less",
             ),
             percent("C3 unknown", &left_out.unknown, ""),
-            percent("C3 located where it shows", &left_out.located, ""),
+            percent("C3 located in an affected channel", &left_out.located, ""),
             percent("C4 one named", &pairs.one_named, "90 % or more"),
             percent("C4 both named", &pairs.both_named, "60 % or more"),
         ]);
@@ -96,7 +96,7 @@ impl Scores {
             ),
             number("unknown: F1", &self.unknown.f1, ""),
             number(
-                "probability of the right answer",
+                "probability of the correct answer",
                 &self.probability_on_truth,
                 "0.75 or more",
             ),
@@ -124,7 +124,7 @@ impl Scores {
             let share = value(&effect.top1_equivalent, Shown::Percent).written();
             writeln!(
                 f,
-                "  {:<22}{share:>8}  taken for {partner}; the run to make: {run}",
+                "  {:<22}{share:>8}  confused with {partner}; recommended run: {run}",
                 effect.effect
             )?;
         }
@@ -155,16 +155,16 @@ fn of_single(set: Set, single: &Single) -> Vec<Line<'_>> {
     ];
     lines.extend(levels);
     lines.extend([
-        line("among the three likeliest", &single.top3, Percent, ""),
+        line("among the three most probable", &single.top3, Percent, ""),
         line(
-            "size of a set of equivalents",
+            "size of the equivalence set",
             &single.set_size,
             Number,
             "2 or less",
         ),
         line("undecided", &single.undecided, Percent, ""),
         line(
-            "error of magnitude over its scale",
+            "magnitude error over the typical magnitude",
             &single.magnitude_error,
             Percent,
             "15 % or less",
@@ -176,13 +176,13 @@ fn of_single(set: Set, single: &Single) -> Vec<Line<'_>> {
             "",
         ),
         line(
-            "intervals that cover the magnitude",
+            "magnitude within its 95 % interval",
             &single.magnitude_covered,
             Percent,
             "",
         ),
         line(
-            "closed, over an oracle's",
+            "closed share over that of the true effect",
             &single.closed,
             Number,
             "0.8 or more",

@@ -56,10 +56,10 @@ impl Identified {
         };
         let section = section
             .prose(
-                "Fifteen runs at five slips under three loads, first of a smooth wheel on the stresses that equations (62) to \
-                 (66) assume: what was put in should come out. Then of the lugged wheel on Wong and Reece's stresses: a rim \
-                 stands for it in the equations, so that its parameters are those of wheel and sand together, need not be \
-                 the sand's, and give the forces back less well.",
+                "Fifteen runs at five slips under three loads, first of a smooth wheel on the stresses that equations \
+                 (62) to (66) assume: the true parameters should be recovered. Then of the lugged wheel on Wong and \
+                 Reece's stresses: the equations represent it by its rim, so that the parameters are effective ones of \
+                 wheel and sand together, may differ from the sand's, and reproduce the forces less accurately.",
             )
             .table(study_page::identified_parameters(&self.score));
         let section = match study_page::not_steady(&self.score) {

@@ -93,10 +93,10 @@ impl Recognition {
         let section = Section::new("Recognition of the ground from vibration")
             .answer(self.answer())
             .prose(
-                "ALCT: all lugs contact the surface, as on slate. SLCT: some do, as on gravel. LEIS: lugs enter soil, as \
-                 in sand. UWTIC: the class is unknown. Nothing was trained: lugwheel recognize goes lug by lug (improved) or \
-                 by the regions that the paper sets to four features (paper), each taken over the same wheel on flat hard \
-                 ground. Intervals of shares are Wilson's, of 95 %.",
+                "ALCT: all lugs contact the surface, as on slate. SLCT: some do, as on gravel. LEIS: lugs enter soil, \
+                 as in sand. UWTIC: the class is unknown. No training data are used: lugwheel recognize tests each lug \
+                 pass (improved), or uses the regions of the paper for four features (paper), each relative to the \
+                 same wheel on flat hard ground. Intervals of shares are Wilson's, of 95 %.",
             )
             .table(self.table());
         let matrices = METHODS

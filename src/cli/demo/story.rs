@@ -324,7 +324,7 @@ fn provenance(results: &Results) -> page::Provenance {
         (
             "scenarios",
             format!(
-                "the single wheel's as shipped, with {}",
+                "the ready ones of the single wheel, with {}",
                 EDITS.join(" and ")
             ),
         ),

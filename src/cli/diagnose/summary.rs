@@ -164,7 +164,8 @@ impl Summary {
         if let Some(gap) = gap {
             writeln!(
                 f,
-                "\ngap (scatters per statistic): as shipped {:.2}, recalibrated {:.2}, with {added} {:.2}, floor {:.2}",
+                "\ngap (standard deviations per statistic): nominal {:.2}, recalibrated {:.2}, with {added} {:.2}, \
+                 noise floor {:.2}",
                 gap.as_shipped, gap.recalibrated, gap.with_effect, gap.floor
             )?;
         }
@@ -182,7 +183,7 @@ impl Summary {
         if let Some(next) = &verdict.next_run {
             writeln!(
                 f,
-                "next run: {}, where {} and {} differ by {:.2} scatters per statistic (here {:.2})",
+                "next run: {}, where {} and {} differ by {:.2} standard deviations per statistic (here {:.2})",
                 next.run, next.between[0], next.between[1], next.separation[1], next.separation[0]
             )?;
         }
@@ -204,7 +205,8 @@ impl Summary {
         };
         writeln!(
             f,
-            "\nmap: {} of {} cells differ (energy p = {:.3}, strongest p = {:.3}); after recalibration {located}",
+            "\nmap: {} of {} statistics differ (energy test p = {:.3}, strongest p = {:.3}); after recalibration \
+             {located}",
             differ.count(),
             map.len(),
             global.energy.p,

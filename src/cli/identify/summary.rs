@@ -397,7 +397,7 @@ fn warning(warning: &Warning) -> WarningReport {
         Warning::PeakAtEnd { .. } => (
             "peak_at_end",
             "c1, c2 and K are determined by the bound and not by the loads, and the other intervals are conditional on \
-             it: check the radius by which slip is taken, the convention and c3",
+             it: check the slip radius, the stress distribution and c3",
         ),
         Warning::Misfit { .. } => (
             "misfit",

@@ -145,7 +145,7 @@ impl Report {
         if self.warnings.is_empty() {
             return Ok(());
         }
-        writeln!(f, "\nWARNING, read before using any number")?;
+        writeln!(f, "\nWARNINGS")?;
         for warning in &self.warnings {
             let text = format!("{}: {}", warning.message, warning.meaning);
             write_item(f, "  ! ", &text)?;
@@ -156,7 +156,7 @@ impl Report {
     fn write_parameters(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "\n{:<10}{:>12}  {:<26}{:<12}standing",
+            "\n{:<10}{:>12}  {:<26}{:<12}status",
             "parameter", "value", "95 % interval", "unit"
         )?;
         for (parameter, report) in &self.parameters {
@@ -164,7 +164,7 @@ impl Report {
             let unit = shown_unit(report.unit);
             let interval = interval(report);
             let standing = match &report.reason {
-                _ if report.effective => "effective".to_owned(),
+                _ if report.effective => "effective (this wheel and load only)".to_owned(),
                 Some(reason) => format!("not identifiable: {reason}"),
                 None => report.standing.to_string(),
             };
@@ -256,12 +256,12 @@ impl Report {
         writeln!(
             f,
             "\n{:<28}{:>9}{ground}",
-            "error by slip and sinkage", "here"
+            "error at measured sinkage", "here"
         )?;
         write_error(f, "drawbar pull F_DP", given.drawbar_pull, table_7[0])?;
         write_error(f, "load W", given.load, table_7[1])?;
         write_error(f, "driving torque T_D", given.driving_torque, table_7[2])?;
-        writeln!(f, "error by slip and load")?;
+        writeln!(f, "error at predicted sinkage (given load)")?;
         if predicted.drawbar_pull.is_none() {
             writeln!(f, "  none: the parameters give no prediction for some rows")?;
         }
@@ -270,10 +270,10 @@ impl Report {
         }
         write_error(f, "drawbar pull F_DP", predicted.drawbar_pull, None)?;
         write_error(f, "driving torque T_D", predicted.driving_torque, None)?;
-        let note = "Mean absolute error over mean absolute value, of the rows fitted. By slip and sinkage, as \
-                    in Table 7 of Lv et al. 2023 (another rig and ground), the law is evaluated at the \
-                    measured sinkage, whose errors the exponent amplifies; by slip and load, at the \
-                    sinkage that carries the load.";
+        let note = "Mean absolute error over mean absolute value, of the rows fitted. At the measured sinkage, as \
+                    in Table 7 of Lv et al. 2023 (another rig and ground), the exponent amplifies the errors \
+                    of the measured sinkage; the predicted sinkage is the one at which the soil supports the \
+                    given load.";
         for line in wrapped(note, LINE) {
             writeln!(f, "{line}")?;
         }
@@ -315,9 +315,9 @@ fn class_source(origin: &Origin, runs: &[&RunReport]) -> String {
         }
         Origin::Other(ClassSource::Known { source, because }) => {
             let source = match source {
-                Source::GroundTruth => "the contacts recorded by the simulation",
+                Source::GroundTruth => "simulated lug contacts",
                 Source::RunClass => "the class in the run file",
-                Source::Terrain => "the class the paper gives the terrain",
+                Source::Terrain => "the class of the terrain in the paper",
             };
             format!("by {source}, since recognition failed ({because})")
         }

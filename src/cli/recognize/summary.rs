@@ -343,12 +343,12 @@ impl fmt::Display for Score {
             windows(accuracy.n)
         )?;
         let source = |source: &Source| match source {
-            Source::GroundTruth => "the contacts recorded by the simulation",
+            Source::GroundTruth => "simulated lug contacts",
             Source::RunClass => "the class in the run file",
-            Source::Terrain => "the class the paper gives the terrain",
+            Source::Terrain => "the class of the terrain in the paper",
         };
         for (from, count) in &self.sources {
-            writeln!(f, "{} against {}", windows(*count), source(from))?;
+            writeln!(f, "{} scored against {}", windows(*count), source(from))?;
         }
         Ok(())
     }

@@ -196,13 +196,16 @@ fn check_speed(subject: &Subject<'_>, doubts: &mut Doubts) {
     }
     let (severity, guess) = match factor(speed / expected) {
         Some(guess) => (Severity::Error, guess),
-        None => (Severity::Warning, "the label is wrong; trust the channel"),
+        None => (
+            Severity::Warning,
+            "commanded value incorrect? use the measured value",
+        ),
     };
     let [speed, expected] = [speed, expected].map(|speed| number(1.0e3 * speed));
     let seen = if turning.is_some() {
         format!("mean is {speed} mm/s, by wheel angle and slip {expected} mm/s")
     } else {
-        format!("the run commanded {expected} mm/s ran at {speed} mm/s")
+        format!("commanded {expected} mm/s, measured {speed} mm/s")
     };
     doubts.channel(name, severity, &seen, guess);
 }
@@ -241,7 +244,7 @@ fn check_slip(subject: &Subject<'_>, doubts: &mut Doubts) {
             None => String::new(),
         };
         let seen = format!(
-            "the run commanded slip {}{} ran at slip {}{}",
+            "commanded slip {}{}, measured slip {}{}",
             number(commanded),
             rim(commanded, ordered),
             number(slip),
@@ -250,7 +253,7 @@ fn check_slip(subject: &Subject<'_>, doubts: &mut Doubts) {
         let guess = if (slip + commanded).abs() <= SLIP_TOLERANCE && !is_by_turning {
             "same size, other sign: slip is above 0 where the rim is faster than the wheel"
         } else {
-            "the label is wrong; trust the channel"
+            "commanded value incorrect? use the measured value"
         };
         doubts.channel(channel, Severity::Warning, &seen, guess);
     }

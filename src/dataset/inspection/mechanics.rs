@@ -171,10 +171,10 @@ impl Loads {
         Some(match into {
             into if into > 0.0 => {
                 let ratio = number(out / into);
-                format!("{pull} gives {ratio} times the power that the torque puts in")
+                format!("{pull}: the output power is {ratio} times the input power of the torque")
             }
-            0.0 => format!("{pull} gives power, and the torque puts none in"),
-            _ => format!("{pull} gives power, and the torque brakes"),
+            0.0 => format!("{pull}: output power without input power of the torque"),
+            _ => format!("{pull}: output power although the torque brakes"),
         })
     }
 
@@ -202,8 +202,8 @@ impl Loads {
         let slack = SIGMAS * noise + GAIN * gain + ZERO * self.load;
         (resistance - most > slack).then(|| {
             format!(
-                "{of} leaves a resistance of {} N, more than the {} N that ground can give as deep as the \
-                 wheel is in it (load x tan(entry angle))",
+                "{of} leaves a resistance of {} N, more than the {} N that the ground can exert at this \
+                 sinkage (load x tan(entry angle))",
                 number(resistance),
                 number(most)
             )
@@ -350,7 +350,7 @@ mod tests {
             untared
                 .power()
                 .unwrap()
-                .contains("times the power that the torque puts in")
+                .contains("times the input power of the torque")
         );
         let uncertain = Loads {
             pull: Steady {

@@ -40,7 +40,7 @@ fn check_counter(subject: &Subject<'_>, doubts: &mut Doubts) {
         .and_then(|(_, turning)| turning.roll_over);
     if let Some(counter) = roll_over {
         let seen = format!(
-            "starts again {} after {} rad ({} turns); taken for one angle that goes on",
+            "starts again {} after {} rad ({} turns); unwrapped",
             match counter.times {
                 1 => "once".to_owned(),
                 times => format!("{times} times"),

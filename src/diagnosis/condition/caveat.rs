@@ -98,15 +98,16 @@ impl fmt::Display for Caveat {
                 "most runs ran at another slip than stated, as by a fault of the rig: the slips stated are kept",
             ),
             Self::NotSimulated(channels) => {
-                write!(f, "no simulation makes {}", channels.join(", "))
+                let are = if channels.len() == 1 { "is" } else { "are" };
+                write!(f, "{} {are} not simulated", channels.join(", "))
             }
             Self::SetDown => f.write_str(
-                "simulated runs begin as the wheel is set down, which jolts it more than rolling does: where \
-                 the measured ones begin in steady rolling, give the scenario a lead-in (--set lead_in=2)",
+                "simulated runs start with touchdown, which causes an impact stronger than those of rolling: if \
+                 the measured ones start in steady rolling, give the scenario a lead-in (--set lead_in=2)",
             ),
             Self::Noiseless => f.write_str(
-                "simulated sensors are without noise, and agree better than any rig's: give the scenario's \
-                 sensors the noise of the rig's",
+                "the simulated sensors are without noise, so that simulated repeats scatter less than measured \
+                 ones: specify the sensor noise in the scenario",
             ),
             Self::LeftOut { run, reason } => {
                 write!(f, "run {} of those given is left out: {reason}", run + 1)

@@ -32,7 +32,7 @@ pub(super) fn transducer<'a>(
 
 pub(super) const LOW_PASS: Effect = Effect {
     name: "low_pass",
-    title: "a channel has less bandwidth than stated",
+    title: "lower bandwidth of a channel than stated",
     edits: "bandwidth of the channel",
     stage: Stage::Sensors,
     seats: &[
@@ -79,7 +79,7 @@ const CORNER: Seat = Seat {
 
 pub(super) const MOUNTING_RESONANCE: Effect = Effect {
     name: "mounting_resonance",
-    title: "the accelerometer's mount resonates",
+    title: "mounting resonance of the accelerometer",
     edits: "sensors.accelerometer.mounting_frequency",
     stage: Stage::Sensors,
     seats: &[Seat {
@@ -122,7 +122,7 @@ pub(super) const MOUNTING_RESONANCE: Effect = Effect {
 
 pub(super) const GAIN_ERROR: Effect = Effect {
     name: "gain_error",
-    title: "a channel's sensitivity is off",
+    title: "gain error of a channel",
     edits: "gain of the channel",
     stage: Stage::Sensors,
     seats: &[
@@ -162,7 +162,7 @@ const GAIN: Seat = Seat::new("-", [-0.5, 0.5], [0.01, 0.03, 0.08], Prior::normal
 
 pub(super) const NONLINEARITY: Effect = Effect {
     name: "nonlinearity",
-    title: "a channel reads in no straight proportion",
+    title: "nonlinearity of a channel",
     edits: "curvature of the channel",
     stage: Stage::Sensors,
     seats: &[
@@ -205,7 +205,7 @@ fn typical(setup: &Setup, seated: Seated) -> f64 {
 
 pub(super) const BIAS_DRIFT: Effect = Effect {
     name: "bias_drift",
-    title: "a channel's zero has moved since it was tared",
+    title: "zero drift of a channel since taring",
     edits: "bias of the channel",
     stage: Stage::Sensors,
     seats: &[
@@ -247,7 +247,7 @@ const fn offset(unit: &'static str, levels: [f64; 3]) -> Seat {
 
 pub(super) const ADDED_NOISE: Effect = Effect {
     name: "added_noise",
-    title: "a channel is noisier than stated",
+    title: "higher noise of a channel than stated",
     edits: "noise density of the channel; sensors.vision.sinkage_noise",
     stage: Stage::Sensors,
     seats: &[
@@ -291,7 +291,7 @@ pub(super) const ADDED_NOISE: Effect = Effect {
 
 pub(super) const MAINS_HUM: Effect = Effect {
     name: "mains_hum",
-    title: "the mains hum in a channel",
+    title: "mains hum in a channel",
     edits: "hum of the channel",
     stage: Stage::Sensors,
     seats: &[

@@ -12,7 +12,7 @@ const TILTED: Seat = Seat::new("°", [-45.0, 45.0], [0.3, 1.0, 3.0], Prior::norm
 
 pub(super) const SENSOR_TILT: Effect = Effect {
     name: "sensor_tilt",
-    title: "a sensor leans in the direction of travel",
+    title: "sensor tilt in the direction of travel",
     edits: "sensors.accelerometer.tilt_deg; of the force sensor (drawbar_pull): \
             sensors.force_torque.crosstalk",
     stage: Stage::Sensors,
@@ -40,7 +40,7 @@ pub(super) const SENSOR_TILT: Effect = Effect {
 
 pub(super) const FORCE_CROSSTALK: Effect = Effect {
     name: "force_crosstalk",
-    title: "a bridge of the force sensor sees another load",
+    title: "force-sensor crosstalk",
     edits: "sensors.force_torque.crosstalk",
     stage: Stage::Sensors,
     seats: &[

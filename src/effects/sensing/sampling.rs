@@ -5,7 +5,7 @@ use crate::effects::{Bound, Effect, OtherForm, Prior, Seat, Signature, Source, S
 
 pub(super) const CLIPPING: Effect = Effect {
     name: "clipping",
-    title: "a channel saturates",
+    title: "saturation of a channel",
     edits: "range of the channel",
     stage: Stage::Sensors,
     seats: &[
@@ -52,7 +52,7 @@ const fn rail(unit: &'static str, levels: [f64; 3]) -> Seat {
 
 pub(super) const QUANTIZATION: Effect = Effect {
     name: "quantization",
-    title: "a converter has coarse steps",
+    title: "coarse quantisation of a channel",
     edits: "resolution of the channel; sensors.vision.sinkage_resolution",
     stage: Stage::Sensors,
     seats: &[
@@ -93,7 +93,7 @@ pub(super) const QUANTIZATION: Effect = Effect {
 
 pub(super) const CLOCK_ERROR: Effect = Effect {
     name: "clock_error",
-    title: "the sampling clock is off",
+    title: "rate error of the sampling clock",
     edits: "sensors.clock_error",
     stage: Stage::Sensors,
     seats: &[Seat::new(
@@ -121,7 +121,7 @@ pub(super) const CLOCK_ERROR: Effect = Effect {
 
 pub(super) const CHANNEL_DELAY: Effect = Effect {
     name: "channel_delay",
-    title: "a channel lags behind the others",
+    title: "delay of a channel relative to the others",
     edits: "delay of the channel; sensors.encoder.wheel_angle.delay; sensors.vision.delay",
     stage: Stage::Sensors,
     seats: &[
@@ -172,7 +172,7 @@ const LAG: Seat = Seat::new(
 
 pub(super) const ALIASING: Effect = Effect {
     name: "aliasing",
-    title: "samples are dropped without a filter",
+    title: "aliasing by decimation without a filter",
     edits: "sensors.alias_leak",
     stage: Stage::Sensors,
     seats: &[Seat::new(

@@ -67,7 +67,7 @@ class Diagnosis:
 
     @property
     def gap(self) -> Dict[str, float]:
-        """Distance of simulation and rig as shipped, recalibrated and with the effect, and the floor."""
+        """Distance of rig and simulation: nominal, recalibrated, with the effect, and the noise floor."""
         return self.document["gap"]
 
     @property

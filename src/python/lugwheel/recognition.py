@@ -40,7 +40,7 @@ class Recognition:
         return None if counts is None else pd.DataFrame(counts).T
 
     def plot(self, ax: Optional[matplotlib.axes.Axes] = None) -> matplotlib.axes.Axes:
-        """Classes of the windows over time, a row a run."""
+        """Classes of the windows over time, one row per run."""
         from . import figures
 
         return figures.classes(self, ax)

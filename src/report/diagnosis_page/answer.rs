@@ -132,8 +132,8 @@ fn likeliest(verdict: &Verdict, but: &[Answer]) -> String {
         .collect();
     match &named[..] {
         [] => String::new(),
-        [one] => format!(" Likeliest is {one}."),
-        _ => format!(" Likeliest are {}.", listed(&named, "and")),
+        [one] => format!(" Most probable is {one}."),
+        _ => format!(" Most probable are {}.", listed(&named, "and")),
     }
 }
 
@@ -160,7 +160,7 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
             ),
         ),
         (
-            "differ at all?".to_owned(),
+            "test of equality".to_owned(),
             format!(
                 "all statistics together {}, strongest statistic {}; the least attainable with so few runs is \
                  {:.3}",
@@ -171,12 +171,7 @@ pub fn rests_on(diagnosis: &Diagnosis) -> Section {
         ),
     ];
     let fact = |name: &str, text: &String| (name.to_owned(), text.clone());
-    facts.extend(
-        verdict
-            .reasons
-            .iter()
-            .map(|it| fact("less certain because", it)),
-    );
+    facts.extend(verdict.reasons.iter().map(|it| fact("limitation", it)));
     facts.extend(caveats.iter().map(|it| fact("caveat", it)));
     Section::new("Basis of the answer").facts(facts)
 }
@@ -189,8 +184,8 @@ pub fn next_run(diagnosis: &Diagnosis) -> Section {
         let [first, second] = &next.between;
         let [without, with] = next.separation.map(|it| format!("{it:.2}"));
         return section.answer(format!("A run {}.", next.run)).prose(format!(
-            "There {first} and {second}, at the magnitudes that explain these runs, differ by {with} scatters per \
-             statistic, in the best of the present runs by {without}. The candidates are all runs that differ \
+            "There {first} and {second}, at the magnitudes that explain these runs, differ by {with} standard \
+             deviations per statistic, in the best of the present runs by {without}. The candidates are all runs that differ \
              from a measured one in one setting (direction, load, speed, slip, lugs)."
         ));
     }

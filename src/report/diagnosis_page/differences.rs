@@ -23,7 +23,7 @@ pub fn section(report: &DiagnosisReport) -> Section {
              over its standard error; vermilion is a gap, green is equivalent, grey is undecided. The strip below \
              it has one part per condition.",
         );
-    let title = format!("{} against {} as shipped", report.measured, report.name);
+    let title = format!("{} against {} (nominal)", report.measured, report.name);
     let section = if map.entries.is_empty() {
         section.prose("Measurement and simulation have no statistic in common.")
     } else {
@@ -89,7 +89,7 @@ fn located(report: &DiagnosisReport) -> Table {
             Column::new("statistic", ""),
             Column::new("condition", ""),
             Column::new("left after recalibration", "deviations"),
-            Column::new("measured less simulated, as shipped", ""),
+            Column::new("measured minus nominal", ""),
             Column::new("unit", ""),
         ],
         rows: rows.collect(),

@@ -48,8 +48,8 @@ pub fn suspects(diagnosis: &Diagnosis) -> Section {
         columns: Column::named([
             "effect",
             "what it is",
-            "shows most in",
-            "bound to",
+            "affected channels",
+            "varies with",
             "depends",
         ]),
         rows: meanings.collect(),
@@ -74,14 +74,14 @@ fn percent(share: f64) -> Cell {
 }
 
 fn limit(detectable: Option<f64>) -> Cell {
-    detectable.map_or(Cell::text("does not show"), Cell::Number)
+    detectable.map_or(Cell::text("undetectable"), Cell::Number)
 }
 
 fn meaning(suspect: &Suspect) -> Option<Vec<Cell>> {
     let effect = words::effect(&suspect.name)?;
     let bound = match effect.signature.bound {
-        Bound::WheelAngle => "the wheel's angle",
-        Bound::Frequency => "frequencies in hertz",
+        Bound::WheelAngle => "wheel angle",
+        Bound::Frequency => "frequency",
         Bound::History => "time and distance since the start",
         Bound::Condition => "load, speed and slip",
     };

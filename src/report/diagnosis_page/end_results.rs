@@ -117,7 +117,7 @@ fn of_stages(result: &str, of: Step, stages: &Stages) -> Vec<Vec<Cell>> {
 /// Name of a simulator for readers.
 pub fn step(step: Step) -> &'static str {
     match step {
-        Step::AsShipped => "as shipped",
+        Step::AsShipped => "nominal",
         Step::Recalibrated => "recalibrated",
         Step::WithEffect => "with effect",
     }

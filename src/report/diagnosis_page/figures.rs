@@ -68,7 +68,7 @@ fn differences(diagnosis: &Diagnosis) -> String {
         return "no steady mean was measured".to_owned();
     }
     format!(
-        "root mean square over conditions, measured less simulated; {}",
+        "root mean square over conditions, measured minus simulated; {}",
         all.join("; ")
     )
 }

@@ -41,7 +41,7 @@ pub fn section(report: &DiagnosisReport) -> Section {
                 Column::new("in the scenario", ""),
                 Column::new("recalibrated", ""),
                 Column::new("offset", "prior deviations"),
-                Column::new("under the likeliest explanation", ""),
+                Column::new("under the most probable explanation", ""),
             ],
             rows: rows.collect(),
         })

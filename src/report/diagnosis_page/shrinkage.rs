@@ -8,7 +8,7 @@ use crate::report::page::{Cell, Column, Figure, Section, Table};
 
 /// The waterfall and its numbers.
 pub fn section(diagnosis: &Diagnosis) -> Section {
-    let section = Section::new("Shrinkage of the gap");
+    let section = Section::new("Closed share of the difference");
     let Some(gaps) = &diagnosis.gap else {
         return section.prose("The variants of the scenario could not be simulated.");
     };
@@ -22,7 +22,7 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
         .figure(Figure::new(
             gap_waterfall(gaps, diagnosis.closed, &added),
             "The score is the energy score: mean distance of a measured run from simulated runs of the same \
-             condition, in scatters per statistic, less half the mean distance between these. Parameters and \
+             condition, in standard deviations per statistic, minus half the mean distance between these. Parameters and \
              magnitudes are fitted to all conditions.",
         ))
         .table(scores(gaps, &added))
@@ -71,10 +71,11 @@ fn share(value: f64) -> String {
 fn scores(gaps: &Gaps, added: &str) -> Table {
     let row = |name: &str, score: f64| vec![Cell::text(name), Cell::Number(score)];
     Table {
-        caption: "Mean energy scores of simulated runs, in scatters per statistic".to_owned(),
+        caption: "Mean energy scores of simulated runs, in standard deviations per statistic"
+            .to_owned(),
         columns: Column::named(["simulator", "score"]),
         rows: vec![
-            row("as shipped", gaps.as_shipped),
+            row("nominal", gaps.as_shipped),
             row("recalibrated", gaps.recalibrated),
             row(&format!("with {added}"), gaps.with_effect),
             row("floor", gaps.floor),

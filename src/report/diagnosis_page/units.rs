@@ -28,13 +28,13 @@ pub fn section(diagnosis: &Diagnosis) -> Option<Section> {
         "what",
         "unit",
         "measured",
-        "as shipped",
+        "nominal",
         "recalibrated",
     ]);
     if has_effect {
         columns.push(Column::new("with effect", ""));
     }
-    columns.push(Column::new("measured less as shipped", ""));
+    columns.push(Column::new("measured minus nominal", ""));
     let rows = diagnosis.in_units.iter().take(SHOWN).map(|row| {
         let shown = Shown::of(row);
         let mut cells = vec![

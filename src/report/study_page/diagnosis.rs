@@ -56,14 +56,14 @@ fn named_from(campaigns: &[CampaignScore]) -> Option<String> {
 pub fn section(score: &DiagnosisScore) -> Section {
     let figure = Figure::new(
         answers_by_campaign(score),
-        "Probability of the truth and of all other answers by campaign; at the right the answer, bold if correct.",
+        "Probability of the true cause and of all other answers by campaign; at the right the answer, bold if correct.",
     );
     let section = Section::new("Diagnosis of the campaigns")
         .answer(answer(score))
         .prose(
             "Each campaign is diagnosed like measured runs. The probability of an effect is that of its presence, \
-             alone or with another. Gaps are mean energy scores [scatters per statistic] on held-out conditions; \
-             closed is the share of the recalibrated gap that the most probable effect closes.",
+             alone or with another. Gaps are mean energy scores [standard deviations per statistic] on held-out \
+             conditions; closed is the share of the recalibrated gap that the most probable effect closes.",
         )
         .figure(figure)
         .table(answers(score));
@@ -122,11 +122,11 @@ fn answers(score: &DiagnosisScore) -> Table {
         "P(none)",
         "P(parameter)",
         "P(unknown)",
-        "likeliest effect",
+        "most probable effect",
         "P(effect)",
         "magnitude",
         "unit",
-        "gap as shipped",
+        "nominal gap",
         "recalibrated",
         "with effect",
         "floor",

@@ -131,7 +131,7 @@ fn totals(score: &RecognitionScore) -> Table {
         caption: "Accuracy of every method".to_owned(),
         columns: Column::named([
             "method",
-            "true is",
+            "reference",
             "windows",
             "right",
             "share",

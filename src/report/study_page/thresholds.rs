@@ -84,7 +84,7 @@ fn of_all(statement: &Statement) -> Vec<Cell> {
     let wheels = if statement.multi_lugged {
         "multi-lugged"
     } else {
-        "olig-lugged"
+        "few-lugged"
     };
     let first = [&statement.name, statement.equation, wheels].map(Cell::text);
     let tally = tally(&statement.parts[0].tally);

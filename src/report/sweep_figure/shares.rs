@@ -20,7 +20,7 @@ const RANGE: [f64; 2] = [-0.07, 1.07];
 const SPREAD: f64 = 0.4;
 
 /// A panel for every true class that occurs, a column for every value in the order of the sweep, however far apart
-/// they are: the share of right answers of every method with Wilson's 95 % interval. Returns where they end [px].
+/// they are: the share of correct answers of every method with Wilson's 95 % interval. Returns where they end [px].
 pub(super) fn draw(canvas: &mut Canvas, layout: Layout, top: f64, swept: &SweptKey) -> f64 {
     let methods = swept.methods.as_slice();
     let values = methods.first().map_or(&[][..], |first| &first.parts);
@@ -78,7 +78,7 @@ fn draw_values(canvas: &mut Canvas, area: &Area, bottom: f64, values: &[&Part]) 
 }
 
 fn draw_class(canvas: &mut Canvas, panel: &Panel, class: Wtic, methods: &[MethodParts], key: &str) {
-    let header = format!("{}, share of right answers [-]", class.as_str());
+    let header = format!("{}, share of correct answers [-]", class.as_str());
     panel.draw_category_frame(canvas, &header);
     let strokes = PALETTE.map(|colour| Stroke::solid(colour, 2.0));
     let named = methods.iter().zip(strokes);

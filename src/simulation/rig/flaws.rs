@@ -36,12 +36,12 @@ pub struct DriveFlaws {
     /// Amplitude [rad/s] of a ripple of the same order that does not grow with speed, as a
     /// motor's cogging torque gives against a servo of finite stiffness.
     pub cogging_speed: f64,
-    /// Periods of both a turn of the wheel [-].
+    /// Ripple periods per wheel revolution [-], of both.
     pub cogging_order: f64,
-    /// Root mean square of the wheel speed's swing at 2.3 Hz over the wheel speed [-]: a loop that
-    /// hunts.
+    /// Root mean square [-] of the 2.3 Hz speed oscillation relative to the wheel speed, as of a speed loop near
+    /// its stability limit.
     pub hunting: f64,
-    /// The same of a saw-tooth: a drive that sticks and slips.
+    /// The same for a saw-tooth: stick-slip of the drive.
     pub sawtooth: f64,
 }
 
@@ -123,7 +123,7 @@ pub struct FrameFlaws {
     pub stiffening: f64,
     /// Coulomb friction \[N\] of the vertical guide.
     pub friction: f64,
-    /// The same as part of the drawbar pull that leans on the guide [-].
+    /// Friction coefficient [-] of the guide relative to the drawbar pull, in addition to `friction`.
     pub friction_of_pull: f64,
     /// Part of the drawbar pull that the linkage adds to the load [-].
     pub load_transfer: f64,

@@ -13,7 +13,7 @@ const COLUMNS: [&str; 7] = [
     "truth",
     "answer",
     "P [%]",
-    "likeliest effect",
+    "most probable effect",
     "closed [%]",
 ];
 
@@ -25,9 +25,9 @@ impl fmt::Display for DiagnosisScore {
             .filter(|it| it.is_right() == Some(true));
         writeln!(
             f,
-            "{} campaigns, {} answered rightly, {} without an answer. P: probability of the truth; of an effect, that it\n\
-             is there, alone or with another. Closed: share of the recalibrated gap that the likeliest effect closes.\n\
-             In brackets 95 % intervals.\n",
+            "{} campaigns, {} answered correctly, {} without an answer. P: posterior probability of the true cause;\n\
+             of an effect, that it is present, alone or with another. Closed: share of the recalibrated gap that the\n\
+             most probable effect closes. In brackets 95 % intervals.\n",
             self.campaigns.len(),
             right.count(),
             self.without_answer().count()
@@ -122,7 +122,7 @@ mod tests {
         other.result.reason = Some("too little driving".to_owned());
         let campaigns = vec![answered, other];
         let text = DiagnosisScore { campaigns }.to_string();
-        assert!(text.starts_with("2 campaigns, 1 answered rightly, 1 without an answer."));
+        assert!(text.starts_with("2 campaigns, 1 answered correctly, 1 without an answer."));
         let row = text.lines().find(|line| line.contains("[0.250, inf]"));
         let expected =
             "sand, effect.slip_sinkage = 0.4  6     slip_sinkage  slip_sinkage or slope  75";

@@ -15,8 +15,8 @@ use std::fmt;
 impl fmt::Display for IdentificationScore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "All numbers by threes are of pull, load and torque. Errors [%]: mean size of the error over mean size of\n\
-             the force, on the rows fitted, on the means of a condition's rows, and on rows left out of the fit.\n\
+            "Triples of numbers: pull, load, torque. Errors [%]: mean absolute error over mean absolute value of the\n\
+             force, on the rows fitted, on the means of a condition's rows, and on rows left out of the fit.\n\
              Scatter: the errors [%] that the rows' own uncertainties would leave. Covered: share [%] of the forces\n\
              within their 95 % interval.\n",
         )?;
@@ -51,7 +51,7 @@ fn write_ground(
     let class = ground.label.class();
     writeln!(
         f,
-        "\n{}: ground {}, which stands for {class}; recognized as that in {} of {} fits",
+        "\n{}: ground {}, nominal class {class}; recognized as this in {} of {} fits",
         ground.scenario, ground.label, ground.recognized, ground.groups
     )?;
     let mut rows: Vec<Vec<String>> = ground.models.iter().map(|it| model(it, class)).collect();
@@ -226,7 +226,7 @@ fn write_group(f: &mut fmt::Formatter<'_>, group: &GroupScore) -> fmt::Result {
     let differs = if group.recognized == group.label.class() {
         ""
     } else {
-        ", which is not what the ground stands for"
+        ", which is not the nominal class of the ground"
     };
     writeln!(
         f,

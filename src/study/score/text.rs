@@ -96,7 +96,7 @@ impl fmt::Display for RecognitionScore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} windows. Shares have Wilson's 95 % interval, which takes windows for independent.",
+            "{} windows. Shares have Wilson's 95 % interval, which assumes independent windows.",
             self.windows
         )?;
         for score in &self.scores {
@@ -109,7 +109,7 @@ impl fmt::Display for RecognitionScore {
         for score in self.scores.iter().filter(labelled) {
             write!(
                 f,
-                "\n{}: right answers by part, and their number of windows; true is the class of the label\n",
+                "\n{}: correct answers by part, and their number of windows; reference: class of the label\n",
                 score.method
             )?;
             f.write_str(&parts(&score.map))?;
@@ -120,9 +120,9 @@ impl fmt::Display for RecognitionScore {
 
 fn what_is_true(against: Against) -> &'static str {
     match against {
-        Against::Label => "true is the class of the label\n",
-        Against::Truth => "true is how lugs and ground met\n",
-        Against::Agreed => "windows in which both are one\n",
+        Against::Label => "reference: class of the label\n",
+        Against::Truth => "reference: lug contacts\n",
+        Against::Agreed => "windows in which label and lug contacts agree\n",
     }
 }
 

@@ -43,7 +43,7 @@ fn kind(statement: &Statement) -> &'static str {
     if statement.multi_lugged {
         "multi-lugged wheels"
     } else {
-        "olig-lugged wheels"
+        "few-lugged wheels (the rim touches flat ground between lugs)"
     }
 }
 
