@@ -276,6 +276,7 @@ impl Simulation {
         reach.wrench = reach.wrench.acting_at(rim);
         let spring = self.push_leg(&before, damping);
         let mut wrench = reach.wrench;
+        wrench.torque += self.imbalance(&before);
         wrench.fy += spring - self.weight(&before) - damping * self.mass * before.vy;
         let actions = self.mount.act(commanded, &before);
         self.world.step(wrench, &actions);
@@ -284,6 +285,19 @@ impl Simulation {
         let state = self.read(&before, &after, reach);
         self.pull = state.ground.drawbar_pull;
         Ok(state)
+    }
+
+    /// Moment [N·m] about the axle of the weight of a wheel whose mass is not centred on it. What its acceleration adds, `m e ω²`,
+    /// is some millinewton at the speeds of rovers.
+    fn imbalance(&self, motion: &WheelMotion) -> f64 {
+        let [gx, gy] = self.rig.gravity();
+        let weight = Wrench {
+            fx: self.wheel.mass * gx,
+            fy: self.wheel.mass * gy,
+            torque: 0.0,
+        };
+        let centre = self.wheel.flaws.mass_centre(motion.cos, motion.sin);
+        weight.acting_at(centre).torque
     }
 
     /// All that presses the wheel down [N] but the leg's spring: weight, what the linkage adds, friction of the guide.
@@ -355,7 +369,7 @@ impl Simulation {
         let hub = Loads {
             normal_force: ground.normal_force - self.wheel.mass * ay + gained,
             drawbar_pull: ground.drawbar_pull - self.wheel.mass * ax - carried,
-            driving_torque: ground.driving_torque + spin_up,
+            driving_torque: ground.driving_torque + spin_up - self.imbalance(before),
         };
         let [_, rim] = self.geometry.rim_centre(after);
         let (undisturbed, on_soil) = self.ground.undisturbed(after.x);

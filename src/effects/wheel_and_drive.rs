@@ -40,9 +40,10 @@ const WHEEL_ECCENTRICITY: Effect = Effect {
     signature: Signature {
         channels: &["sinkage", "driving_torque", "drawbar_pull"],
         bound: Bound::WheelAngle,
-        dependence: "order 1 of the wheel, sidebands of the lug line; torque W e, so it grows with load; \
-                     the same at every speed, and too slow for the accelerometer; on rigid ground in the \
-                     torque alone, for the rim's depth stays what it is",
+        dependence: "order 1 of the wheel, sidebands of the lug line; torque (W - m g) e with the wheel's mass m, \
+                     so it grows with load, and m g e on a lifted wheel; the same at every speed, and too slow \
+                     for the accelerometer; on rigid ground in the torque alone, for the rim's depth stays what \
+                     it is",
     },
     confusers: &["wheel_ovality", "short_lug", "slope"],
     source: Source::Cited(

@@ -67,6 +67,12 @@ impl Flaws {
         (1.0 - missing) * (1.0 - self.uneven_wear * (1.0 - cos(place)))
     }
 
+    /// Where the wheel's mass is centred from the axle \[m\], the wheel having turned by an angle of this cosine and sine: at
+    /// the centre of a rim that is round.
+    pub fn mass_centre(&self, cos: f64, sin: f64) -> [f64; 2] {
+        [-self.eccentricity * sin, -self.eccentricity * cos]
+    }
+
     /// Where the rim's centre stands from the axle \[m\], the wheel having turned by an angle of this
     /// cosine and sine.
     ///
