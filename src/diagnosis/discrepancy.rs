@@ -15,10 +15,10 @@
 //! margins for its size, as no rig's repeats show it.
 //!
 //! The vibration of a loaded wheel depends on the law of contact, which is known least. Two programs that roll one
-//! wheel over one hard plane (tests/python/mujoco_rig.py, nothing put in) agree in mean forces to 1 % of the load and differ
-//! in third octaves of all channels by 3 to 5 dB from 8 to 25 Hz, 8 dB at 50 Hz, 11 dB at 100 Hz and 19 dB at 400 Hz,
+//! wheel over one hard plane (`tests/python/mujoco_rig.py`, no cause) agree in mean forces to 1 % of the load and differ in
+//! third octaves of all channels by 3 to 5 dB from 8 to 25 Hz, 8 dB at 50 Hz, 11 dB at 100 Hz and 19 dB at 400 Hz,
 //! root mean square; three programs on the same beds of gravel by up to 10 dB below 20 Hz and 16 dB above
-//! (output/reference/gravel_beds.txt). There `δ` is multiplied by [`of_contact`].
+//! (`output/reference/gravel_beds.txt`). There `δ` is multiplied by a factor for each kind of statistic.
 
 use super::rigs::{Column, Table};
 use crate::gap::{Cell, Domain, Margins, Statistic};
@@ -45,13 +45,12 @@ pub fn add(table: &mut Table, factor: f64, is_loaded: &[bool], seed: Seed) {
     let scale = |column: &Column| {
         let margin = margins.of(&column.cell, column.size);
         let is_loaded = is_loaded.get(column.condition).is_some_and(|it| *it);
-        factor
-            * margin
-            * if is_loaded {
-                of_contact(&column.cell)
-            } else {
-                1.0
-            }
+        let contact = if is_loaded {
+            of_contact(&column.cell)
+        } else {
+            1.0
+        };
+        factor * margin * contact
     };
     let scales: Vec<f64> = table.columns.iter().map(scale).collect();
     let mut moves: BTreeMap<u64, Vec<f32>> = BTreeMap::new();

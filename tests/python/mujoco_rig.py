@@ -54,7 +54,7 @@ class Cause:
     """What differs from the nominal rig."""
 
     name: str
-    offset: float = 0.0  # m, of the axle from the rim's centre
+    offset: float = 0.0  # m, of the rim's centre from the axle, towards the lug that points down at angle 0
     encoder: float = 0.0  # -, the encoder reads so much more than the wheel turns
     friction: float = 0.0  # N, of the vertical guide
     tilt: float = 0.0  # rad, of the force sensor
@@ -72,7 +72,7 @@ def lug(index, offset):
     """A lug as a box from inside the rim to its tip; the first points straight down."""
     angle = 2.0 * math.pi * index / LUGS
     middle = RADIUS + 0.5 * HEIGHT - 0.005
-    place = f"{offset - middle * math.sin(angle)} 0 {-middle * math.cos(angle)}"
+    place = f"{-middle * math.sin(angle)} 0 {-offset - middle * math.cos(angle)}"
     half = f"{0.5 * THICKNESS} {0.5 * WIDTH} {0.5 * HEIGHT + 0.005}"
     return f'<geom type="box" size="{half}" pos="{place}" euler="0 {angle} 0" mass="0" {CONTACT}/>'
 
@@ -98,7 +98,7 @@ def model(cause, is_lifted):
         <site name="axle"/>
         <body name="wheel">
           <joint name="turn" type="hinge" axis="0 1 0" armature="{ROTOR}"/>
-          <geom type="cylinder" size="{RADIUS} {0.5 * WIDTH}" pos="{cause.offset} 0 0" euler="{0.5 * math.pi} 0 0"
+          <geom type="cylinder" size="{RADIUS} {0.5 * WIDTH}" pos="0 0 {-cause.offset}" euler="{0.5 * math.pi} 0 0"
                 mass="{WHEEL}" {CONTACT}/>
           {lugs}
         </body>
