@@ -138,7 +138,7 @@ mod tests {
         let parts = figure.matches(" %<").count();
         // Two parts; the ticks of the axis have no per cent.
         assert_eq!(parts, 2, "{figure}");
-        assert!(figure.contains("what is so: 75.0 %"));
+        assert!(figure.contains("true cause: 75.0 %"));
         assert_eq!(figure.matches(">slip_sinkage = 0.4<").count(), 2);
     }
 

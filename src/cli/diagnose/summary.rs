@@ -130,15 +130,20 @@ impl Summary {
             )?;
         }
         if verdict.set.len() > 1 {
-            writeln!(f, "  90 % prediction set: {}", verdict.set.join(", "))?;
+            writeln!(f, "  90 % prediction set: {}", shortened(&verdict.set))?;
         }
         Ok(())
     }
 
     fn write_probabilities(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nprobabilities:")?;
-        for (name, probability) in self.likeliest() {
+        let likeliest = self.likeliest();
+        for (name, probability) in likeliest.iter().take(2 * LISTED) {
             writeln!(f, "  {:>5.1} %  {name}", 100.0 * probability)?;
+        }
+        if let Some((_, most)) = likeliest.get(2 * LISTED) {
+            let others = likeliest.len() - 2 * LISTED;
+            writeln!(f, "  {others} others of at most {:.1} % each", 100.0 * most)?;
         }
         let effects = self.diagnosis.verdict.effects.iter();
         let listed = effects.filter(|it| it.probability > UNLIKELY);
@@ -281,6 +286,15 @@ impl Summary {
             .collect();
         likely.sort_by(|a, b| b.1.total_cmp(&a.1));
         likely
+    }
+}
+
+/// The first names, and how many others there are.
+fn shortened(names: &[String]) -> String {
+    let listed = names[..names.len().min(LISTED)].join(", ");
+    match names.len() - names.len().min(LISTED) {
+        0 => listed,
+        others => format!("{listed} and {others} others (diagnosis.json has all)"),
     }
 }
 
