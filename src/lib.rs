@@ -81,7 +81,8 @@
 //! # let text = std::fs::read_to_string("scenarios/quick.toml")?;
 //! # let scenario = Scenario::from_toml(&text, "quick.toml")?.with("duration=1.0")?;
 //! let trace = scenario.run(Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
-//! let mut recognizer = Recognizer::new(Settings::default(), Reference::computed(), &[Method::Improved])?;
+//! let methods = [Method::Improved];
+//! let mut recognizer = Recognizer::new(Settings::default(), Reference::computed(), &methods)?;
 //! for window in recognizer.recognize(&trace)? {
 //!     println!("{window:?}");
 //! }
@@ -125,7 +126,7 @@
 //! use lugwheel::scenario::extensions::Extensions;
 //! use lugwheel::{signal::cubic, terrain::profile::Heights};
 //!
-//! /// Heights \[m\] every `spacing` \[m\] from `start` on.
+//! /// Heights [m] every `spacing` [m] from `start` on.
 //! #[derive(Debug)]
 //! struct Scan { start: f64, spacing: f64, heights: Vec<f64> }
 //!
