@@ -5,10 +5,8 @@ mujoco_rig.py FOLDER    writes one run file per cause and wheel.toml, the scenar
 
     lugwheel diagnose --measured FOLDER/axle_off.h5 --scenario FOLDER/wheel.toml --bank FOLDER/bank --out FOLDER/axle_off
 
-The wheel is that of scenarios/single_wheel_ref.toml: rim 140 mm, 28 lugs of 15 mm height and 3 mm
-thickness, on flat hard ground. Carriage and wheel follow their commands through a belt and a gear of the stiffness
-and damping in that scenario; 12 kg move vertically. Contact: MuJoCo's soft constraints with the parameters in
-`CONTACT`, another law than lugwheel's. Time step 0.1 ms, integrator implicitfast, Newton solver; samples
+The wheel is that of mujoco_wheel.py and scenarios/single_wheel_ref.toml, on flat hard ground. Carriage and wheel follow their commands through a belt and a gear of the stiffness
+and damping in that scenario; 12 kg move vertically. Contact: MuJoCo's soft constraints, another law than lugwheel's. Time step 0.1 ms, integrator implicitfast, Newton solver; samples
 at 1 kHz behind a low pass. Each campaign has five conditions of slip, speed and load, each twice, and the lifted wheel at two speeds.
 Sensors have white noise, drawn from `SEED`; nothing else is random.
 """
@@ -25,19 +23,16 @@ try:
 except ImportError as missing:
     sys.exit(f"a module is missing ({missing}): run `pip install mujoco h5py`")
 
-RADIUS, WIDTH, LUGS, HEIGHT, THICKNESS = 0.14, 0.15, 28, 0.015, 0.003  # m
+from mujoco_wheel import CONTACT, HEIGHT, LEAD_IN, LUGS, RADIUS, STEP, STEPS_PER_SAMPLE, THICKNESS, WIDTH, lug
+
 WHEEL, SLIDE, CARRIAGE = 4.0, 8.0, 30.0  # kg
 BELT, GEAR = 5.0e5, 5.0e3  # N/m, N·m/rad
 ROTOR = 0.12  # kg·m²
 GRAVITY = 9.81  # m/s²
 CLEARANCE = 0.02  # m, of the lifted wheel
-# Time constant 2 ms and damping ratio 1 of a contact; impedance 0.95 to 0.99 over 0.1 mm.
-CONTACT = 'solref="0.002 1" solimp="0.95 0.99 0.0001" friction="0.6 0.005 0.0001" condim="3"'
-STEP = 1.0e-4  # s
-STEPS_PER_SAMPLE = 10
 # Low pass before every tenth step is kept: windowed sine cardinal, -6 dB at 430 Hz.
 TAPS = 161
-LEAD_IN, DURATION = 2.0, 8.0  # s
+DURATION = 8.0  # s
 # Slip [-], forward speed [m/s], load [N], 0 for the lifted wheel.
 CONDITIONS = [(0.1, 0.02, 100.0), (0.3, 0.02, 100.0), (0.3, 0.1, 100.0), (0.1, 0.1, 60.0), (0.3, 0.02, 60.0)]
 LIFTED = [(0.1, 0.02, 0.0), (0.1, 0.1, 0.0)]
@@ -66,15 +61,6 @@ CAUSES = [
     Cause("nothing"), Cause("axle_off", offset=1.5e-3), Cause("encoder_off", encoder=0.04),
     Cause("guide_rubs", friction=4.0), Cause("sensor_leans", tilt=math.radians(2.0)), Cause("speed_ripples", ripple=0.03),
 ]
-
-
-def lug(index, offset):
-    """A lug as a box from inside the rim to its tip; the first points straight down."""
-    angle = 2.0 * math.pi * index / LUGS
-    middle = RADIUS + 0.5 * HEIGHT - 0.005
-    place = f"{-middle * math.sin(angle)} 0 {-offset - middle * math.cos(angle)}"
-    half = f"{0.5 * THICKNESS} {0.5 * WIDTH} {0.5 * HEIGHT + 0.005}"
-    return f'<geom type="box" size="{half}" pos="{place}" euler="0 {angle} 0" mass="0" {CONTACT}/>'
 
 
 def model(cause, is_lifted):

@@ -29,11 +29,11 @@ LEAD_IN, DURATION = 2.0, 15.0  # s
 RUNS = [(0.010, 0.0), (0.014, 0.2), (0.020, 0.4)]  # forward speed [m/s], slip [-]
 
 
-def lug(index):
-    """A lug as a box from inside the rim to its tip; the first points straight down."""
+def lug(index, offset=0.0):
+    """A lug as a box from inside the rim to its tip; the first points straight down, where the rim is `offset` [m] off."""
     angle = 2.0 * math.pi * index / LUGS
     middle = RADIUS + 0.5 * HEIGHT - 0.005
-    place = f"{-middle * math.sin(angle)} 0 {-middle * math.cos(angle)}"
+    place = f"{-middle * math.sin(angle)} 0 {-offset - middle * math.cos(angle)}"
     half = f"{0.5 * THICKNESS} {0.5 * WIDTH} {0.5 * HEIGHT + 0.005}"
     return f'<geom type="box" size="{half}" pos="{place}" euler="0 {angle} 0" mass="0" {CONTACT}/>'
 
