@@ -137,6 +137,8 @@ pub struct Simulation {
     mount: Mount,
     ground: GroundForce,
     wheel: Wheel,
+    /// Weight of the wheel, through its centre of mass.
+    wheel_weight: Wrench,
     geometry: WheelGeometry,
     rig: Rig,
     command: Command,
@@ -194,6 +196,12 @@ impl Simulation {
         if let Some(leg) = rig.sprung_mass(wheel) {
             world.add_leg(leg, start);
         }
+        let [gx, gy] = rig.gravity();
+        let wheel_weight = Wrench {
+            fx: wheel.mass * gx,
+            fy: wheel.mass * gy,
+            torque: 0.0,
+        };
         let (leg, wheel, rig) = (rig.leg(wheel), *wheel, *rig);
         let load = rig.normal_load();
         let mut simulation = Self {
@@ -201,6 +209,7 @@ impl Simulation {
             mount,
             ground,
             wheel,
+            wheel_weight,
             geometry,
             rig,
             command,
@@ -290,14 +299,8 @@ impl Simulation {
     /// Moment [N·m] about the axle of the weight of a wheel whose mass is not centred on it. What its acceleration adds, `m e ω²`,
     /// is some millinewton at the speeds of rovers.
     fn imbalance(&self, motion: &WheelMotion) -> f64 {
-        let [gx, gy] = self.rig.gravity();
-        let weight = Wrench {
-            fx: self.wheel.mass * gx,
-            fy: self.wheel.mass * gy,
-            torque: 0.0,
-        };
         let centre = self.wheel.flaws.mass_centre(motion.cos, motion.sin);
-        weight.acting_at(centre).torque
+        self.wheel_weight.acting_at(centre).torque
     }
 
     /// All that presses the wheel down [N] but the leg's spring: weight, what the linkage adds, friction of the guide.

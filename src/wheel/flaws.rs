@@ -84,12 +84,9 @@ impl Flaws {
     /// function, the contact lies `h` below and `h'` beside the axle.
     pub fn rim_centre(&self, cos: f64, sin: f64) -> [f64; 2] {
         let (twice_cos, twice_sin) = (2.0 * cos * cos - 1.0, 2.0 * sin * cos);
-        let Self {
-            eccentricity: e,
-            ovality: o,
-            ..
-        } = *self;
-        [-e * sin - 2.0 * o * twice_sin, -e * cos - o * twice_cos]
+        let [x, y] = self.mass_centre(cos, sin);
+        let o = self.ovality;
+        [x - 2.0 * o * twice_sin, y - o * twice_cos]
     }
 }
 
