@@ -14,6 +14,8 @@ use std::path::Path;
 
 /// Effects and cells listed.
 const LISTED: usize = 6;
+/// Causes listed with their probability.
+const MOST_PROBABLE: usize = 12;
 /// Probability [-] below which an effect is not listed.
 const UNLIKELY: f64 = 0.01;
 
@@ -138,11 +140,11 @@ impl Summary {
     fn write_probabilities(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nprobabilities:")?;
         let likeliest = self.likeliest();
-        for (name, probability) in likeliest.iter().take(2 * LISTED) {
+        for (name, probability) in likeliest.iter().take(MOST_PROBABLE) {
             writeln!(f, "  {:>5.1} %  {name}", 100.0 * probability)?;
         }
-        if let Some((_, most)) = likeliest.get(2 * LISTED) {
-            let others = likeliest.len() - 2 * LISTED;
+        if let Some((_, most)) = likeliest.get(MOST_PROBABLE) {
+            let others = likeliest.len() - MOST_PROBABLE;
             writeln!(f, "  {others} others of at most {:.1} % each", 100.0 * most)?;
         }
         let effects = self.diagnosis.verdict.effects.iter();
@@ -291,10 +293,13 @@ impl Summary {
 
 /// The first names, and how many others there are.
 fn shortened(names: &[String]) -> String {
-    let listed = names[..names.len().min(LISTED)].join(", ");
-    match names.len() - names.len().min(LISTED) {
-        0 => listed,
-        others => format!("{listed} and {others} others (diagnosis.json has all)"),
+    match names.get(LISTED..) {
+        Some(others @ [_, ..]) => format!(
+            "{} and {} others (diagnosis.json has all)",
+            names[..LISTED].join(", "),
+            others.len()
+        ),
+        _ => names.join(", "),
     }
 }
 
