@@ -18,6 +18,9 @@
 //! be reproduced, so a trial keeps its seed (in `truth/`) until its answers are complete. Seeds of cases for
 //! scoring, of cases for calibrating a diagnosis and of all other uses are disjoint: see [`Family`].
 //!
+//! The truth of every effect has its detectability `d'`, for which `oracle` simulates the rig with the effect and without:
+//! a trial is scored by it, since a miss of what cannot be seen is no fault.
+//!
 //! The sets are those of [`Set`]; runs, rig variations and the magnitudes of every effect are defined in
 //! `scenarios/challenge/`, frozen before any score.
 
@@ -28,7 +31,9 @@ mod design;
 mod folder;
 mod frozen;
 mod making;
+mod oracle;
 mod order;
+mod runs;
 pub mod score;
 mod truth;
 

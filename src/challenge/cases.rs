@@ -375,6 +375,8 @@ fn hidden(frozen: &Frozen, form: Form, level: Level) -> Hidden {
         unit: frozen.unit.clone(),
         form,
         level: Some(level),
+        detectability: None,
+        detectability_beside_parameters: None,
     }
 }
 

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// Standard deviation of what differs between rigs, as a share of the one stated: within
 /// [`USUAL`] almost always.
-const SPREAD: f64 = 0.5;
+pub(super) const SPREAD: f64 = 0.5;
 /// Largest departure [standard deviations] of a plain rig.
 const USUAL: f64 = 1.0;
 /// Departures [standard deviations] far in the tails.
@@ -53,6 +53,8 @@ pub(super) struct Condition {
     pub set: Vec<String>,
     /// How many there are.
     pub repeats: u32,
+    /// Whether the wheel is held off the ground.
+    pub is_lifted: bool,
 }
 
 /// What doubles the terrain's variability.
@@ -129,6 +131,7 @@ impl Design {
             Condition {
                 set: set.map(|(key, value)| assignment(key, *value)).collect(),
                 repeats: table.repeats,
+                is_lifted: false,
             }
         });
         let rig = scenario.rig.path();
@@ -141,6 +144,7 @@ impl Design {
                 of_rig("forward_speed", *speed),
             ],
             repeats: 1,
+            is_lifted: true,
         });
         Ok(Self {
             ground,
@@ -181,6 +185,20 @@ impl Design {
             }
         }
         self.departed(rig, &departures)
+    }
+
+    /// How many parameters differ from rig to rig.
+    pub(super) fn parameters(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// The edits of rigs with one parameter off by its stated standard deviation each.
+    pub(super) fn departures(&self) -> impl Iterator<Item = Vec<Edit>> {
+        (0..self.parameters()).map(|place| {
+            let mut departures = vec![0.0; self.parameters()];
+            departures[place] = 1.0;
+            self.departed(Rig::Plain, &departures)
+        })
     }
 
     /// The edits of a rig whose parameters are off by these standard deviations.

@@ -1,22 +1,24 @@
 //! Campaigns from cases.
 
 use super::cases::draw;
-use super::design::{Design, assignment};
+use super::design::Design;
 use super::folder::{self, Manifest, PROGRAM, Posed, as_json};
+use super::oracle::{self, Bench, Oracle};
 use super::order::Order;
+use super::runs::{NoRuns, Runner, affected};
 use super::truth::{Truth, sha256};
 use super::{ChallengeError, GROUNDS};
 use crate::dataset::Provenance;
 use crate::dataset::hdf5::RunFileWriter;
 use crate::quantity::{RangeError, Seed};
-use crate::scenario::experiment::ExperimentError;
-use crate::scenario::{Scenario, ScenarioError};
+use crate::scenario::ScenarioError;
 use crate::trace::Trace;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The file of the order, which is as secret as the truth.
 const ORDER: &str = "order.json";
@@ -77,20 +79,19 @@ pub fn make(
     let designs = designs(order)?;
     let cases = draw(order, &designs)?;
     begin(folder, order, &designs)?;
-    let seconds = |case: &Truth| {
-        let design = design_of(case, &designs);
-        design.runs() as f64 * design.scenario.driven()
-    };
-    size(cases.iter().map(seconds).sum());
     let work = Work {
         folder,
+        order,
         designs: &designs,
-        progress,
-        stopped: AtomicBool::new(false),
+        runner: Runner::new(progress),
         done: AtomicUsize::new(0),
     };
-    let made = cases.par_iter().with_max_len(1).map(|case| work.case(case));
-    let made: Result<Vec<Outcome>, Halt> = made.collect();
+    size(work.size(&cases));
+    let made = work.oracles(&cases).and_then(|oracles| {
+        let cases = cases.par_iter().with_max_len(1);
+        let made = cases.map(|case| work.case(case, &oracles));
+        made.collect::<Result<Vec<Outcome>, Halt>>()
+    });
     let made = made.map_err(|halt| match halt {
         Halt::Failed(error) => error,
         Halt::Stopped => ChallengeError::Stopped {
@@ -187,50 +188,118 @@ impl<E: Into<ChallengeError>> From<E> for Halt {
     }
 }
 
-/// Why a campaign has no runs.
-enum NoRuns {
-    Failed(String),
-    Stopped,
-}
-
-impl From<ScenarioError> for NoRuns {
-    fn from(error: ScenarioError) -> Self {
-        Self::Failed(error.to_string())
-    }
-}
-
-impl From<ExperimentError> for NoRuns {
-    fn from(error: ExperimentError) -> Self {
-        match error {
-            ExperimentError::Stopped => Self::Stopped,
-            other => Self::Failed(other.to_string()),
-        }
-    }
-}
-
 /// What the threads share.
 struct Work<'a> {
     folder: &'a Path,
+    order: &'a Order,
     designs: &'a [Design],
-    progress: &'a (dyn Fn(f64) -> ControlFlow<()> + Sync),
-    stopped: AtomicBool,
+    runner: Runner<'a>,
     done: AtomicUsize,
 }
 
+/// Oracles by ground; none where one cannot be simulated or is not needed.
+type Oracles = BTreeMap<&'static str, Oracle>;
+
 impl Work<'_> {
+    /// The simulated time \[s\] of all campaigns and of what their detectability takes.
+    fn size(&self, cases: &[Truth]) -> f64 {
+        let of_cases = cases.iter().map(|case| {
+            let design = design_of(case, self.designs);
+            let motions = case.effects.iter();
+            let motions: usize = motions.map(|it| oracle::motions(it, design)).sum();
+            (design.runs() + motions) as f64 * design.scenario.driven()
+        });
+        let asked = self.asked(cases);
+        let of_oracles = asked.iter();
+        let of_oracles = of_oracles.map(|it| oracle::runs(it) as f64 * it.scenario.driven());
+        of_cases.chain(of_oracles).sum()
+    }
+
+    /// The grounds of cases whose truth is not there yet.
+    fn asked(&self, cases: &[Truth]) -> Vec<&Design> {
+        let is_asked = |design: &&Design| {
+            let own = cases.iter().filter(|case| case.ground == design.ground);
+            own.into_iter()
+                .any(|case| !case.effects.is_empty() && self.known(case).is_none())
+        };
+        self.designs.iter().filter(is_asked).collect()
+    }
+
+    fn bench<'d>(&'d self, design: &'d Design) -> Bench<'d> {
+        Bench {
+            design,
+            runner: &self.runner,
+        }
+    }
+
+    fn oracles(&self, cases: &[Truth]) -> Result<Oracles, Halt> {
+        let Order {
+            selection, seed, ..
+        } = self.order;
+        let mut oracles = Oracles::new();
+        for design in self.asked(cases) {
+            match Oracle::of(self.bench(design), selection.family, *seed) {
+                Ok(oracle) => {
+                    oracles.insert(design.ground, oracle);
+                }
+                Err(NoRuns::Failed(_)) => {}
+                Err(NoRuns::Stopped) => return Err(Halt::Stopped),
+            }
+        }
+        Ok(oracles)
+    }
+
+    fn truth_file(&self, case: &Truth) -> PathBuf {
+        folder::truth(self.folder).join(format!("{}.json", case.case))
+    }
+
+    /// The truth of a case that is there; none where it is another's or not whole.
+    fn known(&self, drawn: &Truth) -> Option<Truth> {
+        let file = self.truth_file(drawn);
+        let text = folder::read(&file).ok()?;
+        let known: Truth = folder::parsed(&file, &text).ok()?;
+        (known.as_drawn() == *drawn && known.text() == text).then_some(known)
+    }
+
+    /// The truth of a case as it is sealed.
+    fn sealed(&self, drawn: &Truth, oracles: &Oracles) -> Result<Truth, Halt> {
+        let design = design_of(drawn, self.designs);
+        if let Some(known) = self.known(drawn) {
+            for hidden in &known.effects {
+                let motions = oracle::motions(hidden, design) as f64;
+                let _ = self.runner.report(motions * design.scenario.driven());
+            }
+            return Ok(known);
+        }
+        let mut truth = drawn.clone();
+        let oracle = oracles.get(design.ground);
+        for hidden in &mut truth.effects {
+            let found = oracle.map(|it| it.detectability(self.bench(design), drawn, hidden));
+            match found {
+                Some(Ok(found)) => {
+                    hidden.detectability = Some(found.known);
+                    hidden.detectability_beside_parameters = Some(found.beside_parameters);
+                }
+                Some(Err(NoRuns::Stopped)) => return Err(Halt::Stopped),
+                Some(Err(NoRuns::Failed(_))) | None => {}
+            }
+        }
+        folder::write(&self.truth_file(drawn), &truth.text())?;
+        Ok(truth)
+    }
+
     /// Makes a case, unless it is there.
-    fn case(&self, truth: &Truth) -> Result<Outcome, Halt> {
-        let design = design_of(truth, self.designs);
-        let text = truth.text();
+    fn case(&self, drawn: &Truth, oracles: &Oracles) -> Result<Outcome, Halt> {
+        let design = design_of(drawn, self.designs);
+        let truth = self.sealed(drawn, oracles)?;
         let file = format!("{}.h5", truth.case);
         let path = folder::campaigns(self.folder).join(&file);
-        let sealed = folder::truth(self.folder).join(format!("{}.json", truth.case));
-        folder::write(&sealed, &text)?;
         if path.exists() {
-            // A wish to stop concerns the next case.
-            let _ = self.report(design.runs() as f64 * design.scenario.driven());
+            // A request to stop is honoured by the next case.
+            let simulated = design.runs() as f64 * design.scenario.driven();
+            let _ = self.runner.report(simulated);
         } else {
-            match self.traces(truth, design) {
+            match self.traces(&truth, design) {
                 Ok(traces) => write_campaign(&path, &traces)?,
                 Err(NoRuns::Failed(reason)) => return Ok(Err((truth.case.clone(), reason))),
                 Err(NoRuns::Stopped) => return Err(Halt::Stopped),
@@ -245,55 +314,23 @@ impl Work<'_> {
             scenario: format!("{}.toml", design.ground),
             scenario_sha256: sha256(design.scenario.text().as_bytes()),
             without: truth.without(),
-            seal: sha256(text.as_bytes()),
+            seal: sha256(truth.text().as_bytes()),
         }))
     }
 
     /// The runs of a case, as a rig would have measured them.
     fn traces(&self, truth: &Truth, design: &Design) -> Result<Vec<Trace>, NoRuns> {
-        let scenario = altered(truth, design)?;
+        let scenario = affected(truth, design, &truth.effects)?;
         let mut traces = Vec::new();
         for (repeat, condition) in design.order() {
             let number = traces.len() as u64;
             let scenario = scenario.with_all(&condition.set)?;
-            let mut before = 0.0;
-            let trace = scenario.run(truth.seed, number, &mut |time| {
-                let step = time - before;
-                before = time;
-                self.report(step)
-            })?;
-            let _ = self.report(scenario.driven() - before);
-            let mut trace = trace.as_measured();
+            let mut trace = self.runner.run(&scenario, truth.seed, number)?;
             trace.attributes.repeat = repeat;
             traces.push(trace);
         }
         Ok(traces)
     }
-
-    fn report(&self, simulated: f64) -> ControlFlow<()> {
-        if self.stopped.load(Ordering::Relaxed) || (self.progress)(simulated).is_break() {
-            self.stopped.store(true, Ordering::Relaxed);
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// The scenario of a case: a rig that differs, at its own physics rate, with what is withheld.
-fn altered(truth: &Truth, design: &Design) -> Result<Scenario, NoRuns> {
-    let mut edits: Vec<String> = truth
-        .edits
-        .iter()
-        .map(|edit| assignment(&edit.key, edit.value))
-        .collect();
-    edits.push(assignment("physics_rate", design.physics_rate.hertz()));
-    let mut scenario = design.scenario.with_all(&edits)?;
-    for hidden in &truth.effects {
-        let effect = hidden.application();
-        let effect = effect.map_err(|error| NoRuns::Failed(error.to_string()))?;
-        scenario = scenario.with_effect(&effect)?;
-    }
-    Ok(scenario)
 }
 
 fn write_campaign(path: &Path, traces: &[Trace]) -> Result<(), ChallengeError> {

@@ -60,6 +60,13 @@ pub struct Hidden {
     pub form: Form,
     /// Which frozen magnitude it is; none where it was drawn from the prior.
     pub level: Option<Level>,
+    /// Standard deviations `d'` [-] by which the effect alone moves the statistics of the campaign, for an oracle with
+    /// known parameters; none where it was not or could not be computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detectability: Option<f64>,
+    /// The same where only the distribution of the parameters is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detectability_beside_parameters: Option<f64>,
 }
 
 impl Hidden {
@@ -118,6 +125,16 @@ impl Truth {
         }
     }
 
+    /// The same without what was computed of it.
+    pub(super) fn as_drawn(&self) -> Self {
+        let mut drawn = self.clone();
+        for hidden in &mut drawn.effects {
+            hidden.detectability = None;
+            hidden.detectability_beside_parameters = None;
+        }
+        drawn
+    }
+
     /// Its file, which is what is sealed.
     pub fn text(&self) -> String {
         let text =
@@ -160,6 +177,8 @@ mod tests {
                 unit: "-".to_owned(),
                 form: Form::Own,
                 level: Some(Level::Typical),
+                detectability: Some(6.25),
+                detectability_beside_parameters: Some(2.5),
             }],
             seed: Seed(u64::MAX),
             salt: "00ff".to_owned(),
@@ -177,6 +196,14 @@ mod tests {
         let mut other_magnitude = sealed.clone();
         other_magnitude.effects[0].magnitude = 0.050_000_000_000_000_01;
         assert_eq!(Truth::open(&other_magnitude.text(), &seal), None);
+    }
+
+    #[test]
+    fn a_truth_that_was_sealed_without_a_detectability_opens_as_it_was() {
+        let older = truth().as_drawn();
+        let text = older.text();
+        assert!(!text.contains("detectability"), "{text}");
+        assert_eq!(Truth::open(&text, &sha256(text.as_bytes())), Some(older));
     }
 
     #[test]
