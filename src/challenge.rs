@@ -37,7 +37,7 @@ mod runs;
 pub mod score;
 mod truth;
 
-pub use answer::{Answer, Closed, Compared, Screened, Suspect, Verdict};
+pub use answer::{Answer, Closed, Compared, Mechanism, Screened, Suspect, Verdict};
 pub use answering::{Answered, Progress, Question, Unanswered, answer};
 pub use folder::{Manifest, Posed};
 pub use making::{Made, begun, make};

@@ -49,4 +49,4 @@ pub use next_run::NextRun;
 pub use screen::{ALIKE, Screened};
 pub use simulated_runs::SimulatedRuns;
 pub use validation::{Gaps, InUnits, Variants};
-pub use verdict::{Answer, Located, Mechanism, Recalibrated, Suspect, Verdict};
+pub use verdict::{Answer, Located, Mechanism, Recalibrated, Suspect, Verdict, place_of};

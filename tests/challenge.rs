@@ -11,8 +11,8 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{LazyLock, Mutex};
 use tempfile::TempDir;
 
 /// Cases of the trial that the tests share.
@@ -201,6 +201,71 @@ fn a_trial_of_twelve_cases_has_every_set_and_seeds_of_its_family() {
     for set in Set::ALL {
         assert!(truths.iter().any(|truth| truth.set == set), "{set}");
     }
+}
+
+#[test]
+fn every_effect_that_is_withheld_is_sealed_with_its_detectability_which_no_campaign_states() {
+    let folder = TRIAL.path();
+    for (posed, truth) in manifest(folder).cases.iter().zip(truths(folder)) {
+        for hidden in &truth.effects {
+            let known = hidden.detectability.expect("the effect can be simulated");
+            let beside = hidden.detectability_beside_parameters.unwrap();
+            assert!(known >= 0.0 && known.is_finite(), "{}", hidden.name);
+            assert!(beside >= 0.0 && beside.is_finite(), "{}", hidden.name);
+            let text = serde_json::to_string(posed).unwrap();
+            assert!(!text.contains("detectability"), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_trial_sealed_before_there_was_a_detectability_goes_on_and_is_scored() {
+    let folder = trial();
+    let mut older = manifest(folder.path());
+    let mut cases = truths(folder.path());
+    for (posed, truth) in older.cases.iter_mut().zip(&mut cases) {
+        for hidden in &mut truth.effects {
+            hidden.detectability = None;
+            hidden.detectability_beside_parameters = None;
+        }
+        fs::write(truth_file(folder.path(), &posed.case), truth.text()).unwrap();
+        let hash = Sha256::digest(truth.text());
+        posed.seal = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    }
+    let text = serde_json::to_string(&older).unwrap();
+    fs::write(folder.path().join("campaigns/manifest.json"), text).unwrap();
+    make(folder.path(), &order(0x5eed)).unwrap();
+    assert_eq!(manifest(folder.path()), older);
+    answer_all(folder.path());
+    let scores = challenge::score(folder.path()).unwrap();
+    assert_eq!(scores.detectability.own_form.headline.top1.n, 0);
+    assert_eq!(scores.answered, CASES);
+}
+
+#[test]
+fn a_trial_that_was_stopped_while_it_was_made_gets_the_same_truths() {
+    let folder = TempDir::new().unwrap();
+    let (total, simulated) = (Mutex::new(0.0), Mutex::new(0.0));
+    // After the oracle, and about half of the cases.
+    let stop = |step: f64| {
+        let mut simulated = simulated.lock().unwrap();
+        *simulated += step;
+        match *simulated < 0.8 * *total.lock().unwrap() {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    };
+    let size = |seconds: f64| *total.lock().unwrap() = seconds;
+    let stopped = challenge::make(folder.path(), &order(0x5eed), &size, &stop).unwrap_err();
+    assert!(
+        matches!(stopped, ChallengeError::Stopped { .. }),
+        "{stopped}"
+    );
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let again = pool
+        .unwrap()
+        .install(|| make(folder.path(), &order(0x5eed)));
+    assert_eq!(again.unwrap().manifest, manifest(TRIAL.path()));
 }
 
 #[test]

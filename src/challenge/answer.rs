@@ -44,6 +44,13 @@ pub struct Closed {
     pub value: Option<f64>,
 }
 
+/// Where the cause acts.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Mechanism {
+    /// The sensor of a channel, or the motion.
+    pub of: String,
+}
+
 /// The JSON of `diagnose`; keys that are not scored are not read.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Answer {
@@ -51,6 +58,11 @@ pub struct Answer {
     pub verdict: Verdict,
     /// Probability [-] of `none`, `parameter`, `unknown`, each effect and each pair (`e+f`).
     pub probabilities: BTreeMap<String, f64>,
+    /// Causes of which one is the true one nine times of ten, as in `probabilities`; empty where none are stated.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// Where the cause acts, whatever it is; none where that is not stated.
+    pub mechanism: Option<Mechanism>,
     /// Likeliest first.
     #[serde(default)]
     pub effects: Vec<Suspect>,

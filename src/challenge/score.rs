@@ -16,17 +16,23 @@
 //! | `unknown.auroc`, `unknown.f1` | how well the probability of `unknown`, and that verdict, discriminate C3 from all others |
 //! | `c1_less_c2` | `top1_equivalent` of C1 less that of C2, over effects that have another form |
 //! | `calibration_error` | expected error of the likeliest answer's probability, in ten equal classes |
+//! | `probabilities` | log score, Brier score, debiased calibration error, 90 % sets: see [`Probabilities`] |
+//! | `detectability` | C1 and C2 by classes of `d'`, C3 and C4 from 6 on: see [`ByDetectability`]; `detectability_beside_parameters` by the `d'` for unknown parameters |
 //! | `C4.one_named`, `C4.both_named` | share of pairs of which one effect, or both, are named, up to equivalence |
 //! | `seconds` | median time of a diagnosis |
 //!
 //! Every score has its number of cases and a 95 % interval: see [`Score`].
 
+mod detectability;
 mod interval;
 mod judged;
+mod probabilities;
 mod tables;
 mod text;
 
+pub use detectability::{ByClass, ByDetectability, OfClass};
 pub use interval::Score;
+pub use probabilities::Probabilities;
 pub use tables::{Matrix, OfEffect, Power};
 
 use super::ChallengeError;
@@ -37,12 +43,10 @@ use super::order::{Family, Set};
 use super::truth::{Level, Rig};
 use crate::statistics::mean;
 use judged::Judged;
+use probabilities::calibration_error;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Classes of probability for the calibration error.
-const CLASSES: usize = 10;
 
 /// Cases without effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -157,6 +161,12 @@ pub struct Scores {
     pub probability_on_truth: Score,
     /// Expected calibration error.
     pub calibration_error: Score,
+    /// Scores of the probabilities.
+    pub probabilities: Probabilities,
+    /// By `d'` for an oracle with known parameters.
+    pub detectability: ByDetectability,
+    /// By `d'` where only the distribution of the parameters is given.
+    pub detectability_beside_parameters: ByDetectability,
     /// Median time of a diagnosis \[s\].
     pub seconds: Score,
     /// Number of cases by truth and answer.
@@ -222,6 +232,11 @@ impl Scores {
             c1_less_c2: c1_less_c2(judged),
             probability_on_truth: probability_on_truth(judged.iter()),
             calibration_error: calibration_error(judged),
+            probabilities: Probabilities::of(judged),
+            detectability: ByDetectability::of(judged, |it| it.detectability),
+            detectability_beside_parameters: ByDetectability::of(judged, |it| {
+                it.detectability_beside_parameters
+            }),
             seconds: Score::median(judged.iter().filter_map(|case| case.seconds)),
             confusion: tables::confusion(judged),
             posterior: tables::posterior(judged),
@@ -313,21 +328,15 @@ impl Pairs {
 
 impl Unknown {
     fn of(cases: &[Judged]) -> Self {
-        let scored = cases.iter().filter_map(|case| {
-            let answer = case.answer.as_ref()?;
-            Some(Detection {
-                is_positive: case.is_of(Set::C3),
-                score: answer.probability(Verdict::Unknown.name()),
-            })
-        });
-        let scored: Vec<Detection<f64>> = scored.collect();
+        let (left_out, others): (Vec<&Judged>, Vec<&Judged>) =
+            cases.iter().partition(|case| case.is_of(Set::C3));
         let verdicts = cases.iter().map(|case| Detection {
             is_positive: case.is_of(Set::C3),
             score: case.is(Verdict::Unknown),
         });
         let verdicts: Vec<Detection<bool>> = verdicts.collect();
         Self {
-            auroc: Score::of(&scored, auroc),
+            auroc: auroc_against(&left_out, &others),
             f1: Score::of(&verdicts, f1),
         }
     }
@@ -337,6 +346,21 @@ impl Unknown {
 struct Detection<S> {
     is_positive: bool,
     score: S,
+}
+
+/// Area under the curve by which the probability of `unknown` discriminates cases from others.
+fn auroc_against(cases: &[&Judged], others: &[&Judged]) -> Score {
+    let scored = |cases: &[&Judged], is_positive| -> Vec<Detection<f64>> {
+        let answers = cases.iter().filter_map(|case| case.answer.as_ref());
+        let scored = answers.map(|answer| Detection {
+            is_positive,
+            score: answer.probability(Verdict::Unknown.name()),
+        });
+        scored.collect()
+    };
+    let mut all = scored(cases, true);
+    all.extend(scored(others, false));
+    Score::of(&all, auroc)
 }
 
 /// Probability [-] that a positive case has a higher score than a negative one; ties count half (area under
@@ -389,28 +413,6 @@ fn c1_less_c2(cases: &[Judged]) -> Score {
             mean(own.map(|(_, hit)| f64::from(u8::from(*hit))))
         };
         Some(hits(Set::C1)? - hits(Set::C2)?)
-    })
-}
-
-fn calibration_error(cases: &[Judged]) -> Score {
-    let likeliest = cases.iter().filter_map(|case| {
-        let labels = case.labels();
-        let (label, probability) = labels.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((*probability, *label == case.label()))
-    });
-    let likeliest: Vec<(f64, bool)> = likeliest.collect();
-    Score::of(&likeliest, |drawn| {
-        let mut classes = [(0.0, 0.0); CLASSES];
-        for (probability, is_right) in drawn {
-            let class = ((probability * CLASSES as f64) as usize).min(CLASSES - 1);
-            classes[class].0 += probability;
-            classes[class].1 += f64::from(u8::from(*is_right));
-        }
-        let off: f64 = classes
-            .iter()
-            .map(|(probability, right)| (probability - right).abs())
-            .sum();
-        (!drawn.is_empty()).then(|| off / drawn.len() as f64)
     })
 }
 
@@ -476,7 +478,7 @@ mod tests {
             .map(|name| json!({"name": name, "detectable": 1.0e-9}))
             .collect();
         json!({
-            "verdict": verdict, "probabilities": {label: 1.0}, "effects": suspects(truth),
+            "verdict": verdict, "probabilities": {&label: 1.0}, "effects": suspects(truth), "set": [label],
             "closed": {"value": 1.0, "ci95": [0.9, 1.0]}, "screen": screen,
             "located": [{"condition": "ST", "cell": format!("{channel}/time/mean"), "deviations": 9.0}],
         })
@@ -512,6 +514,11 @@ mod tests {
         is(&scores.c1_less_c2, 0.0);
         is(&scores.probability_on_truth, 1.0);
         is(&scores.calibration_error, 0.0);
+        is(&scores.probabilities.log_score, 0.0);
+        is(&scores.probabilities.brier_score, 0.0);
+        is(&scores.probabilities.calibration_error, 0.0);
+        is(&scores.probabilities.set_coverage, 1.0);
+        is(&scores.probabilities.set_size, 1.0);
         is(&scores.seconds, 10.0);
         assert!(scores.effects.iter().all(|effect| !effect.is_weak));
         let diagonal = |row: usize| scores.confusion.values[row][row];
@@ -539,6 +546,16 @@ mod tests {
         assert_eq!(scores.unknown.auroc.value, Some(0.5));
         assert_eq!(scores.unknown.f1.value, Some(0.0));
         assert!((scores.probability_on_truth.value.unwrap() - share).abs() < 1.0e-12);
+        let near = |score: &Score, value: f64| (score.value.unwrap() - value).abs() < 1.0e-12;
+        // Nowhere else has the truth any probability: 0.001 counts instead. All that is wrong is so twice.
+        let missed = 1.0 - share;
+        assert!(near(
+            &scores.probabilities.log_score,
+            missed * 1.0e-3_f64.ln()
+        ));
+        assert!(near(&scores.probabilities.brier_score, 2.0 * missed));
+        // These answers state no sets.
+        assert_eq!(scores.probabilities.set_coverage.n, 0);
         assert!((scores.calibration_error.value.unwrap() - (1.0 - share)).abs() < 1.0e-12);
         assert!(scores.effects.iter().all(|effect| effect.is_weak));
         assert!(
@@ -666,6 +683,77 @@ mod tests {
             };
             assert_eq!(class.own.n, expected, "{}", class.low);
         }
+    }
+
+    #[test]
+    fn a_case_counts_in_the_class_of_its_detectability_and_a_pair_in_that_of_its_weaker_effect() {
+        let mut truths = truths(150);
+        for truth in &mut truths {
+            for (place, hidden) in truth.effects.iter_mut().enumerate() {
+                hidden.detectability = match (truth.set, hidden.level) {
+                    (Set::C1, Some(Level::Low)) => None,
+                    (Set::C1, Some(Level::Typical)) => Some(5.99),
+                    (Set::C1, _) => Some(6.0),
+                    (Set::C2, _) => Some(40.0),
+                    (Set::C3, _) => Some(2.0),
+                    (_, _) => Some(7.0 - 2.0 * place as f64),
+                };
+            }
+        }
+        let scores = scores(&truths, perfect);
+        let counts = |by_class: &ByClass| -> Vec<usize> {
+            let classes = by_class.classes.iter().chain([&by_class.headline]);
+            classes.map(|class| class.top1.n).collect()
+        };
+        let of = |set: Set, level: Option<Level>| {
+            let is_it = |truth: &&Truth| {
+                let own = truth.effects.first().and_then(|it| it.level);
+                truth.set == set && (level.is_none() || own == level)
+            };
+            truths.iter().filter(is_it).count()
+        };
+        let [typical, high] = [Level::Typical, Level::High].map(|it| of(Set::C1, Some(it)));
+        let own = &scores.detectability.own_form;
+        assert_eq!(counts(own), [0, typical, high, 0, high]);
+        assert_eq!(own.headline.top1_equivalent.value, Some(1.0));
+        assert_eq!(own.headline.log_score.value, Some(0.0));
+        let other = of(Set::C2, None);
+        let found = counts(&scores.detectability.other_form);
+        assert_eq!(found, [0, 0, 0, other, other]);
+        // One effect of each pair has a d' of 5, and no excluded effect reaches 6.
+        assert_eq!(scores.detectability.both_named.n, 0);
+        assert_eq!(scores.detectability.unknown.value, None);
+        assert!(!scores.detectability_beside_parameters.is_known());
+        let text = scores.to_string();
+        for words in [
+            "d' of 6 or more",
+            "C1 3 to 6: named",
+            "C1 0 to 3: log score",
+        ] {
+            assert!(text.contains(words), "{text}");
+        }
+        assert!(!text.contains("beside unknown parameters"), "{text}");
+    }
+
+    #[test]
+    fn where_a_cause_acts_is_half_an_answer() {
+        let mut truths = truths(100);
+        let effects = truths.iter_mut().flat_map(|truth| &mut truth.effects);
+        effects.for_each(|hidden| hidden.detectability_beside_parameters = Some(8.0));
+        let scores = scores(&truths, |truth| {
+            let effect = truth.effects.first().map(|it| it.application().unwrap());
+            let place = effect.map(|it| {
+                let changes_motion = it.effect().stage == crate::effects::Stage::Physics;
+                crate::diagnosis::place_of(changes_motion, it.seat().channel)
+            });
+            json!({
+                "verdict": "undecided", "probabilities": {"unknown": 1.0},
+                "mechanism": place.map(|it| json!({"of": it, "probability": 0.9})),
+            })
+        });
+        let headline = &scores.detectability_beside_parameters.other_form.headline;
+        assert_eq!(headline.effect_or_mechanism.value, Some(1.0));
+        assert_eq!(headline.top1_equivalent.value, Some(0.0));
     }
 
     #[test]

@@ -105,6 +105,15 @@ pub struct Mechanism {
     pub probability: f64,
 }
 
+/// Where an effect acts: the motion, or the sensor of the `channel` on which it sits, all sensors where that is empty.
+pub fn place_of(changes_motion: bool, channel: &str) -> String {
+    match (changes_motion, channel) {
+        (true, _) => "the motion of wheel, drive, rig and ground".to_owned(),
+        (false, "") => "all sensors".to_owned(),
+        (false, channel) => format!("the sensor of {channel}"),
+    }
+}
+
 /// The answer with its reasons.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
@@ -298,11 +307,7 @@ impl Grounds<'_> {
     fn mechanism(&self) -> Option<Mechanism> {
         let mut places: BTreeMap<String, f64> = BTreeMap::new();
         for (effect, candidate) in self.candidates.iter().enumerate() {
-            let of = match (candidate.changes_motion(), candidate.seat.channel) {
-                (true, _) => "the motion of wheel, drive, rig and ground".to_owned(),
-                (false, "") => "all sensors".to_owned(),
-                (false, channel) => format!("the sensor of {channel}"),
-            };
+            let of = place_of(candidate.changes_motion(), candidate.seat.channel);
             *places.entry(of).or_default() += self.judgement.presence(effect);
         }
         let likeliest = places.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));

@@ -3,7 +3,11 @@
 use crate::challenge::answer::{Answer, Suspect, Verdict};
 use crate::challenge::order::Set;
 use crate::challenge::truth::{Hidden, Truth};
-use crate::effects::Application;
+use crate::diagnosis::place_of;
+use crate::effects::{Application, Stage};
+
+/// The right answer where no effect was withheld.
+const NOTHING: &str = "nothing";
 
 /// A case with its answer.
 #[derive(Debug, Clone)]
@@ -24,6 +28,16 @@ pub(super) struct Magnitude {
     /// Whether the interval covers the true one; none without an interval.
     pub(super) is_covered: Option<bool>,
 }
+
+/// Whether a 90 % set of an answer contains the truth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PredictionSet {
+    pub(super) size: usize,
+    pub(super) is_right: bool,
+}
+
+/// Probability [-] below which none counts in the log score: an answer of 0 is not infinitely wrong.
+const LEAST_PROBABILITY: f64 = 1.0e-3;
 
 impl Judged {
     pub(super) fn is_of(&self, set: Set) -> bool {
@@ -114,7 +128,7 @@ impl Judged {
             (Set::C3, _) => Verdict::Unknown.name().to_owned(),
             (_, [hidden]) => hidden.name.clone(),
             (_, [a, b]) => pair(&a.name, &b.name),
-            _ => "nothing".to_owned(),
+            _ => NOTHING.to_owned(),
         }
     }
 
@@ -129,7 +143,7 @@ impl Judged {
             let apart = [Verdict::None, Verdict::Parameter, Verdict::Undecided];
             apart.iter().all(|verdict| verdict.name() != name.as_str())
         });
-        let mut labels = vec![("nothing".to_owned(), answer.probability_of_nothing())];
+        let mut labels = vec![(NOTHING.to_owned(), answer.probability_of_nothing())];
         labels.extend(others.map(|(name, probability)| {
             let name = match name.split_once('+') {
                 Some((a, b)) => pair(a, b),
@@ -151,6 +165,61 @@ impl Judged {
             (_, [a, b]) => answer.probability_of_pair([&a.name, &b.name]),
             _ => answer.probability_of_nothing(),
         }
+    }
+
+    /// Logarithm of the probability of the right answer [-].
+    pub(super) fn log_score(&self) -> f64 {
+        libm::log(self.probability_on_truth().max(LEAST_PROBABILITY))
+    }
+
+    /// Sum of squared differences of the probabilities from 1 for the right answer and 0 for others [-].
+    pub(super) fn brier_score(&self) -> f64 {
+        let truth = self.label();
+        let mut on_truth = 0.0;
+        let mut others = 0.0;
+        for (label, probability) in self.labels() {
+            if label == truth {
+                on_truth += probability;
+            } else {
+                others += probability * probability;
+            }
+        }
+        others + (1.0 - on_truth) * (1.0 - on_truth)
+    }
+
+    /// The 90 % set of the answer; none where it states none.
+    pub(super) fn prediction_set(&self) -> Option<PredictionSet> {
+        let set = &self.answer.as_ref()?.set;
+        let truth = self.label();
+        let nothing = [Verdict::None, Verdict::Parameter];
+        let mut labels = set.iter().map(|name| match name.split_once('+') {
+            Some((a, b)) => pair(a, b),
+            None if nothing.iter().any(|it| it.name() == name) => NOTHING.to_owned(),
+            None => name.clone(),
+        });
+        (!set.is_empty()).then(|| PredictionSet {
+            size: set.len(),
+            is_right: labels.any(|label| label == truth),
+        })
+    }
+
+    /// Detectability `d'` [-] of the effect, or of the less detectable of two; none where it is not known.
+    pub(super) fn detectability(&self, which: fn(&Hidden) -> Option<f64>) -> Option<f64> {
+        let each = self.truth.effects.iter().map(which);
+        let each: Vec<f64> = each.collect::<Option<_>>()?;
+        each.into_iter().reduce(f64::min)
+    }
+
+    /// Whether the verdict names the effect, up to equivalence, or the answer states where it acts.
+    pub(super) fn is_effect_or_mechanism(&self) -> bool {
+        let stated = self.answer.as_ref().and_then(|it| it.mechanism.as_ref());
+        let effect = self.hidden().and_then(|it| it.application().ok());
+        let place = effect.map(|it| {
+            let changes_motion = it.effect().stage == Stage::Physics;
+            place_of(changes_motion, it.seat().channel)
+        });
+        let is_place = stated.is_some_and(|stated| place.as_ref() == Some(&stated.of));
+        self.is_named_up_to_equivalence() || is_place
     }
 
     /// Probability [-] of the effect and of all in its equivalence set.
