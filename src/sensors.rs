@@ -18,6 +18,7 @@ mod fir;
 pub mod force_torque;
 mod interpolator;
 pub mod linear_chain;
+pub mod loose_mount;
 mod noise;
 mod sampling;
 mod second_order;
@@ -36,7 +37,7 @@ use accelerometer::{Accelerometer, Axis};
 use decimator::whole_ratio;
 use drive_vibration::Vibrating;
 use encoder::Encoder;
-use fast_channel::{FastChannel, Signal};
+use fast_channel::{FastChannel, Mount, Signal};
 use force_torque::ForceTorque;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -184,7 +185,7 @@ impl Sensors {
         let rng = observed.seed.rng(&format!("sensors.{name}"), observed.run);
         let mut channel = FastChannel::new(self, observed.physics_rate, signal, rng)?;
         if place == 0 {
-            channel.stand_on(self.accelerometer.mount(self.rate.hertz()));
+            channel.stand_on(Mount::of(&self.accelerometer, self.rate.hertz()));
         }
         Ok(channel)
     }

@@ -6,6 +6,8 @@ use lugwheel::scenario::Scenario;
 use lugwheel::scenario::recording::Recording;
 use lugwheel::sensors::Sensors;
 use lugwheel::simulation::WheelState;
+use lugwheel::simulation::rig::carriage::Carriage;
+use lugwheel::simulation::rig::motor::Motor;
 use lugwheel::simulation::rig::{Rig, SingleWheel};
 use lugwheel::study::Study;
 use lugwheel::terrain::TerrainSpec;
@@ -204,6 +206,72 @@ fn a_hunting_servo_swings_at_2_3_hz_whatever_the_speed() {
             };
             near(swing, 0.02 * fundamental, 0.01);
         }
+    }
+}
+
+/// The bench with a carriage and a motor of finite stiffness.
+fn driven() -> Bench {
+    let mut rig = rig(0.05, 0.3, LOAD);
+    let drive = rig.drive_mut();
+    drive.carriage = Some(Carriage {
+        mass: 30.0,
+        stiffness: 5.0e5,
+        damping_ratio: 0.05,
+        force_limit: f64::INFINITY,
+    });
+    drive.motor = Some(Motor {
+        rotor_inertia: 0.2,
+        stiffness: 5.0e3,
+        damping_ratio: 0.05,
+        torque_limit: f64::INFINITY,
+        bandwidth: 20.0,
+    });
+    let wheel = Wheel {
+        lugs: None,
+        ..Wheel::single_wheel()
+    };
+    Bench::new(wheel, rig)
+}
+
+#[test]
+fn a_soft_carriage_lags_by_pull_over_its_stiffness_and_a_soft_shaft_by_torque_over_its() {
+    let bench = driven();
+    let stiff = bench.states(6.0);
+    // Over the last 4 s: with less damping the carriage still swings at 3.4 Hz.
+    let last = |states: &[WheelState], value: fn(&WheelState) -> f64| {
+        mean(states[states.len() / 3..].iter().map(value))
+    };
+    let [pull, torque]: [fn(&WheelState) -> f64; 2] =
+        [|s| s.hub.drawbar_pull, |s| s.hub.driving_torque];
+    for form in [Form::Own, Form::Other] {
+        let soft = bench.with("carriage_compliance=5e-5", form).states(6.0);
+        let place = |s: &WheelState| s.position;
+        // The wheel slips and pulls the carriage ahead.
+        let ahead = last(&soft, place) - last(&stiff, place);
+        near(ahead, 5.0e-5 * last(&stiff, pull), 0.02);
+        let soft = bench.with("motor_compliance=0.004", form).states(6.0);
+        let angle = |s: &WheelState| s.wheel_angle;
+        let behind = last(&stiff, angle) - last(&soft, angle);
+        near(behind, 4.0e-3 * last(&stiff, torque), 0.02);
+    }
+}
+
+#[test]
+fn a_rig_that_is_rigid_along_the_track_has_no_soft_carriage_or_shaft() {
+    let mut bench = driven();
+    let drive = bench.rig.drive_mut();
+    drive.carriage = None;
+    drive.motor = None;
+    for effect in ["carriage_compliance=1e-5", "motor_compliance=0.0006"] {
+        let effect: Application = effect.parse().unwrap();
+        let mut setup = Setup {
+            terrain: &mut bench.terrain,
+            wheel: &mut bench.wheel,
+            rig: &mut bench.rig,
+            sensors: &mut bench.sensors,
+        };
+        let error = effect.apply(&mut setup).unwrap_err().to_string();
+        assert!(error.contains("of finite stiffness"), "{error}");
     }
 }
 
@@ -527,6 +595,15 @@ fn a_slow_clock_sees_all_motion_faster_and_a_delayed_channel_all_of_it_later() {
 }
 
 #[test]
+fn a_wrong_zero_shifts_the_wheel_angle_and_nothing_else() {
+    for angle in added("wheel_angle", "angle_zero=2", Form::Own) {
+        near(angle, 2.0 * TAU / 360.0, 1e-9);
+    }
+    let torque = added("driving_torque", "angle_zero=2", Form::Own);
+    assert!(torque.iter().all(|difference| *difference == 0.0));
+}
+
+#[test]
 fn a_low_pass_quiets_impacts_and_keeps_means() {
     let (before, loads) = (ideal(&SLATE), "normal_force");
     let loud = rms(samples(&before, "acceleration_y").iter().copied());
@@ -559,6 +636,27 @@ fn a_resonant_mount_rings_in_the_acceleration_alone() {
     assert_eq!(
         samples(&after, "normal_force"),
         samples(&before, "normal_force")
+    );
+}
+
+#[test]
+fn a_loose_sensor_adds_shocks_where_the_axle_falls_and_fewer_on_a_pad() {
+    let shocks = |motion, effect: &str, form| {
+        let [loose, bolted] = [seen(motion, effect, form), ideal(motion)];
+        let pairs = samples(&loose, "acceleration_y").iter();
+        rms(pairs
+            .zip(samples(&bolted, "acceleration_y"))
+            .map(|(a, b)| a - b))
+    };
+    // The axle falls by at most 0.8 m/s² on slate, and by less than 0.3 in sand.
+    assert_eq!(shocks(&SLATE, "loose_mount=9.8", Form::Own), 0.0);
+    assert_eq!(shocks(&SAND, "loose_mount=0.3", Form::Own), 0.0);
+    let [held, loose] =
+        ["loose_mount=0.5", "loose_mount=0.3"].map(|it| shocks(&SLATE, it, Form::Own));
+    let on_pad = shocks(&SLATE, "loose_mount=0.3", Form::Other);
+    assert!(
+        held < loose && on_pad < loose && on_pad > 0.0,
+        "{held} {loose} {on_pad}"
     );
 }
 

@@ -11,6 +11,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     forces::SENSOR_TILT,
     channels::LOW_PASS,
     channels::MOUNTING_RESONANCE,
+    channels::LOOSE_MOUNT,
     channels::GAIN_ERROR,
     channels::NONLINEARITY,
     channels::BIAS_DRIFT,
@@ -21,5 +22,6 @@ pub(super) const EFFECTS: &[Effect] = &[
     channels::MAINS_HUM,
     sampling::CLOCK_ERROR,
     sampling::CHANNEL_DELAY,
+    sampling::ANGLE_ZERO,
     sampling::ALIASING,
 ];

@@ -3,7 +3,9 @@
 use super::{
     Bound, Effect, EffectError, OtherForm, Prior, Seat, Seated, Setup, Signature, Source, Stage,
 };
+use crate::simulation::rig::carriage::Carriage;
 use crate::simulation::rig::flaws::DriveFlaws;
+use crate::simulation::rig::motor::Motor;
 use crate::wheel::Lugs;
 
 /// The effects of the wheel and of what turns it.
@@ -16,6 +18,8 @@ pub(super) const EFFECTS: &[Effect] = &[
     SERVO_RIPPLE,
     ENCODER_SCALE,
     CARRIAGE_SCALE,
+    CARRIAGE_COMPLIANCE,
+    MOTOR_COMPLIANCE,
     DRIVE_VIBRATION,
 ];
 
@@ -305,6 +309,118 @@ const CARRIAGE_SCALE: Effect = Effect {
     },
     other_form: None,
 };
+
+const CARRIAGE_COMPLIANCE: Effect = Effect {
+    name: "carriage_compliance",
+    title: "softer drive of the carriage than stated",
+    edits: "rig.*.carriage.stiffness, rig.*.carriage.damping_ratio",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "m/N",
+        [0.0, 5.0e-4],
+        [2.0e-6, 1.0e-5, 5.0e-5],
+        Prior::log_normal(8.0e-6, 3.0),
+    )],
+    signature: Signature {
+        channels: &["drawbar_pull", "slip_ratio", "acceleration_y"],
+        bound: Bound::Frequency,
+        dependence: "the carriage surges at 1/(2π √(C m)) by the pull over its stiffness, excited by lugs, so pull and \
+                     slip swing together; 42 kg on a belt of 2 µm/N at 12, 7 and 3.4 Hz at the three levels; means stay",
+    },
+    confusers: &["motor_compliance", "servo_ripple", "rig_resonance"],
+    source: Source::Cited(
+        "ELATECH catalogue, toothed belt ATL5: specific spring rate 632.5 kN at 25 mm, 2 µm/N over 2.5 m to either \
+         pulley; a polyurethane belt half as wide, twice as long and badly tensioned has ten times that, a guess",
+    ),
+    law: |setup, compliance, seated| {
+        let carriage = carriage(setup, seated)?;
+        carriage.stiffness = softened(carriage.stiffness, compliance);
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "the added spring has no damper of its own: the damping ratio falls with the stiffness",
+        not_on: &[],
+        law: |setup, compliance, seated| {
+            let carriage = carriage(setup, seated)?;
+            let stiff = carriage.stiffness;
+            carriage.stiffness = softened(stiff, compliance);
+            carriage.damping_ratio *= carriage.stiffness / stiff;
+            Ok(())
+        },
+    }),
+};
+
+const MOTOR_COMPLIANCE: Effect = Effect {
+    name: "motor_compliance",
+    title: "softer shaft between motor and wheel than stated",
+    edits: "rig.*.motor.stiffness, rig.*.motor.damping_ratio",
+    stage: Stage::Physics,
+    seats: &[Seat::new(
+        "rad/(N·m)",
+        [0.0, 2.0e-2],
+        [1.0e-4, 6.0e-4, 4.0e-3],
+        Prior::log_normal(5.0e-4, 3.0),
+    )],
+    signature: Signature {
+        channels: &["driving_torque", "slip_ratio", "acceleration_y"],
+        bound: Bound::Frequency,
+        dependence: "the wheel winds up against its shaft and swings at 1/(2π √(C I)): 0.05 kg·m² on a drive of 0.2 \
+                     mrad/(N·m) at 41, 25 and 11 Hz at the three levels; torque peaks of lugs are blunted, means stay",
+    },
+    confusers: &[
+        "carriage_compliance",
+        "motor_cogging",
+        "low_pass",
+        "servo_ripple",
+    ],
+    source: Source::Cited(
+        "Harmonic Drive CSF-17-100: K3 = 1.6e4 N·m/rad, with a torque transducer and couplings (a guess) 5e3; a long \
+         shaft or a bellows coupling has 2 to 0.2 kN·m/rad, a guess too",
+    ),
+    law: |setup, compliance, seated| {
+        let motor = motor(setup, seated)?;
+        motor.stiffness = softened(motor.stiffness, compliance);
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "the added spring has no damper of its own: the damping ratio falls with the stiffness",
+        not_on: &[],
+        law: |setup, compliance, seated| {
+            let motor = motor(setup, seated)?;
+            let stiff = motor.stiffness;
+            motor.stiffness = softened(stiff, compliance);
+            motor.damping_ratio *= motor.stiffness / stiff;
+            Ok(())
+        },
+    }),
+};
+
+/// A stiffness in series with a compliance, each in the units of the other's inverse.
+fn softened(stiffness: f64, compliance: f64) -> f64 {
+    stiffness / (1.0 + stiffness * compliance)
+}
+
+/// The carriage, if it is no rigid one.
+fn carriage<'a>(setup: &'a mut Setup, seated: Seated) -> Result<&'a mut Carriage, EffectError> {
+    let carriage = setup.rig.drive_mut().carriage.as_mut();
+    carriage
+        .filter(|carriage| !carriage.is_rigid())
+        .ok_or(EffectError::Needs {
+            effect: seated.effect,
+            what: "a rig with a carriage of finite stiffness",
+        })
+}
+
+/// The motor, if it is no rigid one.
+fn motor<'a>(setup: &'a mut Setup, seated: Seated) -> Result<&'a mut Motor, EffectError> {
+    let motor = setup.rig.drive_mut().motor.as_mut();
+    motor
+        .filter(|motor| !motor.is_rigid())
+        .ok_or(EffectError::Needs {
+            effect: seated.effect,
+            what: "a rig with a motor of finite stiffness",
+        })
+}
 
 fn drive_flaws<'a>(setup: &'a mut Setup) -> &'a mut DriveFlaws {
     &mut setup.rig.drive_mut().flaws

@@ -1,6 +1,7 @@
 //! Accelerometer on the axle.
 
 use super::drive_vibration::DriveVibration;
+use super::loose_mount::LooseMount;
 use super::second_order::SecondOrder;
 use super::transducer::{Transducer, corner, finite};
 use crate::quantity::GRAVITY;
@@ -24,6 +25,8 @@ pub struct Accelerometer {
     pub mounting_frequency: f64,
     /// Damping ratio [-] of the mount.
     pub mounting_damping: f64,
+    /// How it is held on its mount.
+    pub loose_mount: LooseMount,
     /// Vibration of motor and gear that reaches it.
     pub drive_vibration: DriveVibration,
     /// The analogue channel, in m/s².
@@ -37,6 +40,7 @@ impl Default for Accelerometer {
             cross_axis: 0.0,
             mounting_frequency: f64::INFINITY,
             mounting_damping: 0.05,
+            loose_mount: LooseMount::default(),
             drive_vibration: DriveVibration::default(),
             acceleration_y: Transducer::default(),
         }
@@ -73,6 +77,7 @@ impl Accelerometer {
         finite("cross-axis sensitivity", "-", self.cross_axis)?;
         corner("mounting frequency", self.mounting_frequency, rate)?;
         RangeError::positive("mounting damping ratio", "-", self.mounting_damping)?;
+        self.loose_mount.check()?;
         self.drive_vibration.check()?;
         self.acceleration_y.check("m/s^2", rate)
     }

@@ -1,8 +1,10 @@
 //! One analogue channel from the physics rate to the output rate.
 
 use super::Sensors;
+use super::accelerometer::Accelerometer;
 use super::decimator::{Decimator, whole_ratio};
 use super::interpolator::Interpolator;
+use super::loose_mount::Clatter;
 use super::sampling::Resampler;
 use super::second_order::SecondOrder;
 use super::transducer::{Reading, Transducer};
@@ -18,6 +20,32 @@ pub(super) struct Signal {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
     pub(super) transducer: Transducer,
+}
+
+/// What a sensor stands on: a mount that may resonate and may be loose; the default is rigid.
+#[derive(Default)]
+pub(super) struct Mount {
+    resonance: Option<SecondOrder>,
+    clatter: Option<Clatter>,
+}
+
+impl Mount {
+    /// The mount of an accelerometer that is sampled at `rate` [Hz].
+    pub(super) fn of(accelerometer: &Accelerometer, rate: f64) -> Self {
+        Self {
+            resonance: accelerometer.mount(rate),
+            clatter: Clatter::new(accelerometer.loose_mount, rate),
+        }
+    }
+
+    fn apply(&mut self, values: &mut [f64]) {
+        if let Some(clatter) = &mut self.clatter {
+            clatter.apply(values);
+        }
+        if let Some(resonance) = &mut self.resonance {
+            resonance.apply(values);
+        }
+    }
 }
 
 /// A channel at work: values at the physics rate in, samples at the output rate kept.
@@ -66,8 +94,8 @@ impl FastChannel {
         })
     }
 
-    /// Puts the sensor on a mount that may resonate.
-    pub(super) fn stand_on(&mut self, mount: Option<SecondOrder>) {
+    /// Puts the sensor on a mount.
+    pub(super) fn stand_on(&mut self, mount: Mount) {
         self.sampler.mount = mount;
     }
 
@@ -142,7 +170,7 @@ impl Leak {
 
 /// The part of a channel that runs at the sensor rate.
 struct Sampler {
-    mount: Option<SecondOrder>,
+    mount: Mount,
     reading: Reading,
     decimator: Decimator,
     kept: Vec<f64>,
@@ -156,7 +184,7 @@ impl Sampler {
     fn new(sensors: &Sensors, transducer: Transducer, rng: ChaCha8Rng) -> Result<Self, RangeError> {
         let factor = sensors.decimation()?;
         Ok(Self {
-            mount: None,
+            mount: Mount::default(),
             reading: Reading::new(transducer, sensors.rate.hertz(), rng),
             decimator: if sensors.anti_alias {
                 Decimator::new(sensors.rate, sensors.output_rate)?
@@ -182,9 +210,7 @@ impl Sampler {
     }
 
     fn sample(&mut self, values: &mut [f64]) {
-        if let Some(mount) = &mut self.mount {
-            mount.apply(values);
-        }
+        self.mount.apply(values);
         self.reading.read(values);
         if let Some(raw) = &mut self.raw {
             raw.extend_from_slice(values);

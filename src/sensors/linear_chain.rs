@@ -14,8 +14,8 @@
 //! filter's response `A`. Steps of a converter that noise dithers are noise of their variance.
 //!
 //! A channel with a stage of another kind passes the whole chain, bit by bit: curved gains, soft or reached ranges, dead
-//! bands, held readings, steps without dither. All channels do where samples leak past the anti-alias filter, the clock is
-//! wrong, or samples are kept at the sensor rate.
+//! bands, held readings, steps without dither, a loose mount. All channels do where samples leak past the anti-alias
+//! filter, the clock is wrong, or samples are kept at the sensor rate.
 //!
 //! # Error
 //! Without noise a linear channel departs from the whole chain by less than 0.1 % of its standard deviation, the first and
@@ -231,10 +231,13 @@ impl LinearChain {
         let weighings = sensors.weighings().into_iter().zip(sensors.transducers());
         for (place, (weighing, transducer)) in weighings.enumerate() {
             let mut largest = weighing.bound(&self.peaks);
+            let mut is_held = true;
             if place == 0 {
                 largest += sensors.accelerometer.drive_vibration.bound(&self.turning);
+                is_held = sensors.accelerometer.loose_mount.holds(largest);
             }
-            channels.push(if transducer.is_linear(largest, self.sensor_rate.hertz()) {
+            let is_linear = transducer.is_linear(largest, self.sensor_rate.hertz());
+            channels.push(if is_held && is_linear {
                 self.linear(sensors, place, &weighing)
             } else {
                 self.whole(sensors, place, states.clone())?

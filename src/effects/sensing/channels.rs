@@ -120,6 +120,51 @@ pub(super) const MOUNTING_RESONANCE: Effect = Effect {
     }),
 };
 
+pub(super) const LOOSE_MOUNT: Effect = Effect {
+    name: "loose_mount",
+    title: "accelerometer that clatters on its mount",
+    edits: "sensors.accelerometer.loose_mount.preload",
+    stage: Stage::Sensors,
+    seats: &[Seat {
+        neutral: f64::INFINITY,
+        ..Seat::new(
+            "m/s²",
+            [0.01, f64::INFINITY],
+            [0.8, 0.3, 0.1],
+            Prior::log_normal(0.3, 3.0),
+        )
+    }],
+    signature: Signature {
+        channels: &["acceleration_y"],
+        bound: Bound::Condition,
+        dependence: "shocks of some 0.1 ms wherever the axle falls faster than the preload lets the sensor follow: on \
+                     hard ground and gravel, more with speed; nothing in sand or on the lifted wheel, and nothing at these \
+                     speeds where its whole weight holds it",
+    },
+    confusers: &["mounting_resonance", "clipping", "aliasing"],
+    source: Source::Guess(
+        "a sensor that its weight alone holds, with a cable that carries 92, 97 or 99 % of it",
+    ),
+    law: |setup, preload, _| {
+        let mount = &mut setup.sensors.accelerometer.loose_mount;
+        mount.preload = mount.preload.min(preload);
+        Ok(())
+    },
+    other_form: Some(OtherForm {
+        description: "on a soft pad: it lands in 1 ms and does not rebound",
+        not_on: &[],
+        law: |setup, preload, _| {
+            let mount = &mut setup.sensors.accelerometer.loose_mount;
+            if preload < mount.preload {
+                mount.preload = preload;
+                mount.restitution = 0.0;
+                mount.contact_time = 1.0e-3;
+            }
+            Ok(())
+        },
+    }),
+};
+
 pub(super) const GAIN_ERROR: Effect = Effect {
     name: "gain_error",
     title: "gain error of a channel",

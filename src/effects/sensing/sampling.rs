@@ -163,6 +163,35 @@ pub(super) const CHANNEL_DELAY: Effect = Effect {
     }),
 };
 
+pub(super) const ANGLE_ZERO: Effect = Effect {
+    name: "angle_zero",
+    title: "wrong zero of the wheel angle",
+    edits: "sensors.encoder.wheel_angle.bias",
+    stage: Stage::Sensors,
+    seats: &[Seat::new(
+        "°",
+        [-180.0, 180.0],
+        [0.3, 1.0, 3.0],
+        Prior::normal(1.5),
+    )],
+    signature: Signature {
+        channels: &["driving_torque", "drawbar_pull", "acceleration_y"],
+        bound: Bound::WheelAngle,
+        dependence: "the phase of every order of the wheel turns by its order times the angle, so a lug pass of 28 lugs \
+                     by 28° a degree, at every speed alike; levels and frequencies stay",
+    },
+    confusers: &["channel_delay"],
+    source: Source::Guess(
+        "a lug set upright by eye is within half a lug's thickness, 1.5 mm at a radius of 155 mm or 0.6°; by a mark on \
+         the rim within some degrees",
+    ),
+    law: |setup, degrees, _| {
+        setup.sensors.encoder.wheel_angle.bias += degrees.to_radians();
+        Ok(())
+    },
+    other_form: None,
+};
+
 const LAG: Seat = Seat::new(
     "s",
     [0.0, 1.0],
