@@ -351,6 +351,7 @@ fn settings() -> Settings {
         seed: SEED,
         rates: BaseRates::default(),
         discrepancy: 0.0,
+        ablation: None,
     }
 }
 

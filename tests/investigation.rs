@@ -72,6 +72,7 @@ fn settings(tried: &[&str]) -> Settings {
         seed: Seed(5),
         rates: BaseRates::default(),
         discrepancy: 0.0,
+        ablation: None,
     }
 }
 

@@ -115,6 +115,7 @@ fn a_campaign_is_answered_as_the_diagnosis_of_its_runs() {
         seed: lugwheel::quantity::Seed(7),
         rates: BaseRates::default(),
         discrepancy: 0.0,
+        ablation: None,
     };
     let bank = WHOLE.out.join("bank");
     let kept = contents(&bank);

@@ -12,7 +12,7 @@ use super::target::Claim;
 use crate::dataset::hdf5::RunFile;
 use crate::diagnosis::arm::Arm;
 use crate::diagnosis::condition::LONGEST;
-use crate::diagnosis::inference::{BaseRates, FEWEST_RIGS};
+use crate::diagnosis::inference::{Ablation, BaseRates, FEWEST_RIGS};
 use crate::diagnosis::rigs::Origin;
 use crate::diagnosis::{
     self, ArmTraces, BUDGET, Diagnosis, Investigation, InvestigationError, OnProgress, Settings,
@@ -76,6 +76,10 @@ pub struct Diagnose {
     /// simulated runs
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true, value_parser = factor)]
     pub(super) discrepancy: f64,
+    /// Leave a part of the model out, to measure what it is worth by the self-test: trained_weights, correlations or
+    /// emulator_error
+    #[arg(long = "ablate", value_name = "PART")]
+    pub(super) ablation: Option<Ablation>,
     /// Longest part of a measured run that is compared [s]
     #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, allow_negative_numbers = true, value_parser = super::positive)]
     pub(super) longest: f64,
@@ -171,6 +175,7 @@ impl Diagnose {
             seed: Seed(self.seed),
             rates: BaseRates::default(),
             discrepancy: self.discrepancy,
+            ablation: self.ablation,
         }
     }
 
@@ -267,8 +272,9 @@ impl Diagnose {
             let words = values.iter();
             words.map(|value| path(option, Path::new(value))).collect()
         };
+        let ablated = self.ablation.map(|part| format!(" --ablate {part}"));
         format!(
-            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --discrepancy {} --longest {} --seed {}",
+            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --discrepancy {}{} --longest {} --seed {}",
             path("--measured", &self.measured),
             path("--scenario", &self.scenario),
             several("--set", &self.set),
@@ -278,6 +284,7 @@ impl Diagnose {
             path("--bank", &self.bank),
             budget,
             self.discrepancy,
+            ablated.unwrap_or_default(),
             self.longest,
             self.seed
         )

@@ -11,6 +11,7 @@
 //! emulator is trained on the other folds, and the votes are those of trees that did not see the rig. The same rigs, judged
 //! by weights of other rigs, measure what may be expected of this layout, the [self-test](SelfTest).
 
+mod ablation;
 mod covariance;
 mod emulator;
 mod evidence;
@@ -23,6 +24,7 @@ mod shrinkage;
 mod trees;
 
 use crate::statistics::{quantile_upper, sorted};
+pub use ablation::Ablation;
 pub use evidence::{Evidence, Fit, Pair, Signatures, Size};
 pub use pool::{BaseRates, Judgement};
 pub use self_test::{EffectPower, SelfTest};
@@ -35,7 +37,7 @@ use emulator::{Emulator, Labels, Training};
 use evidence::Curves;
 use nalgebra::DMatrix;
 use place::Place;
-use pool::{Calibrating, Opinion, Pool};
+use pool::{Calibrating, Opinion, Pool, Trainer};
 use rayon::prelude::*;
 use scale::Scale;
 use serde::{Deserialize, Serialize};
@@ -79,6 +81,15 @@ pub enum TrainingError {
     Degenerate,
 }
 
+/// How a model is trained.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrainingSettings {
+    /// Where the draws of the trees come from.
+    pub seed: Seed,
+    /// A part that is left out.
+    pub ablation: Option<Ablation>,
+}
+
 /// Rigs below which nothing is learned.
 pub const FEWEST_RIGS: usize = 40;
 
@@ -99,7 +110,7 @@ impl Model {
     pub fn train(
         table: &Table,
         candidates: &[Candidate],
-        seed: Seed,
+        training: TrainingSettings,
     ) -> Result<Self, TrainingError> {
         let rigs = count_rigs(table.rows.iter().map(|row| row.rig));
         if rigs < FEWEST_RIGS {
@@ -120,11 +131,12 @@ impl Model {
             standardised: &standardised,
             places: &places,
             growths: &growths,
+            ablation: training.ablation,
         };
         let emulator = world.emulator(|_| true).ok_or(TrainingError::Degenerate)?;
         let folds = (0..FOLDS).into_par_iter().map(|fold| world.held_out(fold));
         let folds: Option<Vec<Vec<HeldOut>>> = folds.collect();
-        let (trees, votes) = world.trees(seed);
+        let (trees, votes) = world.trees(training.seed);
         let mut held_out: Vec<HeldOut> = folds.ok_or(TrainingError::Degenerate)?.concat();
         held_out.sort_by_key(|it| it.row);
         let calibrating = held_out.into_iter().map(|it| Calibrating {
@@ -137,8 +149,12 @@ impl Model {
         });
         let calibrating: Vec<Calibrating> = calibrating.collect();
         let rows: Vec<&Calibrating> = calibrating.iter().collect();
-        let pool = Pool::fit(&rows, effects);
-        let judgements = Pool::cross_fitted(&rows, effects);
+        let trainer = Trainer {
+            effects,
+            has_trained_weights: training.ablation != Some(Ablation::TrainedWeights),
+        };
+        let pool = trainer.fit(&rows);
+        let judgements = trainer.cross_fitted(&rows);
         let self_test = SelfTest::of(&rows, &judgements, rigs, &names);
         Ok(Self {
             scale,
@@ -277,6 +293,7 @@ struct World<'a> {
     places: &'a [Place],
     /// `R` of each candidate.
     growths: &'a [f64],
+    ablation: Option<Ablation>,
 }
 
 impl World<'_> {
@@ -290,6 +307,7 @@ impl World<'_> {
             labels: rows.clone().map(Labels::from).collect(),
             places: self.places,
             growths: self.growths,
+            ablation: self.ablation,
             rigs: rows.map(|row| row.rig).collect(),
         })
     }

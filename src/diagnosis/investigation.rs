@@ -7,7 +7,8 @@ use super::condition::{Case, CaseError, Cases, statistician};
 use super::discrepancy;
 use super::end_results::{EndResults, Step};
 use super::inference::{
-    BaseRates, FEWEST_RIGS, Fit, Judgement, Model, OfColumn, SelfTest, Signatures, TrainingError,
+    Ablation, BaseRates, FEWEST_RIGS, Fit, Judgement, Model, OfColumn, SelfTest, Signatures,
+    TrainingError, TrainingSettings,
 };
 use super::model_file;
 use super::next_run::{Rival, Search};
@@ -64,6 +65,8 @@ pub struct Settings {
     pub rates: BaseRates,
     /// Discrepancy between any rig and any simulator, in margins of equivalence [-].
     pub discrepancy: f64,
+    /// A part of the model that is left out, to measure what it is worth.
+    pub ablation: Option<Ablation>,
 }
 
 /// Why there is no diagnosis.
@@ -512,7 +515,10 @@ impl<'a> Investigation<'a> {
     fn model(&self, set: &RigSet, on_progress: OnProgress) -> Result<Model, InvestigationError> {
         let names: Vec<String> = self.candidates.iter().map(Candidate::name).collect();
         let discrepancy = self.settings.discrepancy;
-        let key = format!("{} contact {discrepancy} {}", set.key(), names.join(","));
+        let ablation = self.settings.ablation;
+        let without = ablation.map_or(String::new(), |part| format!(" without {part}"));
+        let key = set.key();
+        let key = format!("{key} contact {discrepancy}{without} {}", names.join(","));
         let path = model_file::path(set.folder(), self.rigs, &key);
         if let Some(model) = model_file::read(&path, &key) {
             return Ok(model);
@@ -523,7 +529,11 @@ impl<'a> Investigation<'a> {
         let mut table = table.restricted(&kept.collect::<Vec<_>>());
         let is_loaded: Vec<bool> = self.cases.iter().map(|case| !case.is_lifted()).collect();
         discrepancy::add(&mut table, discrepancy, &is_loaded, self.settings.seed);
-        let model = Model::train(&table, &self.candidates, self.settings.seed)?;
+        let training = TrainingSettings {
+            seed: self.settings.seed,
+            ablation,
+        };
+        let model = Model::train(&table, &self.candidates, training)?;
         model_file::write(&path, &key, &model).map_err(|source| RigError::File {
             path: set.folder().to_owned(),
             source,

@@ -68,6 +68,7 @@ pub fn diagnosis(rig: &SmallStudy, folder: &Path, seed: u64, jobs: Jobs) -> Diag
         dry_run: false,
         // Its runs are simulated.
         discrepancy: 0.0,
+        ablation: None,
         longest: LONGEST,
         seed,
         jobs,

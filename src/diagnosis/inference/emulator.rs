@@ -25,6 +25,7 @@
 //! that had no part in it, and the best linear shrinkage (OAS, Chen et al. 2010, IEEE Trans. Signal Process. 58:5016) of it
 //! is the identity.
 
+use super::ablation::Ablation;
 use super::covariance::{Covariance, covariances};
 use super::place::{CURVE, Place};
 use super::shrinkage::{Noise, shrink};
@@ -129,6 +130,8 @@ pub struct Training<'a> {
     pub growths: &'a [f64],
     /// Rig of each row.
     pub rigs: Vec<u64>,
+    /// A part of the model that is left out.
+    pub ablation: Option<Ablation>,
 }
 
 impl Training<'_> {
@@ -163,13 +166,20 @@ impl Emulator {
             features,
         };
         let solved = regression.solve()?;
-        let residuals = solved.left_out(&training.standardised, &design, &groups)?;
+        let standardised = &training.standardised;
+        let residuals = match training.ablation {
+            Some(Ablation::EmulatorError) => standardised - &design * &solved.coefficients,
+            _ => solved.left_out(standardised, &design, &groups)?,
+        };
         let coefficients = solved.shrunk(training.places);
         let columns = training.places.len();
         let mut whitened = DMatrix::zeros(coefficients.nrows(), columns);
         let mut factors = Vec::new();
         let mut deviations = vec![1.0; columns];
-        for covariance in covariances(&residuals, training.places, groups.len()) {
+        for mut covariance in covariances(&residuals, training.places, groups.len()) {
+            if training.ablation == Some(Ablation::Correlations) {
+                covariance.matrix = DMatrix::from_diagonal(&covariance.matrix.diagonal());
+            }
             let Covariance {
                 columns: own,
                 matrix,

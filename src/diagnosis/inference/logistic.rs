@@ -40,6 +40,14 @@ pub struct Logistic {
 }
 
 impl Logistic {
+    /// Stated weights that all classes share.
+    pub fn with_weights(shared: Vec<f64>) -> Self {
+        Self {
+            shared,
+            own: Vec::new(),
+        }
+    }
+
     /// The shared weights of largest likelihood; zeros where there is no example.
     pub fn fit(examples: &[Example]) -> Self {
         Self::fit_with(examples, None)

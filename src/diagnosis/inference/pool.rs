@@ -24,6 +24,8 @@ use serde::{Deserialize, Serialize};
 const BEND: f64 = 30.0;
 /// `ε`: a vote that no tree casts.
 const NO_VOTE: f64 = 3.0e-3;
+/// Weights with which `p_k` is close to `π_k exp(L_k)`.
+const UNTRAINED: [f64; 4] = [BEND, 0.0, 0.0, 0.0];
 /// Folds of rigs.
 const FOLDS: u64 = 4;
 /// Standard deviation of the weights of a cause about the shared ones.
@@ -122,19 +124,32 @@ impl Judgement {
     }
 }
 
-impl Pool {
+/// How the weights of a pool are found.
+#[derive(Debug, Clone, Copy)]
+pub struct Trainer {
+    /// Number of candidates.
+    pub effects: usize,
+    /// Whether the weights of causes are trained; otherwise the evidence is taken at its word.
+    pub has_trained_weights: bool,
+}
+
+impl Trainer {
     /// The weights that predict the causes of these rigs best.
-    pub fn fit(rigs: &[&Calibrating], effects: usize) -> Self {
+    pub fn fit(self, rigs: &[&Calibrating]) -> Pool {
         let rates = BaseRates::default();
         let single = |rig: &&&Calibrating| rig.row.effects.len() < 2;
-        let weights = Weights::of(rigs, effects);
+        let weights = Weights::of(rigs, self.effects);
         let total = rigs.len() as f64;
-        let causes = rigs.iter().filter(single).map(|rig| Example {
+        let examples = rigs.iter().filter(single).map(|rig| Example {
             features: causes(&rig.opinion),
             class: class(rig.row),
             weight: weights.of_kind(rig.row) * total,
         });
-        let causes = Logistic::fit_by_class(&causes.collect::<Vec<_>>(), WEIGHT_SCATTER);
+        let causes = if self.has_trained_weights {
+            Logistic::fit_by_class(&examples.collect::<Vec<_>>(), WEIGHT_SCATTER)
+        } else {
+            Logistic::with_weights(UNTRAINED.to_vec())
+        };
         let pairs = rigs.iter().map(|rig| Example {
             features: binary(pair_features(&rig.opinion)),
             class: usize::from(rig.row.effects.len() > 1),
@@ -154,7 +169,7 @@ impl Pool {
                 weight: share * total * rates.unknown,
             })
         });
-        Self {
+        Pool {
             causes,
             unknown: Logistic::fit(&known.chain(removed).collect::<Vec<_>>()),
             pairs: Logistic::fit(&pairs.collect::<Vec<_>>()),
@@ -163,21 +178,23 @@ impl Pool {
     }
 
     /// What each rig comes to by weights of the other folds of rigs.
-    pub fn cross_fitted(rigs: &[&Calibrating], effects: usize) -> Vec<Judgement> {
+    pub fn cross_fitted(self, rigs: &[&Calibrating]) -> Vec<Judgement> {
         let rates = BaseRates::default();
         let folds = (0..FOLDS).into_par_iter().map(|fold| {
             let is_other = |rig: &&&Calibrating| rig.row.rig % FOLDS != fold;
             let others: Vec<&Calibrating> = rigs.iter().filter(is_other).copied().collect();
-            Self::fit(&others, effects)
+            self.fit(&others)
         });
-        let pools: Vec<Self> = folds.collect();
+        let pools: Vec<Pool> = folds.collect();
         let judged = rigs.iter().map(|rig| {
             let pool = &pools[(rig.row.rig % FOLDS) as usize];
             pool.judge(rig.opinion.clone(), &rates)
         });
         judged.collect()
     }
+}
 
+impl Pool {
     /// With another threshold of the conformal set.
     pub fn with_threshold(self, threshold: f64) -> Self {
         Self { threshold, ..self }

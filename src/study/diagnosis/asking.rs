@@ -131,6 +131,7 @@ impl Asking<'_> {
             rates: BaseRates::default(),
             // The runs are simulated.
             discrepancy: 0.0,
+            ablation: None,
         };
         let bank = self.folder.path_of(BANK);
         let origin = Origin {
