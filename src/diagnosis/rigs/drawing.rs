@@ -85,8 +85,7 @@ impl Drawing<'_> {
             scenarios.push(self.scenario(rig, row, place)?);
         }
         let plain = self.scenario(rig, &RowDesign::PLAIN, place)?;
-        let rate = plain.physics_rate().hertz();
-        let faster = SampleRate::new(FASTER * rate).ok();
+        let faster = faster(plain.physics_rate(), plain.sensors.rate);
         let rate = faster.filter(|_| rng.random::<f64>() < OFTEN);
         let mut moved = scenarios[0].clone();
         moved.physics_rate = rate.or(moved.physics_rate);
@@ -144,12 +143,40 @@ impl Drawing<'_> {
     }
 }
 
+/// The slowest rate that is at least so many times as fast and divides the sensor rate, or else the sensor rate; none where
+/// the physics is as fast as that.
+fn faster(physics: SampleRate, sensors: SampleRate) -> Option<SampleRate> {
+    let ratio = sensors.hertz() / (FASTER * physics.hertz());
+    // A ratio of 10 may read 9.999.
+    let divisor = (ratio + 1.0e-9).floor().max(1.0);
+    let faster = SampleRate::new(sensors.hertz() / divisor).ok()?;
+    (faster.hertz() > physics.hertz()).then_some(faster)
+}
+
 /// Sets the values of a condition to what was read; not a number where a statistic could not be taken.
 fn fill(values: &mut [f32], columns: &[Column], condition: usize, readings: &Readings) {
     let pairs = values.iter_mut().zip(columns);
     for (value, column) in pairs.filter(|(_, column)| column.condition == condition) {
         if let Some(reading) = readings.get(&column.cell) {
             *value = reading.value as f32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_faster_physics_rate_divides_the_sensor_rate() {
+        let rate = |hertz: f64| SampleRate::new(hertz).unwrap();
+        for (physics, sensors, expected) in [
+            (8.0e3, 128.0e3, Some(12.8e3)),
+            (16.0e3, 128.0e3, Some(25.6e3)),
+            (8.0e3, 16.0e3, Some(16.0e3)),
+            (8.0e3, 8.0e3, None),
+        ] {
+            assert_eq!(faster(rate(physics), rate(sensors)), expected.map(rate));
         }
     }
 }
