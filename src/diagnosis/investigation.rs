@@ -50,6 +50,9 @@ const FEW: f64 = 0.25;
 const LOCATED: usize = 10;
 const STRONG: f64 = 4.0;
 
+/// Share of the gap [-] that an effect closes at least if it is the cause: the larger part of it.
+const LEAST_CLOSED: f64 = 0.5;
+
 /// How a diagnosis is made.
 #[derive(Debug, Clone)]
 pub struct Settings {
@@ -748,9 +751,9 @@ fn validating(now: bank::Progress) -> Progress {
     }
 }
 
-/// An effect that closes nothing is not named.
+/// An effect that closes nothing is not named, nor one whose interval shows that it closes less than half.
 fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
-    let Some(validation) = validation else {
+    let Some(validation) = validation.filter(|_| !verdict.named.is_empty()) else {
         return verdict;
     };
     let Gaps {
@@ -758,12 +761,18 @@ fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
         with_effect,
         ..
     } = validation.gaps;
-    if verdict.named.is_empty() || with_effect < recalibrated {
+    // One cluster has no interval.
+    let closed = validation.closed.filter(|closed| closed.clusters > 1);
+    let most = closed.map_or(1.0, |closed| closed.ci95[1]);
+    let shown = if with_effect >= recalibrated {
+        "does not close the gap".to_owned()
+    } else if most < LEAST_CLOSED {
+        format!("closes {:.0} % of it at most", 100.0 * most)
+    } else {
         return verdict;
-    }
+    };
     verdict.reasons.push(format!(
-        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: the effect does not close \
-         the gap and is not named",
+        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: the effect {shown} and is not named",
         validation.effects.join(" and ")
     ));
     verdict.named.clear();
