@@ -137,6 +137,8 @@
 //! slurm/         logs of the jobs of a cluster, see `study::slurm`
 //! ```
 
+mod analysis;
+mod cells;
 pub mod conditions;
 pub mod diagnosis;
 mod execution;
@@ -174,9 +176,10 @@ use crate::scenario::{Scenario, ScenarioError};
 use crate::trace::Trace;
 use crate::whole_file;
 use diagnosis::DiagnosisTable;
-use identification::{IdentificationTable, Plan};
-use kept::DatasetTable;
-use recognition::{Recognition, RecognitionTable};
+use identification::IdentificationTable;
+use kept::Dataset;
+use recognition::RecognitionTable;
+use scores::{Analyses, Plans};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use slurm::SlurmError;
@@ -186,8 +189,7 @@ use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 pub use sweep::Axis;
 use sweep::{Sweep, SweepTable};
-use thresholds::{Thresholds, ThresholdsTable};
-use traces::Keep;
+use thresholds::ThresholdsTable;
 
 /// The version of study files that this program reads.
 const VERSION: i64 = 1;
@@ -219,11 +221,7 @@ pub struct Study {
     scenarios: Vec<Named>,
     settings: Vec<String>,
     sweeps: Vec<Sweep>,
-    recognition: Option<Recognition>,
-    thresholds: Option<Thresholds>,
-    identification: Option<Plan>,
-    diagnosis: Option<diagnosis::Plan>,
-    dataset: Option<Keep>,
+    analyses: Analyses,
     /// Name of the study's file, without folders.
     file: String,
     text: String,
@@ -271,7 +269,7 @@ struct StudyTable {
     thresholds: Option<ThresholdsTable>,
     identification: Option<IdentificationTable>,
     diagnosis: Option<DiagnosisTable>,
-    dataset: Option<DatasetTable>,
+    dataset: Option<Dataset>,
 }
 
 impl Study {
@@ -385,7 +383,7 @@ impl Study {
     pub fn scenario_texts(&self) -> impl Iterator<Item = (&str, &str)> {
         let scenarios = self.scenarios.iter();
         let scenarios = scenarios.map(|named| (named.name.as_str(), named.scenario.text()));
-        scenarios.chain(self.further_texts())
+        scenarios.chain(self.analyses.scenarios())
     }
 
     /// Runs of each condition.
@@ -471,25 +469,12 @@ impl Study {
         let parts = [VERSION_OF_PROGRAM, &seed, &self.text]
             .into_iter()
             .chain(scenarios.flat_map(|named| [named.name.as_str(), named.scenario.text()]))
-            .chain(self.further_texts().map(|(_, text)| text));
+            .chain(self.analyses.scenarios().map(|(_, text)| text));
         for part in parts {
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         }
         hexadecimal(&hash.finalize())
-    }
-
-    /// Name and text of the scenarios that no run is of: that of the reference runs, and that of the
-    /// diagnosis.
-    fn further_texts(&self) -> impl Iterator<Item = (&str, &str)> {
-        let recognition = self.recognition.as_ref();
-        let reference = recognition.and_then(Recognition::reference_text);
-        let diagnosis = self.diagnosis.as_ref();
-        let against = diagnosis.and_then(diagnosis::Plan::scenario_text);
-        let texts = [("reference", reference), ("held_against", against)];
-        texts
-            .into_iter()
-            .filter_map(|(name, text)| Some((name, text?)))
     }
 
     /// Checks every condition.
@@ -546,24 +531,14 @@ fn read(text: &str, folder: ScenarioFolder) -> Result<Study, Misfit> {
     let document = Document::parse(text)?;
     check_version(&document, "study", VERSION)?;
     let mut table: StudyTable = document.read()?;
-    let recognition = table.recognition.take();
-    let thresholds = table.thresholds.take();
-    let identification = table.identification.take();
-    let diagnosis = table.diagnosis.take();
+    let plans = Plans::take(&mut table);
     let mut study = table.into_study(&document, text, folder)?;
     study.check(&document)?;
-    if let Some(table) = recognition {
-        study.recognition = Some(table.read(&study, &document, folder)?);
-    }
-    if let Some(table) = thresholds {
-        study.thresholds = Some(table.read(&document)?);
-    }
-    if let Some(table) = identification {
-        study.identification = Some(table.read(&study, &document)?);
-    }
-    if let Some(table) = diagnosis {
-        study.diagnosis = Some(table.read(&study, &document, folder)?);
-    }
+    study.analyses = plans.read(&Reading {
+        study: &study,
+        document: &document,
+        folder,
+    })?;
     Ok(study)
 }
 
@@ -597,11 +572,7 @@ impl StudyTable {
                 .map(|(key, value)| format!("{key}={value}"))
                 .collect(),
             sweeps,
-            recognition: None,
-            thresholds: None,
-            identification: None,
-            diagnosis: None,
-            dataset: self.dataset.map(|table| table.keep),
+            analyses: Analyses::default(),
             file: String::new(),
             text: text.to_owned(),
         };
@@ -688,6 +659,24 @@ impl ScenarioFolder<'_> {
             }
             other => other.to_string(),
         })
+    }
+}
+
+/// The file of a study that is sound without its analyses.
+struct Reading<'r> {
+    study: &'r Study,
+    document: &'r Document<'r>,
+    folder: ScenarioFolder<'r>,
+}
+
+impl Reading<'_> {
+    /// Makes an error of what is wrong with a key.
+    fn at<E: ToString>(&self, key: &str) -> impl FnOnce(E) -> Misfit + use<E> {
+        let place = self.document.place(key);
+        move |error| Misfit {
+            place,
+            message: error.to_string(),
+        }
     }
 }
 

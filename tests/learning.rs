@@ -46,7 +46,7 @@ static WHOLE: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
     let outcome = done(&small(&folder, |text| text), &into(&out));
-    let kept = outcome.dataset.as_ref().map(DataSet::runs);
+    let kept = outcome.scores.dataset.as_ref().map(DataSet::runs);
     assert_eq!((outcome.runs, kept), (20, Some(20)));
     (folder, out)
 });

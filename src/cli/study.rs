@@ -158,8 +158,8 @@ impl StudyCommand {
             computing_s,
             not_steady: Unsteady::of_all(&outcome.conditions),
             report,
+            dataset: outcome.scores.dataset.as_ref().map(DataSet::runs),
             scores: outcome.scores,
-            dataset: outcome.dataset.as_ref().map(DataSet::runs),
         })?;
         if outcome.failed.is_empty() || outcome.missing_shards > 0 {
             return unanswered.map_or(Ok(()), |error| Err(error.into()));

@@ -56,7 +56,7 @@ pub fn study_page(report: &StudyReport) -> Page {
         answers.push(diagnosis::answer(score));
         sections.push(diagnosis::section(score));
     }
-    if let Some(set) = &outcome.dataset {
+    if let Some(set) = &outcome.scores.dataset {
         answers.push(dataset::answer(set));
         sections.push(dataset::section(set));
     }

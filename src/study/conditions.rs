@@ -1,6 +1,6 @@
 //! What the runs of a condition have in common: means of their steady values, from `runs.csv`.
 
-use super::table::{Stored, StoredRow};
+use super::runs::{BANDS, RunRow, STEADY, Tested};
 use crate::statistics::{mean_and_variance, student_quantile};
 use crate::trace::without_rounding;
 use serde::Serialize;
@@ -12,49 +12,60 @@ pub struct Quantity {
     pub name: &'static str,
     /// Its unit as shown.
     pub unit: &'static str,
-    column: &'static str,
-    /// Columns of steadiness and rate of drift.
-    tested: Option<[&'static str; 2]>,
-    /// From the column's unit to the one shown.
+    value: Value,
+    /// From the unit of the table to the one shown.
     factor: f64,
 }
 
-const fn quantity(name: &'static str, unit: &'static str, column: &'static str) -> Quantity {
+/// What of a run it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Value {
+    /// The mean of a channel, by its place in [`STEADY`].
+    Mean(usize),
+    /// The root mean square of the acceleration in a band, by its place in [`BANDS`].
+    Rms(usize),
+}
+
+const fn quantity(name: &'static str, unit: &'static str, value: Value) -> Quantity {
     Quantity {
         name,
         unit,
-        column,
-        tested: None,
+        value,
         factor: 1.0,
     }
 }
 
 impl Quantity {
-    const fn tested_in(self, steadiness: &'static str, drift: &'static str) -> Self {
-        Self {
-            tested: Some([steadiness, drift]),
-            ..self
-        }
-    }
-
     /// A value of it as shown, 0 where it is below what a simulated mean resolves.
     pub fn without_rounding(&self, value: f64) -> f64 {
-        let channel = self.column.split("_mean").next().unwrap_or_default();
+        let channel = match self.value {
+            Value::Mean(place) => STEADY[place].0,
+            Value::Rms(_) => "acceleration_y",
+        };
         self.factor * without_rounding(channel, value / self.factor)
     }
 
     /// Its mean over the runs of a condition.
-    fn mean(&self, rows: &[StoredRow]) -> Option<Mean> {
-        let values = rows.iter().filter_map(|row| row.number(self.column));
+    fn mean(&self, rows: &[RunRow]) -> Option<Mean> {
+        let of_run = |row: &RunRow| match self.value {
+            Value::Mean(place) => row.steady[place][0].get(),
+            Value::Rms(place) => row.bands[place][0].get(),
+        };
+        let values = rows.iter().filter_map(of_run);
         let values: Vec<f64> = values.map(|value| self.factor * value).collect();
         Mean::of(&values)
     }
 
     /// In how many runs of a condition it is not steady.
-    fn unsteady(&self, rows: &[StoredRow]) -> Option<Unsteady> {
-        let [state, rate] = self.tested?;
-        let states = rows.iter();
-        Unsteady::of(self, states.map(|row| (row.text(state), row.number(rate))))
+    fn unsteady(&self, rows: &[RunRow]) -> Option<Unsteady> {
+        let Value::Mean(place) = self.value else {
+            return None;
+        };
+        let tested = rows.iter().map(|row| &row.steadiness[place]);
+        Unsteady::of(
+            self,
+            tested.map(|Tested { state, rate }| (state.as_str(), rate.get())),
+        )
     }
 
     /// Unit of its rate of change as shown.
@@ -67,27 +78,18 @@ impl Quantity {
 }
 
 /// What is reported of every condition.
-pub const QUANTITIES: [Quantity; 8] = [
-    quantity("drawbar pull", "N", "drawbar_pull_mean_n")
-        .tested_in("drawbar_pull_steadiness", "drawbar_pull_drift_n_s"),
-    quantity("load", "N", "normal_force_mean_n")
-        .tested_in("normal_force_steadiness", "normal_force_drift_n_s"),
-    quantity("driving torque", "N m", "driving_torque_mean_n_m")
-        .tested_in("driving_torque_steadiness", "driving_torque_drift_n_m_s"),
+pub const QUANTITIES: [Quantity; 5 + BANDS.len()] = [
+    quantity("drawbar pull", "N", Value::Mean(1)),
+    quantity("load", "N", Value::Mean(0)),
+    quantity("driving torque", "N m", Value::Mean(2)),
     Quantity {
         factor: 1.0e3,
-        ..quantity("sinkage", "mm", "sinkage_mean_m")
-            .tested_in("sinkage_steadiness", "sinkage_drift_m_s")
+        ..quantity("sinkage", "mm", Value::Mean(3))
     },
-    quantity("slip", "-", "slip_ratio_mean")
-        .tested_in("slip_ratio_steadiness", "slip_ratio_drift_s"),
-    quantity(
-        "acceleration 2 to 20 Hz, rms",
-        "m/s²",
-        "acceleration_rms_2_20_hz_m_s2",
-    ),
-    quantity("20 to 200 Hz", "m/s²", "acceleration_rms_20_200_hz_m_s2"),
-    quantity("200 to 800 Hz", "m/s²", "acceleration_rms_200_800_hz_m_s2"),
+    quantity("slip", "-", Value::Mean(4)),
+    quantity("acceleration 2 to 20 Hz, rms", "m/s²", Value::Rms(0)),
+    quantity("20 to 200 Hz", "m/s²", Value::Rms(1)),
+    quantity("200 to 800 Hz", "m/s²", Value::Rms(2)),
 ];
 
 /// Place of the sinkage in [`QUANTITIES`].
@@ -210,17 +212,13 @@ fn together(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> 
 }
 
 /// The conditions in their order, from the table of the runs.
-pub(super) fn of_runs(table: &Stored) -> Vec<Condition> {
-    let keys: Vec<&str> = swept_keys(table).collect();
-    let rows: Vec<StoredRow> = table.rows().collect();
-    let of_one = rows.chunk_by(|a, b| a.text("condition") == b.text("condition"));
-    let condition = |rows: &[StoredRow]| {
-        let sound = rows.iter().filter(|row| row.text("failure").is_empty());
-        let sound = sound.count();
-        let values = keys.iter().map(|key| rows[0].text(key).to_owned());
+pub(super) fn of_runs(rows: &[RunRow]) -> Vec<Condition> {
+    let of_one = rows.chunk_by(|a, b| a.condition == b.condition);
+    let condition = |rows: &[RunRow]| {
+        let sound = rows.iter().filter(|row| row.failure.is_empty()).count();
         Condition {
-            scenario: rows[0].text("scenario").to_owned(),
-            values: values.collect(),
+            scenario: rows[0].scenario.clone(),
+            values: rows[0].values.to_vec(),
             runs: sound,
             failed: rows.len() - sound,
             means: QUANTITIES.map(|quantity| quantity.mean(rows)),
@@ -233,12 +231,6 @@ pub(super) fn of_runs(table: &Stored) -> Vec<Condition> {
     of_one.map(condition).collect()
 }
 
-/// The swept keys in the table of the runs: its columns between scenario and label.
-pub(super) fn swept_keys(table: &Stored) -> impl Iterator<Item = &str> {
-    let behind = table.header().skip_while(|name| *name != "scenario");
-    behind.skip(1).take_while(|name| *name != "label")
-}
-
 /// Those of the swept keys that have two values or more.
 pub fn varied<'k>(keys: impl Iterator<Item = &'k str>, conditions: &[Condition]) -> Vec<&'k str> {
     let is_varied = |place: usize| {
@@ -248,17 +240,6 @@ pub fn varied<'k>(keys: impl Iterator<Item = &'k str>, conditions: &[Condition])
     };
     let keys = keys.enumerate().filter(|(place, _)| is_varied(*place));
     keys.map(|(_, key)| key).collect()
-}
-
-/// A column that every table of runs has and this one lacks.
-pub(super) fn missing_column(table: &Stored) -> Option<&'static str> {
-    let tested = QUANTITIES.iter().filter_map(|quantity| quantity.tested);
-    let values = QUANTITIES.iter().map(|quantity| quantity.column);
-    let mut needed = ["condition", "scenario", "label", "failure"]
-        .into_iter()
-        .chain(values)
-        .chain(tested.flatten());
-    needed.find(|name| !table.has(name))
 }
 
 #[cfg(test)]

@@ -24,13 +24,15 @@ pub mod score;
 mod text;
 mod truth;
 
+use super::analysis::{Analysis, Finished, Report};
 use super::group::{check_over, slip_of};
-use super::{ScenarioFolder, Study, in_one_line};
+use super::{Reading, Study, StudyError, in_one_line};
 use crate::diagnosis::BUDGET;
-use crate::document::{Document, Misfit};
+use crate::document::Misfit;
 use crate::effects;
 use crate::quantity::RangeError;
 use crate::scenario::Scenario;
+use score::DiagnosisScore;
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -76,14 +78,6 @@ enum Against {
 }
 
 impl Plan {
-    /// The scenario that the file names, as it was read.
-    pub(super) fn scenario_text(&self) -> Option<&str> {
-        match &self.against {
-            Against::Named(scenario) => Some(scenario.text()),
-            Against::Own(_) => None,
-        }
-    }
-
     /// What runs of the scenario `name` are held against.
     fn against(&self, name: &str) -> &Scenario {
         match &self.against {
@@ -96,38 +90,58 @@ impl Plan {
     }
 }
 
-impl DiagnosisTable {
-    /// Checks the table against a study that is sound without it.
-    pub(super) fn read(
-        self,
-        study: &Study,
-        document: &Document,
-        folder: ScenarioFolder,
-    ) -> Result<Plan, Misfit> {
-        let at = |key: String| {
-            let place = document.place(&format!("diagnosis{key}"));
-            move |message: String| Misfit { place, message }
-        };
-        let over = self.over.unwrap_or_else(|| slip_of(study));
-        check_over(study, &over, NOT_SWEPT).map_err(at(".over".to_owned()))?;
-        RangeError::positive("budget", "s", self.budget)
-            .map_err(|error| at(".budget".to_owned())(error.to_string()))?;
-        for (index, name) in self.without.iter().enumerate() {
-            effects::seat_of(name)
-                .map_err(|error| at(format!(".without.{index}"))(error.to_string()))?;
+impl Analysis for Plan {
+    const ROWS: Option<&'static str> = None;
+    type Plan = DiagnosisTable;
+    type Row = ();
+    type Score = DiagnosisScore;
+
+    fn read(table: DiagnosisTable, file: &Reading) -> Result<Self, Misfit> {
+        let over = table.over.unwrap_or_else(|| slip_of(file.study));
+        check_over(file.study, &over, NOT_SWEPT).map_err(file.at("diagnosis.over"))?;
+        RangeError::positive("budget", "s", table.budget).map_err(file.at("diagnosis.budget"))?;
+        for (index, name) in table.without.iter().enumerate() {
+            let key = format!("diagnosis.without.{index}");
+            effects::seat_of(name).map_err(file.at(&key))?;
         }
-        let against = match self.scenario {
-            Some(path) => folder
-                .scenario(&path)
-                .map(|scenario| Against::Named(Box::new(scenario)))
-                .map_err(at(".scenario".to_owned()))?,
-            None => Against::Own(own(study).map_err(at(String::new()))?),
+        let against = match table.scenario {
+            Some(path) => {
+                let scenario = file.folder.scenario(&path);
+                let scenario = scenario.map_err(file.at("diagnosis.scenario"))?;
+                Against::Named(Box::new(scenario))
+            }
+            None => Against::Own(own(file.study).map_err(file.at("diagnosis"))?),
         };
-        Ok(Plan {
+        Ok(Self {
             over,
             against,
-            budget: self.budget,
-            without: self.without,
+            budget: table.budget,
+            without: table.without,
+        })
+    }
+
+    fn scenario(&self) -> Option<(&'static str, &str)> {
+        match &self.against {
+            Against::Named(scenario) => Some(("held_against", scenario.text())),
+            Against::Own(_) => None,
+        }
+    }
+
+    fn needs_traces(&self) -> bool {
+        true
+    }
+
+    fn score(&self, done: &Finished, _: Vec<()>) -> Result<DiagnosisScore, StudyError> {
+        asking::score(self, done)
+    }
+
+    fn report(score: &DiagnosisScore) -> Option<Report> {
+        Some(Report {
+            stem: "diagnosis",
+            rows: "campaigns",
+            table: "diagnosis.csv",
+            text: score.to_string(),
+            csv: Some(score.to_csv()),
         })
     }
 }

@@ -1,18 +1,17 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
+use super::analysis::Finished;
 use super::conditions::{self, Condition};
 use super::folder::{Before, Folder};
-use super::kept;
 use super::progress::Progress;
-use super::runs;
+use super::runs::{self, RunRow};
 use super::scores::Scores;
 use super::shard::{self, Shard};
-use super::table::{NoRows, Rows, Stored, Table, line};
+use super::table::{NoRows, Table};
 use super::traces::{self, Traces};
 use super::{Run, Study, StudyError};
 use crate::dataset::hdf5::write_table;
 use crate::dataset::records::Records;
-use crate::learning::DataSet;
 use crate::quantity::RangeError;
 use crate::scenario::caught::caught;
 use crate::trace::Trace;
@@ -54,8 +53,6 @@ pub struct Outcome {
     pub missing_shards: usize,
     /// Results of the analyses; none where shards are missing.
     pub scores: Scores,
-    /// The data set, if the study has one and no shard is missing.
-    pub dataset: Option<DataSet>,
 }
 
 /// A run that failed.
@@ -171,15 +168,6 @@ impl Study {
         }
     }
 
-    /// The error of a study that is stopped while what is computed from its shards is.
-    pub(super) fn stopped_when_whole(&self) -> StudyError {
-        let shards = shard::all(self).len();
-        StudyError::Stopped {
-            whole: shards,
-            shards,
-        }
-    }
-
     /// The shards that are not whole.
     pub(super) fn missing(&self, folder: &Folder) -> Vec<Shard> {
         let tables = self.tables();
@@ -211,23 +199,41 @@ impl Study {
     ) -> Result<Outcome, StudyError> {
         let shards = shard::all(self);
         let (collected, missing_shards) = self.collected(folder, &shards);
-        let failed = collected.failures.iter().map(|failure| failure.run);
+        let rows = collected.rows();
+        let failures = self.failures(&rows);
         let mut outcome = Outcome {
             runs: collected.runs,
-            failed: failed.collect(),
-            failures: collected.failures.clone(),
+            failed: failures.iter().map(|failure| failure.run).collect(),
+            failures,
             conditions: Vec::new(),
             computing_s: collected.computing_s(),
             missing_shards,
             scores: Scores::default(),
-            dataset: None,
         };
-        if missing_shards == 0 {
-            folder.remove_abandoned_parts();
-            collected.write(folder)?;
-            self.evaluate(&mut outcome, folder, &collected, progress)?;
-            outcome.scores.write(folder)?;
+        if missing_shards > 0 {
+            return Ok(outcome);
         }
+        folder.remove_abandoned_parts();
+        collected.write(folder)?;
+        write_failures(folder, &outcome.failures)?;
+        outcome.conditions = conditions::of_runs(&rows);
+        let total = self.run_count();
+        let done = Finished {
+            study: self,
+            folder,
+            shards: &shards,
+            failed: outcome.failures.len() as u64,
+            on_progress: &|diagnosing| {
+                progress(Progress {
+                    done: total,
+                    total,
+                    failed: 0,
+                    diagnosing,
+                })
+            },
+        };
+        outcome.scores = Scores::of(&done, &|table| collected.text_of(table))?;
+        outcome.scores.write(folder)?;
         Ok(outcome)
     }
 
@@ -248,31 +254,23 @@ impl Study {
         (collected, missing_shards)
     }
 
-    /// Computes conditions, data set and scores from the complete tables.
-    fn evaluate(
-        &self,
-        outcome: &mut Outcome,
-        folder: &Folder,
-        collected: &Collected<'_>,
-        progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<(), StudyError> {
-        let total = self.run_count();
-        let on_progress = |diagnosing| {
-            progress(Progress {
-                done: total,
-                total,
-                failed: 0,
-                diagnosing,
-            })
+    /// The runs among these that failed.
+    fn failures(&self, rows: &[RunRow]) -> Vec<Failure> {
+        let failed = rows.iter().filter(|row| !row.failure.is_empty());
+        let failure = |row: &RunRow| {
+            let values = self
+                .runs_in(row.run..row.run + 1)
+                .flat_map(|run| self.keys().zip(self.values(&run)).collect::<Vec<_>>());
+            let condition = values.map(|(key, value)| format!(", {key} = {value}"));
+            Failure {
+                run: row.run,
+                condition: std::iter::once(row.scenario.clone())
+                    .chain(condition)
+                    .collect(),
+                reason: row.failure.clone(),
+            }
         };
-        let windows = collected.text_of(kept::NAME).unwrap_or_default();
-        let failed = collected.failures.len() as u64;
-        let shards = shard::all(self);
-        outcome.conditions = conditions::of_runs(&Stored::read(&collected.texts[0].1));
-        outcome.dataset = self.keep(folder, &shards, windows, failed, &|| on_progress(None))?;
-        let rows_of = |table: &str| collected.text_of(table);
-        outcome.scores = Scores::of(self, folder, &rows_of, &on_progress)?;
-        Ok(())
+        failed.map(failure).collect()
     }
 }
 
@@ -311,7 +309,7 @@ fn count(shards: &[&Shard]) -> u64 {
 /// The rows of a whole shard for a table, below the columns that the table has now.
 fn rows(folder: &Folder, table: &dyn Table, shard: &Shard) -> Option<String> {
     let rows = folder.rows(shard, table.name())?;
-    rows.starts_with(&line(&table.header())).then_some(rows)
+    rows.starts_with(&table.columns().line()).then_some(rows)
 }
 
 /// Why a shard was not finished.
@@ -335,7 +333,7 @@ struct Work<'s> {
 impl Work<'_> {
     /// Runs the runs of a shard and writes it.
     fn finish(&self, shard: &Shard) -> Result<(), Halt> {
-        let headers = self.tables.iter().map(|table| line(&table.header()));
+        let headers = self.tables.iter().map(|table| table.columns().line());
         let mut texts: Vec<String> = headers.collect();
         let mut times = String::new();
         let traces = Traces::begin(self.study, self.folder, shard);
@@ -360,7 +358,7 @@ impl Work<'_> {
                 Err(reason) => self.rows_of_failed(&run, &reason),
             };
             for (text, rows) in texts.iter_mut().zip(&rows) {
-                text.extend(rows.iter().map(|cells| line(cells)));
+                text.push_str(rows);
             }
             self.done.fetch_add(1, Ordering::Relaxed);
             self.failed.fetch_add(failed, Ordering::Relaxed);
@@ -384,7 +382,7 @@ impl Work<'_> {
 
     /// A run and its rows for every table, or why there are none; a run that panics fails like any
     /// other.
-    fn outcome(&self, run: &Run) -> Result<Result<(Trace, Vec<Rows>), String>, Halt> {
+    fn outcome(&self, run: &Run) -> Result<Result<(Trace, Vec<String>), String>, Halt> {
         match caught(|| self.rows(run), NoRows::Failed) {
             Ok(traced) => Ok(Ok(traced)),
             Err(NoRows::Stopped) => Err(Halt::Stopped),
@@ -392,15 +390,15 @@ impl Work<'_> {
         }
     }
 
-    fn rows(&self, run: &Run) -> Result<(Trace, Vec<Rows>), NoRows> {
+    fn rows(&self, run: &Run) -> Result<(Trace, Vec<String>), NoRows> {
         let trace = self.study.run(run, &mut |_| self.report())?;
         let tables = self.tables.iter();
         let rows = tables.map(|table| table.rows(run, &trace, &mut |_| self.report()));
-        let rows = rows.collect::<Result<Vec<Rows>, NoRows>>()?;
+        let rows = rows.collect::<Result<Vec<String>, NoRows>>()?;
         Ok((trace, rows))
     }
 
-    fn rows_of_failed(&self, run: &Run, reason: &str) -> Vec<Rows> {
+    fn rows_of_failed(&self, run: &Run, reason: &str) -> Vec<String> {
         let tables = self.tables.iter();
         tables
             .map(|table| table.rows_of_failed(run, reason))
@@ -426,22 +424,20 @@ impl Work<'_> {
 /// The shards put together.
 struct Collected<'s> {
     study: &'s Study,
-    /// Name and text of every table.
+    /// Name and text of every table, that of the runs first.
     texts: Vec<(&'static str, String)>,
     times: String,
-    failures: Vec<Failure>,
     runs: u64,
 }
 
 impl<'s> Collected<'s> {
     fn new(study: &'s Study, tables: &[Box<dyn Table + '_>]) -> Self {
         let headers = tables.iter();
-        let headers = headers.map(|table| (table.name(), line(&table.header())));
+        let headers = headers.map(|table| (table.name(), table.columns().line()));
         Self {
             study,
             texts: headers.collect(),
             times: "run,wall_s\n".to_owned(),
-            failures: Vec::new(),
             runs: 0,
         }
     }
@@ -454,13 +450,6 @@ impl<'s> Collected<'s> {
             let rest = rows.split_once('\n').map_or("", |(_, rest)| rest);
             text.push_str(rest);
         }
-        // The checksum vouches for the shard: the records of its first table are those of its
-        // runs, in order.
-        let mut reader = csv::Reader::from_reader(rows[0].as_bytes());
-        let runs = self.study.runs_in(shard.runs.clone());
-        for (run, record) in runs.zip(reader.records().flatten()) {
-            self.note_failure(&run, record.iter().next_back().unwrap_or_default());
-        }
     }
 
     fn text_of(&self, table: &str) -> Option<&str> {
@@ -468,30 +457,23 @@ impl<'s> Collected<'s> {
         found.map(|(_, text)| text.as_str())
     }
 
+    /// Every run.
+    fn rows(&self) -> Vec<RunRow> {
+        let columns = runs::columns(&self.study.keys().collect::<Vec<_>>());
+        let rows = columns.read(&self.texts[0].1);
+        rows.expect("the shards have the columns and rows of their tables")
+    }
+
     fn write(&self, folder: &Folder) -> Result<(), StudyError> {
         // The windows of a data set are written with its other texts.
-        let tables = self.texts.iter().filter(|(name, _)| *name != kept::NAME);
+        let tables = self.texts.iter().filter(|(name, _)| *name != "dataset");
         for (name, text) in tables {
             folder.write(&format!("{name}.csv"), text.as_bytes())?;
         }
-        let text = self.text_of("runs").unwrap_or_default();
-        let records = Records::of_csv(runs::fields(self.study), text);
+        let records = Records::of_csv(runs::fields(self.study), &self.texts[0].1);
         let provenance = traces::provenance(self.study);
         write_table(folder.path_of("runs.h5"), &records, &provenance)?;
-        folder.write("timing.csv", self.times.as_bytes())?;
-        if !self.failures.is_empty() {
-            let lines = self.failures.iter().map(|failure| {
-                let Failure {
-                    run,
-                    condition,
-                    reason,
-                } = failure;
-                format!("run {run} ({condition}): {reason}\n")
-            });
-            let text: String = lines.collect();
-            folder.write("failed.txt", text.as_bytes())?;
-        }
-        Ok(())
+        folder.write("timing.csv", self.times.as_bytes())
     }
 
     /// Seconds of computing, all runs together.
@@ -500,20 +482,21 @@ impl<'s> Collected<'s> {
         let times = times.filter_map(|line| line.split_once(',')?.1.parse::<f64>().ok());
         times.sum()
     }
+}
 
-    fn note_failure(&mut self, run: &Run, reason: &str) {
-        if reason.is_empty() {
-            return;
-        }
-        let values = self.study.keys().zip(self.study.values(run));
-        let condition: String = values
-            .map(|(key, value)| format!(", {key} = {value}"))
-            .collect();
-        let scenario = self.study.scenario_name(run);
-        self.failures.push(Failure {
-            run: run.number,
-            condition: format!("{scenario}{condition}"),
-            reason: reason.to_owned(),
-        });
+/// Writes which runs failed and why, where any did.
+fn write_failures(folder: &Folder, failures: &[Failure]) -> Result<(), StudyError> {
+    if failures.is_empty() {
+        return Ok(());
     }
+    let lines = failures.iter().map(|failure| {
+        let Failure {
+            run,
+            condition,
+            reason,
+        } = failure;
+        format!("run {run} ({condition}): {reason}\n")
+    });
+    let text: String = lines.collect();
+    folder.write("failed.txt", text.as_bytes())
 }

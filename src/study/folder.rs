@@ -60,7 +60,7 @@ impl Folder {
             let name = format!("scenarios/{}.toml", named.name);
             self.write(&name, named.scenario.text().as_bytes())?;
         }
-        for (name, text) in study.further_texts() {
+        for (name, text) in study.analyses.scenarios() {
             self.write(&format!("{name}.toml"), text.as_bytes())?;
         }
         Ok(())

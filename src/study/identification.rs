@@ -37,25 +37,26 @@ mod elsewhere;
 mod fit;
 mod origin;
 mod own;
-mod reading;
 mod repeats;
 pub mod score;
 mod scoring;
 mod steady;
 mod text;
 
-pub(super) use steady::{NAME, SteadyRows};
-
+use super::analysis::{Analysis, Finished, Observed, Report};
 use super::group::{self, Group, check_over, slip_of, swept};
-use super::{Study, flatten};
-use crate::document::{Document, Misfit};
+use super::table::{Columns, NoRows, Stop};
+use super::{Reading, Study, StudyError, flatten};
+use crate::document::Misfit;
 use crate::identification::{Cylinder, Force, Law, Own, Setting};
 use crate::quantity::RangeError;
 use crate::scenario::Scenario;
 use crate::soil::closed_form::Rim;
 use crate::terrain::TerrainSpec;
 use crate::terrain::class::Wtic;
+use score::IdentificationScore;
 use serde::{Deserialize, Serialize};
+use steady::IntervalRow;
 
 /// Why a fit joins swept keys only.
 const NOT_SWEPT: &str = "parameters show in how loads change with slip: sweep it, or name the key that changes the slip in `over`";
@@ -142,43 +143,72 @@ impl Plan {
     }
 }
 
-impl IdentificationTable {
-    /// Checks the table against a study that is sound without it.
-    pub(super) fn read(self, study: &Study, document: &Document) -> Result<Plan, Misfit> {
-        let at = |key: &'static str| {
-            let place = document.place(&format!("identification.{key}"));
-            move |message: String| Misfit { place, message }
-        };
-        let over = self.over.unwrap_or_else(|| slip_of(study));
-        check_over(study, &over, NOT_SWEPT).map_err(at("over"))?;
-        let from = read_from(study, &over, self.from.unwrap_or_default()).map_err(at("from"))?;
-        let exit_angle = self.exit_angle;
+impl Analysis for Plan {
+    const ROWS: Option<&'static str> = Some("steady");
+    type Plan = IdentificationTable;
+    type Row = IntervalRow;
+    type Score = IdentificationScore;
+
+    fn read(table: IdentificationTable, file: &Reading) -> Result<Self, Misfit> {
+        let study = file.study;
+        let over = table.over.unwrap_or_else(|| slip_of(study));
+        check_over(study, &over, NOT_SWEPT).map_err(file.at("identification.over"))?;
+        let from = read_from(study, &over, table.from.unwrap_or_default());
+        let exit_angle = table.exit_angle;
         let given = exit_angle.unwrap_or(0.0);
+        let from = from.map_err(file.at("identification.from"))?;
         RangeError::check("exit angle coefficient", "-", given, [-1.0, 0.0])
-            .map_err(|error| at("exit_angle")(error.to_string()))?;
-        if self.law == LawKey::Own && self.cylinder != Cylinder::Rim {
+            .map_err(file.at("identification.exit_angle"))?;
+        if table.law == LawKey::Own && table.cylinder != Cylinder::Rim {
             let message = "the quadrature models rim and lugs separately; omit cylinder";
-            return Err(at("cylinder")(message.to_owned()));
+            return Err(file.at("identification.cylinder")(message));
         }
-        let plan = Plan {
+        let plan = Self {
             over,
             from,
-            cylinder: self.cylinder,
+            cylinder: table.cylinder,
             exit_angle,
-            law: self.law,
-            published: self.published,
+            law: table.law,
+            published: table.published,
         };
-        plan.check_published().map_err(at("published"))?;
+        plan.check_published()
+            .map_err(file.at("identification.published"))?;
         let groups = group::all(study, &plan.over);
         groups
             .iter()
             .try_for_each(|group| check_group(study, group))
-            .map_err(at("over"))?;
+            .map_err(file.at("identification.over"))?;
         groups
             .iter()
             .try_for_each(|group| plan.check_reference(study, group, &groups))
-            .map_err(at("from"))?;
+            .map_err(file.at("identification.from"))?;
         Ok(plan)
+    }
+
+    fn columns(&self, study: &Study) -> Columns {
+        steady::columns(study)
+    }
+
+    fn rows(&self, run: &Observed, _: &mut Stop) -> Result<Vec<IntervalRow>, NoRows> {
+        steady::rows(run)
+    }
+
+    fn score(
+        &self,
+        done: &Finished,
+        rows: Vec<IntervalRow>,
+    ) -> Result<IdentificationScore, StudyError> {
+        scoring::score(self, done, &rows)
+    }
+
+    fn report(score: &IdentificationScore) -> Option<Report> {
+        Some(Report {
+            stem: "identification",
+            rows: "rows",
+            table: "steady.csv",
+            text: score.to_string(),
+            csv: Some(score.to_csv()),
+        })
     }
 }
 
@@ -200,14 +230,10 @@ impl Plan {
         Err("the parameters of one rim do not predict the loads of another; sweep its radius and width in another study".to_owned())
     }
 
-    fn check_published(&self) -> Result<(), String> {
-        let Some(Published { alct, slct, leis }) = self.published else {
-            return Ok(());
-        };
-        let mut errors = [alct, slct, leis].into_iter().flatten();
-        errors
-            .try_for_each(|error| RangeError::positive("published error", "%", error).map(drop))
-            .map_err(|error| error.to_string())
+    fn check_published(&self) -> Result<(), RangeError> {
+        let published = self.published.into_iter();
+        let mut errors = published.flat_map(|it| [it.alct, it.slct, it.leis].concat());
+        errors.try_for_each(|error| RangeError::positive("published error", "%", error).map(drop))
     }
 }
 

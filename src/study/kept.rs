@@ -3,47 +3,35 @@
 //! Once all shards are present, runs are moved one by one from the [files of the shards](super::traces) into
 //! `dataset.h5`. So memory contains one run per thread, and an interruption costs one shard.
 
-use super::folder::Folder;
-use super::recognition;
-use super::references::References;
+use super::analysis::{Analysis, Finished, Observed, Report};
+use super::cells::List;
+use super::recognition::BY_DEFAULT;
 use super::runs::swept_fields;
-use super::shard::Shard;
-use super::table::{NoRows, Rows, Stop, Table, condition_cells};
-use super::traces::{self, Keep, fact, provenance};
-use super::{Run, Study, StudyError};
+use super::table::{Columns, NoRows, Stop};
+use super::traces::{self, fact, provenance};
+use super::{Reading, Study, StudyError};
 use crate::dataset::hdf5::{RunFileWriter, write_table};
 use crate::dataset::records::{Field, Records};
+use crate::document::Misfit;
 use crate::learning::windows::Windower;
 use crate::learning::{ChannelFact, DataSet, Facts, Kept, run_fields, run_id, windows};
-use crate::trace::Trace;
 use serde::Deserialize;
-use std::ops::ControlFlow;
-
-/// Name of the table of windows in the shards.
-pub(super) const NAME: &str = "dataset";
 
 /// A `[dataset]`.
-#[derive(Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct DatasetTable {
-    pub(super) keep: Keep,
+pub(super) struct Dataset {
+    keep: Keep,
 }
 
-/// The table of the windows of a data set.
-pub(super) struct Windows<'s> {
-    study: &'s Study,
-    references: References<'s>,
-}
-
-impl<'s> Windows<'s> {
-    /// The table, if the study makes a data set.
-    pub(super) fn of(study: &'s Study) -> Option<Self> {
-        study.dataset?;
-        Some(Self {
-            study,
-            references: References::new(study, &recognition::BY_DEFAULT),
-        })
-    }
+/// Content stored per run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Keep {
+    /// Every channel at its output rate, and all that features use.
+    Traces,
+    /// Features and class of every window.
+    Features,
 }
 
 fn fields(study: &Study) -> Vec<Field> {
@@ -52,102 +40,95 @@ fn fields(study: &Study) -> Vec<Field> {
     fields
 }
 
-impl Table for Windows<'_> {
-    fn name(&self) -> &'static str {
-        NAME
+impl Analysis for Dataset {
+    const ROWS: Option<&'static str> = Some("dataset");
+    type Plan = Self;
+    /// Cells of the [`fields`].
+    type Row = List<String>;
+    type Score = DataSet;
+
+    fn read(plan: Self, _: &Reading) -> Result<Self, Misfit> {
+        Ok(plan)
     }
 
-    fn header(&self) -> Vec<String> {
-        let fields = fields(self.study).into_iter();
-        fields.map(|field| field.name).collect()
+    fn needs_traces(&self) -> bool {
+        self.keep == Keep::Traces
     }
 
-    fn rows(&self, run: &Run, trace: &Trace, stop: &mut Stop) -> Result<Rows, NoRows> {
-        let reference = self.references.of(run, stop)?;
-        let settings = recognition::BY_DEFAULT.settings(&self.study.scenario(run));
-        let windower = Windower::new(settings, reference);
-        let mut windower = windower.map_err(|error| NoRows::Failed(error.to_string()))?;
-        let mut first = vec![
-            run_id(run.number),
-            run.condition.to_string(),
-            run.stream.to_string(),
+    fn columns(&self, study: &Study) -> Columns {
+        let names = fields(study).into_iter().map(|field| field.name);
+        Columns::row(names)
+    }
+
+    fn rows(&self, run: &Observed, stop: &mut Stop) -> Result<Vec<List<String>>, NoRows> {
+        let reference = run.reference(stop)?;
+        let settings = BY_DEFAULT.settings(&run.study.scenario(run.run));
+        let mut windower = Windower::new(settings, reference).map_err(NoRows::failed)?;
+        let place = run.place();
+        let first = [
+            run_id(place.run),
+            place.condition.to_string(),
+            run.run.stream.to_string(),
+            place.scenario,
         ];
-        first.extend(condition_cells(self.study, run));
-        let windows = windower.rows(trace).into_iter();
-        Ok(windows
-            .map(|cells| [first.clone(), cells].concat())
-            .collect())
+        let windows = windower.rows(run.trace).into_iter();
+        let row = |cells: Vec<String>| [&first[..], &place.values, &cells].concat();
+        Ok(windows.map(row).map(List::from_iter).collect())
     }
 
-    fn rows_of_failed(&self, _: &Run, _: &str) -> Rows {
-        Rows::new()
-    }
-}
-
-impl Study {
-    /// Makes the data set from the windows in the table `text` and the shards' runs. `stop` is polled before
-    /// every run.
+    /// Makes the data set from the windows and the shards' runs.
     ///
     /// # Errors
     /// `Dataset` and `File` where a file cannot be read or written; `Stopped`.
-    pub(super) fn keep(
-        &self,
-        folder: &Folder,
-        shards: &[Shard],
-        text: &str,
-        failed: u64,
-        stop: &dyn Fn() -> ControlFlow<()>,
-    ) -> Result<Option<DataSet>, StudyError> {
-        let Some(keep) = self.dataset else {
-            return Ok(None);
+    fn score(&self, done: &Finished, rows: Vec<List<String>>) -> Result<DataSet, StudyError> {
+        let windows = Records {
+            fields: fields(done.study),
+            rows: rows.iter().map(|row| row.to_vec()).collect(),
         };
-        let windows = Records::of_csv(fields(self), text);
-        let (kept, channels) = match keep {
-            Keep::Traces => (Kept::Traces, self.merge(folder, shards, stop)?),
+        let (kept, channels) = match self.keep {
+            Keep::Traces => (Kept::Traces, merge(done)?),
             Keep::Features => (Kept::Features, Vec::new()),
         };
-        let provenance = provenance(self);
+        let provenance = provenance(done.study);
         let facts = Facts {
-            command: format!("lugwheel study {}", self.file),
+            command: format!("lugwheel study {}", done.study.file),
             created_by: provenance.created_by.clone(),
-            seed: self.seed,
+            seed: done.study.seed,
             kept,
             channels,
-            failed,
+            failed: done.failed,
         };
         let set = DataSet::new(facts, windows);
-        let path = folder.path_of("dataset.h5");
-        if keep == Keep::Features {
+        let path = done.folder.path_of("dataset.h5");
+        if self.keep == Keep::Features {
             write_table(&path, set.windows(), &provenance)?;
         }
         for (ending, text) in set.texts(&fact(&path)?) {
-            folder.write(&format!("dataset.{ending}"), text.as_bytes())?;
+            let name = format!("dataset.{ending}");
+            done.folder.write(&name, text.as_bytes())?;
         }
-        Ok(Some(set))
+        Ok(set)
     }
 
-    /// Merges the runs of all shards into one file; returns the channels of the first.
-    fn merge(
-        &self,
-        folder: &Folder,
-        shards: &[Shard],
-        stop: &dyn Fn() -> ControlFlow<()>,
-    ) -> Result<Vec<ChannelFact>, StudyError> {
-        let path = folder.path_of("dataset.h5");
-        let mut writer = RunFileWriter::create(path, &provenance(self))?;
-        let mut channels = None;
-        for shard in shards {
-            let file = traces::open(folder, shard)?;
-            for id in file.runs() {
-                if stop().is_break() {
-                    return Err(self.stopped_when_whole());
-                }
-                let trace = file.read(id)?;
-                writer.add(id, &trace)?;
-                channels.get_or_insert_with(|| ChannelFact::of(&trace));
-            }
-        }
-        writer.finish()?;
-        Ok(channels.unwrap_or_default())
+    fn report(_: &DataSet) -> Option<Report> {
+        None
     }
+}
+
+/// Merges the runs of all shards into one file; returns the channels of the first.
+fn merge(done: &Finished) -> Result<Vec<ChannelFact>, StudyError> {
+    let path = done.folder.path_of("dataset.h5");
+    let mut writer = RunFileWriter::create(path, &provenance(done.study))?;
+    let mut channels = None;
+    for shard in done.shards {
+        let file = traces::open(done.folder, shard)?;
+        for id in file.runs() {
+            done.go_on()?;
+            let trace = file.read(id)?;
+            writer.add(id, &trace)?;
+            channels.get_or_insert_with(|| ChannelFact::of(&trace));
+        }
+    }
+    writer.finish()?;
+    Ok(channels.unwrap_or_default())
 }

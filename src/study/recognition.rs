@@ -1,7 +1,7 @@
 //! The `[recognition]` of a study file: methods and reference of the recognition.
 
-use super::{RandomNumbers, ScenarioFolder, Study, in_one_line};
-use crate::document::{Document, Misfit};
+use super::{RandomNumbers, Reading, Study, in_one_line};
+use crate::document::Misfit;
 use crate::features::{Settings, Window};
 use crate::recognition::Method;
 use crate::recognition::confusion::Confusion;
@@ -63,38 +63,34 @@ pub(super) struct ReferenceRuns {
 
 impl RecognitionTable {
     /// Checks the table against a study that is sound without it.
-    pub(super) fn read(
-        self,
-        study: &Study,
-        document: &Document,
-        folder: ScenarioFolder,
-    ) -> Result<Recognition, Misfit> {
-        let at = |key: &'static str| {
-            let place = document.place(&format!("recognition.{key}"));
-            move |message: String| Misfit { place, message }
-        };
+    pub(super) fn read(self, file: &Reading) -> Result<Recognition, Misfit> {
         let methods = self
             .methods
             .unwrap_or(vec![Method::Paper, Method::Improved]);
-        check_methods(&methods).map_err(at("methods"))?;
+        check_methods(&methods).map_err(file.at("recognition.methods"))?;
         self.settings.check().map_err(|error| Misfit {
-            place: document.place_of("recognition.settings", &error),
+            place: file.document.place_of("recognition.settings", &error),
             message: error.to_string(),
         })?;
         let reference = self.reference.map(|path| {
-            let scenario = folder.scenario(&path)?;
-            ReferenceRuns::new(study, scenario)
+            let scenario = file.folder.scenario(&path)?;
+            ReferenceRuns::new(file.study, scenario)
         });
         let baseline = self
             .baseline
-            .map(|BaselineTable { key }| check_baseline(study, &key).map(|()| key));
+            .map(|BaselineTable { key }| check_baseline(file.study, &key).map(|()| key));
+        let window = file.document.value("recognition.settings.window");
         Ok(Recognition {
             methods,
             settings: self.settings,
-            scenario_window: document.value("recognition.settings.window").is_none(),
-            reference: reference.transpose().map_err(at("reference"))?,
+            scenario_window: window.is_none(),
+            reference: reference
+                .transpose()
+                .map_err(file.at("recognition.reference"))?,
             published: self.published.map(PublishedTable::confusion),
-            baseline: baseline.transpose().map_err(at("baseline.key"))?,
+            baseline: baseline
+                .transpose()
+                .map_err(file.at("recognition.baseline.key"))?,
         })
     }
 }

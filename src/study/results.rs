@@ -1,9 +1,10 @@
 //! Results of a finished study, read from its folder.
 
 use super::conditions::{self, Condition};
-use super::score::{Against, Counted, Part};
-use super::table::{Stored, StoredRow};
-use crate::recognition::confusion::{CLASSES, Confusion};
+use super::runs::{self, RunRow};
+use super::score::csv::{self, ClassRow, part};
+use super::score::{Against, Part};
+use super::table::NoTable;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,17 @@ pub enum ResultsError {
         /// The table.
         file: PathBuf,
         /// The column.
-        column: &'static str,
+        column: String,
+    },
+    /// A row of a table is not that of a study.
+    #[error("cannot read row {row} of {}: {reason}", file.display())]
+    NoRow {
+        /// The table.
+        file: PathBuf,
+        /// Number of the row below the names of the columns, from 1.
+        row: usize,
+        /// Why.
+        reason: String,
     },
 }
 
@@ -61,23 +72,22 @@ impl Results {
     ///
     /// # Errors
     /// `NoStudy` where there is no table of runs, `Unreadable` where the system refuses to read a table,
-    /// `NoColumn` where it is not one of a study.
+    /// `NoColumn` and `NoRow` where it is not one of a study.
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
         let [file, of_recognition] = tables(folder);
         let text = read(&file)?.ok_or_else(|| ResultsError::NoStudy {
             folder: folder.to_owned(),
         })?;
-        let runs = Stored::read(&text);
-        if let Some(column) = conditions::missing_column(&runs) {
-            return Err(ResultsError::NoColumn { file, column });
-        }
+        let no_runs = |reason| unlike(&file, reason);
+        let keys = runs::keys_of(&text).map_err(no_runs)?;
+        let rows: Vec<RunRow> = runs::columns(&keys).read(&text).map_err(no_runs)?;
         let recognition = match read(&of_recognition)? {
-            Some(text) => recognition(of_recognition, &Stored::read(&text))?,
+            Some(text) => recognition(&text).map_err(|reason| unlike(&of_recognition, reason))?,
             None => Vec::new(),
         };
         Ok(Self {
-            keys: conditions::swept_keys(&runs).map(str::to_owned).collect(),
-            conditions: conditions::of_runs(&runs),
+            keys,
+            conditions: conditions::of_runs(&rows),
             recognition,
         })
     }
@@ -100,61 +110,36 @@ fn read(file: &Path) -> Result<Option<String>, ResultsError> {
     }
 }
 
-/// Columns of `recognition.csv`; the counts of the answers stand under the names of the classes.
-const COLUMNS: [&str; 9] = [
-    "method",
-    "against",
-    "by",
-    "value",
-    "true_class",
-    "ALCT",
-    "SLCT",
-    "LEIS",
-    "UWTIC",
-];
-
-fn recognition(file: PathBuf, table: &Stored) -> Result<Vec<MethodResults>, ResultsError> {
-    if let Some(column) = COLUMNS.into_iter().find(|name| !table.has(name)) {
-        return Err(ResultsError::NoColumn { file, column });
+/// A table of another form.
+fn unlike(file: &Path, reason: NoTable) -> ResultsError {
+    let file = file.to_owned();
+    match reason {
+        NoTable::Column(column) => ResultsError::NoColumn { file, column },
+        NoTable::Row(row, reason) => ResultsError::NoRow { file, row, reason },
     }
-    let of_label = |row: &StoredRow| row.text("against") == Against::Label.as_str();
-    let rows: Vec<StoredRow> = table.rows().filter(of_label).collect();
-    let of_one = rows.chunk_by(|a, b| a.text("method") == b.text("method"));
-    let methods = of_one.map(|rows| MethodResults {
-        method: rows[0].text("method").to_owned(),
-        map: parts(rows),
-    });
-    // Published counts have no parts.
-    Ok(methods.filter(|it| !it.map.is_empty()).collect())
 }
 
-/// The parts of the windows of one method.
-fn parts(rows: &[StoredRow]) -> Vec<Part> {
-    let parts = rows.chunk_by(|a, b| ["by", "value"].iter().all(|it| a.text(it) == b.text(it)));
-    let parts = parts.filter(|rows| rows[0].text("by") != "all");
-    let part = |rows: &[StoredRow]| {
-        let mut confusion = Confusion::default();
-        for (class, counts) in CLASSES.iter().zip(&mut confusion.counts) {
-            let row = rows
-                .iter()
-                .find(|row| row.text("true_class") == class.as_str());
-            if let Some(row) = row {
-                *counts = CLASSES.map(|answer| row.count(answer.as_str()));
-            }
+/// The parts of the windows of every method, from the text of `recognition.csv`.
+fn recognition(text: &str) -> Result<Vec<MethodResults>, NoTable> {
+    let mut rows: Vec<ClassRow> = csv::columns().read(text)?;
+    // Published counts have no parts.
+    rows.retain(|row| row.against == Against::Label.as_str() && row.by != "all");
+    let methods = rows.chunk_by(|a, b| a.method == b.method);
+    let methods = methods.map(|rows| {
+        let parts = rows.chunk_by(|a, b| (&a.by, &a.value) == (&b.by, &b.value));
+        MethodResults {
+            method: rows[0].method.clone(),
+            map: parts.map(part).collect(),
         }
-        Part {
-            by: rows[0].text("by").to_owned(),
-            value: rows[0].text("value").to_owned(),
-            counted: Counted::from(confusion),
-        }
-    };
-    parts.map(part).collect()
+    });
+    Ok(methods.collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::score::{MethodScore, RecognitionScore};
+    use crate::recognition::confusion::Confusion;
+    use crate::study::score::{Counted, MethodScore, RecognitionScore};
     use crate::terrain::class::Wtic;
 
     fn counted(right: u64, wrong: u64) -> Counted {
@@ -189,8 +174,7 @@ mod tests {
                 score("improved", Against::Label),
             ],
         };
-        let csv = Stored::read(&written.to_csv());
-        let read = recognition(PathBuf::new(), &csv).unwrap();
+        let read = recognition(&written.to_csv()).unwrap();
         let methods: Vec<&str> = read.iter().map(|it| it.method.as_str()).collect();
         assert_eq!(methods, ["paper", "improved"]);
         assert_eq!(read[1].map, written.scores[2].map);

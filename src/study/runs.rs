@@ -18,13 +18,16 @@
 //! A cell is empty where a value does not exist. Numbers have the shortest representation that reads back
 //! exactly.
 
-use super::table::{NoRows, Rows, Stop, Table, cell, condition_cells};
+use super::cells::{List, Number, lines};
+use super::table::{Columns, NoRows, NoTable, Place, Stop, Table};
 use super::{Run, Study};
 use crate::dataset::records::Field;
 use crate::recognition::confusion::CLASSES;
 use crate::signal::Band;
+use crate::terrain::class::{TerrainLabel, Wtic};
 use crate::trace::steadiness::Steadiness;
 use crate::trace::{Channel, Trace, unit_of};
+use serde::{Deserialize, Serialize};
 
 /// Bands in which the vertical acceleration is measured. Below them lies the wheel's path over its
 /// lugs, above them the end of a record at 2 kHz.
@@ -44,7 +47,7 @@ pub const BANDS: [Band; 3] = [
 ];
 
 /// Channels whose steady mean and standard deviation are in the table, and their unit in its names.
-const STEADY: [(&str, &str); 5] = [
+pub(super) const STEADY: [(&str, &str); 5] = [
     ("normal_force", "_n"),
     ("drawbar_pull", "_n"),
     ("driving_torque", "_n_m"),
@@ -57,58 +60,98 @@ pub(super) struct Runs<'s> {
     pub(super) study: &'s Study,
 }
 
+/// A run: its values, or why there are none.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct RunRow {
+    pub(super) run: u64,
+    pub(super) condition: u64,
+    repeat: u32,
+    stream: u64,
+    pub(super) scenario: String,
+    /// Values of the swept keys.
+    pub(super) values: List<String>,
+    label: Option<TerrainLabel>,
+    class: Option<Wtic>,
+    /// Of each true class; none where the run failed.
+    windows: [Option<u64>; 4],
+    duration: Number,
+    /// Mean and standard deviation of each of [`STEADY`].
+    pub(super) steady: [[Number; 2]; STEADY.len()],
+    /// Root mean square and crest factor of the acceleration in each of [`BANDS`].
+    pub(super) bands: [[Number; 2]; BANDS.len()],
+    lug_pass: Number,
+    /// Of each of [`STEADY`].
+    pub(super) steadiness: [Tested; STEADY.len()],
+    pub(super) failure: String,
+}
+
+/// Whether a mean is that of a steady state: the name of the state, and how fast it drifts.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Tested {
+    pub(super) state: String,
+    pub(super) rate: Number,
+}
+
 impl Table for Runs<'_> {
     fn name(&self) -> &'static str {
         "runs"
     }
 
-    fn header(&self) -> Vec<String> {
-        let fields = fields(self.study).into_iter();
-        fields.map(|field| field.name).collect()
+    fn columns(&self) -> Columns {
+        columns(&self.study.keys().collect::<Vec<_>>())
     }
 
-    fn rows(&self, run: &Run, trace: &Trace, _: &mut Stop) -> Result<Rows, NoRows> {
-        let mut cells = self.first_cells(run);
-        cells.extend(values(trace));
-        cells.push(String::new());
-        Ok(vec![cells])
+    fn rows(&self, run: &Run, trace: &Trace, _: &mut Stop) -> Result<String, NoRows> {
+        Ok(lines([RunRow::at(self.study, run).with_values(trace)]))
     }
 
-    fn rows_of_failed(&self, run: &Run, reason: &str) -> Rows {
-        let mut cells = self.first_cells(run);
-        cells.extend(value_fields().iter().map(|_| String::new()));
-        cells.push(reason.to_owned());
-        vec![cells]
+    fn rows_of_failed(&self, run: &Run, reason: &str) -> String {
+        lines([RunRow {
+            failure: reason.to_owned(),
+            ..RunRow::at(self.study, run)
+        }])
     }
 }
 
-impl Runs<'_> {
-    fn first_cells(&self, run: &Run) -> Vec<String> {
-        let numbers = [run.number, run.condition, u64::from(run.repeat), run.stream];
-        let mut cells: Vec<String> = numbers.map(|number| number.to_string()).into();
-        cells.extend(condition_cells(self.study, run));
-        cells
-    }
+/// The columns of the runs of a study with these swept keys.
+pub(super) fn columns(keys: &[impl AsRef<str>]) -> Columns {
+    let names = |fields: Vec<Field>| fields.into_iter().map(|field| field.name);
+    Columns::default()
+        .with(names(first_fields()))
+        .list(keys.iter().map(|key| [key.as_ref()]))
+        .with(names(value_fields()))
 }
 
-/// The columns of a study's runs.
+/// The swept keys in a table of runs: its columns between scenario and label.
+///
+/// # Errors
+/// One of these columns, where the table lacks it.
+pub(super) fn keys_of(text: &str) -> Result<Vec<String>, NoTable> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader.headers().cloned().unwrap_or_default();
+    let place = |column: &str| {
+        let place = header.iter().position(|name| name == column);
+        place.ok_or_else(|| NoTable::Column(column.to_owned()))
+    };
+    let [before, behind] = [place("scenario")?, place("label")?];
+    let keys = header.iter().take(behind).skip(before + 1);
+    Ok(keys.map(str::to_owned).collect())
+}
+
+/// The columns of a study's runs, with unit and meaning.
 pub(super) fn fields(study: &Study) -> Vec<Field> {
-    let mut fields = vec![
+    [first_fields(), swept_fields(study), value_fields()].concat()
+}
+
+fn first_fields() -> Vec<Field> {
+    vec![
         Field::whole("run", "number from 0"),
         Field::whole("condition", "number of the scenario with its swept values"),
         Field::whole("repeat", "which repeat of its condition"),
         Field::whole("stream", "random numbers it draws from"),
         Field::text("scenario", "name of the scenario's file"),
-    ];
-    fields.extend(swept_fields(study));
-    fields.extend(value_fields());
-    fields.push(Field::text(
-        "failure",
-        "why there are no values; empty where there are",
-    ));
-    fields
+    ]
 }
-
 /// The columns of a study's swept keys: numbers where all values are.
 pub(super) fn swept_fields(study: &Study) -> Vec<Field> {
     let field = |key: &str| {
@@ -164,6 +207,8 @@ fn value_fields() -> Vec<Field> {
     fields.push(Field::number("acceleration_lug_pass_m_s2", "m/s^2", order));
     let steady = STEADY.into_iter();
     fields.extend(steady.flat_map(|(channel, ending)| steadiness_fields(channel, ending)));
+    let failure = "why there are no values; empty where there are";
+    fields.push(Field::text("failure", failure));
     fields
 }
 
@@ -182,34 +227,52 @@ fn steadiness_fields(channel: &str, ending: &str) -> [Field; 2] {
     ]
 }
 
-fn values(trace: &Trace) -> Vec<String> {
-    let label = trace.attributes.terrain.map(|label| label.to_string());
-    let class = trace.attributes.class.map(|class| class.to_string());
-    let mut cells = vec![label.unwrap_or_default(), class.unwrap_or_default()];
-    let windows = trace.truth.iter().flat_map(|truth| &truth.class_windows);
-    cells.extend(CLASSES.map(|class| {
-        let of_class = windows.clone().filter(|window| window.class == class);
-        of_class.count().to_string()
-    }));
-    cells.push(cell(Some(trace.duration())));
-    for (name, _) in STEADY {
-        let spread = trace.channel(name).and_then(|c| mean_and_sd(c.steady()));
-        cells.push(cell(spread.map(|[mean, _]| mean)));
-        cells.push(cell(spread.map(|[_, sd]| sd)));
+impl RunRow {
+    /// A run without values.
+    fn at(study: &Study, run: &Run) -> Self {
+        let place = Place::of(study, run);
+        Self {
+            run: place.run,
+            condition: place.condition,
+            repeat: place.repeat,
+            stream: run.stream,
+            scenario: place.scenario,
+            values: place.values,
+            ..Self::default()
+        }
     }
-    for band in BANDS {
+
+    /// The same run with the values of what it recorded.
+    fn with_values(self, trace: &Trace) -> Self {
+        let windows = trace.truth.iter().flat_map(|truth| &truth.class_windows);
+        let count = |class| {
+            let of_class = windows.clone().filter(|window| window.class == class);
+            Some(of_class.count() as u64)
+        };
         let acceleration = trace.channel("acceleration_y");
-        let rms_and_crest = acceleration.and_then(|channel| rms_and_crest(channel, band));
-        cells.push(cell(rms_and_crest.map(|[rms, _]| rms)));
-        cells.push(cell(rms_and_crest.map(|[_, crest]| crest)));
+        Self {
+            label: trace.attributes.terrain,
+            class: trace.attributes.class,
+            windows: CLASSES.map(count),
+            duration: trace.duration().into(),
+            steady: STEADY.map(|(name, _)| {
+                let channel = trace.channel(name);
+                Number::of_all(channel.and_then(|channel| mean_and_sd(channel.steady())))
+            }),
+            bands: BANDS.map(|band| {
+                Number::of_all(acceleration.and_then(|channel| rms_and_crest(channel, band)))
+            }),
+            lug_pass: lug_pass_amplitude(trace).into(),
+            steadiness: STEADY.map(|(name, _)| {
+                let steadiness = trace.steadiness(name);
+                Tested {
+                    state: steadiness.map_or("", Steadiness::name).to_owned(),
+                    rate: steadiness.and_then(Steadiness::rate).into(),
+                }
+            }),
+            ..self
+        }
     }
-    cells.push(cell(lug_pass_amplitude(trace)));
-    for (name, _) in STEADY {
-        let steadiness = trace.steadiness(name);
-        cells.push(steadiness.map_or("", Steadiness::name).to_owned());
-        cells.push(cell(steadiness.and_then(Steadiness::rate)));
-    }
-    cells
 }
 
 /// Mean and standard deviation of those samples that are numbers.

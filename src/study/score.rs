@@ -23,18 +23,22 @@
 //! | `n`, `correct`, `share`, `low`, `high` | windows, and Wilson's 95 % interval of the share |
 //! | `ALCT` ... `UWTIC` | answers |
 
+pub(super) mod csv;
 pub mod features;
-mod reading;
 mod text;
 
-use super::recognition::{Recognition, magnitude};
-use super::{Study, StudyError};
+use super::analysis::{Analysis, Finished, Observed, Report};
+use super::cells::Number;
+use super::recognition::{Recognition, RecognitionTable, magnitude};
+use super::table::{Columns, NoRows, Stop};
+use super::windows::{self, WindowRow};
+use super::{Reading, Study, StudyError};
+use crate::document::Misfit;
 use crate::recognition::baseline::{self, BaselineError, Sample};
 use crate::recognition::confusion::{CLASSES, Confusion};
 use crate::statistics::Share;
 use crate::terrain::class::{TerrainLabel, Wtic};
 use features::FeaturesOfScenario;
-use reading::Row;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -121,26 +125,44 @@ impl From<Confusion> for Counted {
     }
 }
 
-impl Study {
-    /// Scores the table of the windows, where the study has one.
+impl Analysis for Recognition {
+    const ROWS: Option<&'static str> = Some("windows");
+    type Plan = RecognitionTable;
+    type Row = WindowRow;
+    type Score = RecognitionScore;
+
+    fn read(plan: RecognitionTable, file: &Reading) -> Result<Self, Misfit> {
+        plan.read(file)
+    }
+
+    fn scenario(&self) -> Option<(&'static str, &str)> {
+        Some(("reference", self.reference_text()?))
+    }
+
+    fn features(&self) -> &Recognition {
+        self
+    }
+
+    fn columns(&self, study: &Study) -> Columns {
+        windows::columns(study, self)
+    }
+
+    fn rows(&self, run: &Observed, stop: &mut Stop) -> Result<Vec<WindowRow>, NoRows> {
+        windows::rows(self, run, stop)
+    }
+
+    /// How well the windows were recognised.
     ///
     /// # Errors
     /// `Baseline` where the windows train no classifier.
-    pub(super) fn score(
-        &self,
-        windows: Option<&str>,
-    ) -> Result<Option<RecognitionScore>, StudyError> {
-        let (Some(recognition), Some(text)) = (&self.recognition, windows) else {
-            return Ok(None);
-        };
-        let keys: Vec<&str> = self.keys().collect();
-        let rows = reading::rows(text, &keys, &recognition.methods);
+    fn score(&self, done: &Finished, rows: Vec<WindowRow>) -> Result<RecognitionScore, StudyError> {
+        let keys: Vec<&str> = done.study.keys().collect();
         let mut answers: Vec<(String, Vec<Wtic>)> = Vec::new();
-        for (number, method) in recognition.methods.iter().enumerate() {
-            let of_method = rows.iter().map(|row| row.answers[number]);
+        for (number, method) in self.methods.iter().enumerate() {
+            let of_method = rows.iter().map(|row| row.answers[number].class);
             answers.push((method.as_str().to_owned(), of_method.collect()));
         }
-        answers.extend(baselines(recognition, &rows, &keys)?);
+        answers.extend(baselines(self, &rows, &keys)?);
         let scores = answers.iter().flat_map(|(method, answers)| {
             [Against::Label, Against::Truth, Against::Agreed].map(|against| MethodScore {
                 method: method.clone(),
@@ -149,14 +171,25 @@ impl Study {
                 map: map(&rows, answers, against, &keys),
             })
         });
-        Ok(Some(RecognitionScore {
+        let point = |row: &WindowRow| Some((row.label?, Number::all(row.p)?));
+        Ok(RecognitionScore {
             windows: rows.len() as u64,
-            published: recognition.published.map(Counted::from),
-            points: rows.iter().filter_map(|row| row.label.zip(row.p)).collect(),
-            lugs: self.one_lug_count(),
-            features: features::by_scenario(self, &rows, &keys),
+            published: self.published.map(Counted::from),
+            points: rows.iter().filter_map(point).collect(),
+            lugs: done.study.one_lug_count(),
+            features: features::by_scenario(done.study, &rows, &keys),
             scores: scores.collect(),
-        }))
+        })
+    }
+
+    fn report(score: &RecognitionScore) -> Option<Report> {
+        Some(Report {
+            stem: "recognition",
+            rows: "windows",
+            table: "windows.csv",
+            text: score.to_string(),
+            csv: Some(score.to_csv()),
+        })
     }
 }
 
@@ -170,7 +203,7 @@ impl Study {
     }
 }
 
-impl Row {
+impl WindowRow {
     fn class(&self, against: Against) -> Option<Wtic> {
         match against {
             Against::Label => self.label_class,
@@ -182,10 +215,10 @@ impl Row {
 
 /// Counts the answers to those rows that have a true class and are `within` a part.
 fn counted(
-    rows: &[Row],
+    rows: &[WindowRow],
     answers: &[Wtic],
     against: Against,
-    within: &dyn Fn(&Row) -> bool,
+    within: &dyn Fn(&WindowRow) -> bool,
 ) -> Counted {
     let mut confusion = Confusion::default();
     for (row, answer) in rows.iter().zip(answers).filter(|(row, _)| within(row)) {
@@ -197,7 +230,7 @@ fn counted(
 }
 
 /// The parts in the order in which they occur, scenarios first.
-fn map(rows: &[Row], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<Part> {
+fn map(rows: &[WindowRow], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<Part> {
     let mut parts = Vec::new();
     for (place, by) in std::iter::once("scenario")
         .chain(keys.iter().copied())
@@ -205,7 +238,7 @@ fn map(rows: &[Row], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<P
     {
         let mut values: Vec<&str> = Vec::new();
         for row in rows {
-            let value = row.condition[place].as_str();
+            let value = row.part(place);
             if !values.contains(&value) {
                 values.push(value);
             }
@@ -213,9 +246,7 @@ fn map(rows: &[Row], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<P
         parts.extend(values.iter().map(|value| Part {
             by: by.to_owned(),
             value: (*value).to_owned(),
-            counted: counted(rows, answers, against, &|row| {
-                row.condition[place] == *value
-            }),
+            counted: counted(rows, answers, against, &|row| row.part(place) == *value),
         }));
     }
     parts
@@ -224,7 +255,7 @@ fn map(rows: &[Row], answers: &[Wtic], against: Against, keys: &[&str]) -> Vec<P
 /// The answers of the baseline to windows at new and at known values.
 fn baselines(
     recognition: &Recognition,
-    rows: &[Row],
+    rows: &[WindowRow],
     keys: &[&str],
 ) -> Result<Vec<(String, Vec<Wtic>)>, BaselineError> {
     let Some(key) = &recognition.baseline else {
@@ -232,8 +263,8 @@ fn baselines(
     };
     let place = keys.iter().position(|swept| swept == key);
     let place = 1 + place.expect("the study was read with this key swept");
-    let value = |row: &Row| magnitude(&row.condition[place]);
-    let repeat = |row: &Row| row.repeat.clone();
+    let value = |row: &WindowRow| magnitude(row.part(place));
+    let repeat = |row: &WindowRow| row.place.repeat.to_string();
     Ok(vec![
         ("baseline_new".to_owned(), left_out(rows, &value)?),
         ("baseline_known".to_owned(), left_out(rows, &repeat)?),
@@ -242,9 +273,12 @@ fn baselines(
 
 /// The baseline's class of every window, trained on the windows of other groups. A window without usable
 /// vibration is neither used in training nor classified.
-fn left_out(rows: &[Row], group: &dyn Fn(&Row) -> String) -> Result<Vec<Wtic>, BaselineError> {
-    let sample = |row: &Row| {
-        let (powers, class) = (row.powers?, row.label_class?);
+fn left_out(
+    rows: &[WindowRow],
+    group: &dyn Fn(&WindowRow) -> String,
+) -> Result<Vec<Wtic>, BaselineError> {
+    let sample = |row: &WindowRow| {
+        let (powers, class) = (Number::all(row.powers)?, row.label_class?);
         Some(Sample { powers, class })
     };
     let usable: Vec<(usize, Sample)> = rows
@@ -268,19 +302,20 @@ fn left_out(rows: &[Row], group: &dyn Fn(&Row) -> String) -> Result<Vec<Wtic>, B
 mod tests {
     use super::*;
     use crate::features::band_powers::BANDS;
+    use crate::study::table::Place;
 
     /// A window at a speed, as loud as that in every band; silence cannot be used.
-    fn row(speed: &str, class: Wtic, loud: f64) -> Row {
-        Row {
-            repeat: "0".to_owned(),
-            condition_number: 0,
-            condition: vec!["hard".to_owned(), speed.to_owned()],
-            label: None,
-            p: None,
+    fn row(speed: &str, class: Wtic, loud: f64) -> WindowRow {
+        WindowRow {
+            place: Place {
+                scenario: "hard".to_owned(),
+                values: std::iter::once(speed.to_owned()).collect(),
+                ..Place::default()
+            },
             label_class: Some(class),
             truth: (speed != "0.02").then_some(Wtic::Slct),
-            answers: Vec::new(),
-            powers: (loud != 0.0).then_some([loud; BANDS]),
+            powers: Number::of_all((loud != 0.0).then_some([loud; BANDS])),
+            ..WindowRow::default()
         }
     }
 
@@ -311,7 +346,7 @@ mod tests {
             rows.push(row(speed, Wtic::Leis, -2.0));
         }
         rows.push(row("0.02", Wtic::Alct, 0.0));
-        let by_speed = |row: &Row| magnitude(&row.condition[1]);
+        let by_speed = |row: &WindowRow| magnitude(row.part(1));
         let answers = left_out(&rows, &by_speed).unwrap();
         assert_eq!(answers[..2], [Wtic::Alct, Wtic::Leis]);
         assert_eq!(answers[6], Wtic::Uwtic);

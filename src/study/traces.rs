@@ -10,25 +10,7 @@ use crate::dataset::Provenance;
 use crate::dataset::hdf5::{RunFile, RunFileError, RunFileWriter};
 use crate::learning::{FileFact, run_id};
 use crate::trace::Trace;
-use serde::Deserialize;
 use std::path::Path;
-
-/// Content stored per run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Keep {
-    /// Every channel at its output rate, and all that features use.
-    Traces,
-    /// Features and class of every window.
-    Features,
-}
-
-impl Study {
-    /// Whether the channels of its runs are needed once the runs are done.
-    fn needs_traces(&self) -> bool {
-        self.dataset == Some(Keep::Traces) || self.diagnosis.is_some()
-    }
-}
 
 /// The file of a shard's runs while they are made.
 pub(super) struct Traces {
@@ -42,7 +24,7 @@ impl Traces {
         folder: &Folder,
         shard: &Shard,
     ) -> Result<Option<Self>, StudyError> {
-        if !study.needs_traces() {
+        if !study.analyses.need_traces() {
             return Ok(None);
         }
         let path = folder.path_of(&traces_name(shard));
@@ -80,12 +62,12 @@ pub(super) fn is_whole(study: &Study, folder: &Folder, shard: &Shard) -> bool {
         let found = std::fs::read_to_string(folder.path_of(&seal_name(shard))).ok()?;
         Some(found == seal(folder, &fact))
     };
-    !study.needs_traces() || sealed().unwrap_or(false)
+    !study.analyses.need_traces() || sealed().unwrap_or(false)
 }
 
 /// Whether the runs of a shard are there, where the study needs them.
 pub(super) fn is_there(study: &Study, folder: &Folder, shard: &Shard) -> bool {
-    !study.needs_traces() || folder.path_of(&seal_name(shard)).exists()
+    !study.analyses.need_traces() || folder.path_of(&seal_name(shard)).exists()
 }
 
 /// The runs of a shard that did not fail.

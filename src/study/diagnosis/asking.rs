@@ -9,12 +9,11 @@ use crate::diagnosis::inference::BaseRates;
 use crate::diagnosis::rigs::Origin;
 use crate::diagnosis::{self, Investigation, InvestigationError, Settings};
 use crate::scenario::caught::caught;
-use crate::study::folder::Folder;
+use crate::study::analysis::Finished;
 use crate::study::group::{self, Group};
-use crate::study::shard::{self, Shard, opened, sealed};
-use crate::study::{Diagnosing, Study, StudyError};
+use crate::study::shard::{opened, sealed};
+use crate::study::{Diagnosing, StudyError};
 use crate::trace::Trace;
-use std::ops::ControlFlow;
 
 /// The folder of simulated statistics.
 const BANK: &str = "bank";
@@ -22,54 +21,34 @@ const BANK: &str = "bank";
 /// The folder of the results of each campaign.
 const ANSWERS: &str = "diagnoses";
 
-/// Callback with the progress of the diagnoses; a `Break` stops them.
-pub(in crate::study) type OnProgress<'h> = &'h (dyn Fn(Diagnosing) -> ControlFlow<()> + Sync);
-
-impl Study {
-    /// Diagnoses every campaign that has no answer in the folder, where the study has a `[diagnosis]`, on the
-    /// threads of the pool that this is called in. No shard is missing.
-    ///
-    /// # Errors
-    /// `StoppedDiagnosing`; `Dataset` where the runs of a shard cannot be read; `File` and `Diagnosis`
-    /// where the file system refuses. A campaign that cannot be diagnosed is no error: its reason is stored.
-    pub(in crate::study) fn diagnose(
-        &self,
-        folder: &Folder,
-        on_progress: OnProgress,
-    ) -> Result<Option<DiagnosisScore>, StudyError> {
-        let Some(plan) = &self.diagnosis else {
-            return Ok(None);
-        };
-        folder.make(ANSWERS)?;
-        let shards = shard::all(self);
-        let groups = group::all(self, &plan.over);
-        let asking = Asking {
-            study: self,
-            plan,
-            folder,
-            shards: &shards,
-            campaigns: groups.len(),
-            on_progress,
-        };
-        let numbered = groups.iter().enumerate();
-        let campaigns = numbered.map(|(number, group)| asking.score(number, group));
-        let campaigns = campaigns.collect::<Result<_, _>>()?;
-        Ok(Some(DiagnosisScore { campaigns }))
-    }
+/// Diagnoses every campaign that has no answer in the folder, on the threads of the pool that this is called in.
+///
+/// # Errors
+/// `StoppedDiagnosing`; `Dataset` where the runs of a shard cannot be read; `File` and `Diagnosis`
+/// where the file system refuses. A campaign that cannot be diagnosed is no error: its reason is stored.
+pub(super) fn score(plan: &Plan, done: &Finished) -> Result<DiagnosisScore, StudyError> {
+    done.folder.make(ANSWERS)?;
+    let groups = group::all(done.study, &plan.over);
+    let asking = Asking {
+        done,
+        plan,
+        campaigns: groups.len(),
+    };
+    let numbered = groups.iter().enumerate();
+    let campaigns = numbered.map(|(number, group)| asking.score(number, group));
+    let campaigns = campaigns.collect::<Result<_, _>>()?;
+    Ok(DiagnosisScore { campaigns })
 }
 
 struct Asking<'s> {
-    study: &'s Study,
+    done: &'s Finished<'s>,
     plan: &'s Plan,
-    folder: &'s Folder,
-    shards: &'s [Shard],
     campaigns: usize,
-    on_progress: OnProgress<'s>,
 }
 
 impl Asking<'_> {
     fn score(&self, number: usize, group: &Group) -> Result<CampaignScore, StudyError> {
-        let runs = self.study.scenario_of(group.conditions[0]);
+        let runs = self.done.study.scenario_of(group.conditions[0]);
         let against = self.plan.against(&group.scenario);
         Ok(CampaignScore {
             campaign: number,
@@ -86,22 +65,22 @@ impl Asking<'_> {
         let name = format!("{ANSWERS}/{number:05}.toml");
         let heading = format!(
             "# lugwheel campaign {number}, study {}\n",
-            self.folder.fingerprint()
+            self.done.folder.fingerprint()
         );
         let read = |text: &str| toml::from_str::<CampaignResult>(opened(&heading, text)?).ok();
-        let known = std::fs::read_to_string(self.folder.path_of(&name));
+        let known = std::fs::read_to_string(self.done.folder.path_of(&name));
         if let Some(result) = known.ok().as_deref().and_then(read) {
             return Ok(result);
         }
         let result = self.ask(number, group)?;
         let text = toml::to_string(&result).expect("it holds tables, numbers and names only");
         let text = sealed(&heading, &text);
-        self.folder.write(&name, text.as_bytes())?;
+        self.done.folder.write(&name, text.as_bytes())?;
         Ok(read(&text).expect("it was written above"))
     }
 
     fn ask(&self, number: usize, group: &Group) -> Result<CampaignResult, StudyError> {
-        let measured = campaign::measured(self.study, self.folder, self.shards, group)?;
+        let measured = campaign::measured(self.done, group)?;
         let runs = measured.len();
         match caught(|| self.finding(number, group, measured), Halt::Failed) {
             Ok(finding) => Ok(CampaignResult {
@@ -127,13 +106,13 @@ impl Asking<'_> {
             longest: LONGEST,
             budget: self.plan.budget,
             without: self.plan.without.clone(),
-            seed: self.study.seed,
+            seed: self.done.study.seed,
             rates: BaseRates::default(),
             // The runs are simulated.
             discrepancy: 0.0,
             ablation: None,
         };
-        let bank = self.folder.path_of(BANK);
+        let bank = self.done.folder.path_of(BANK);
         let origin = Origin {
             folder: &bank,
             version: env!("CARGO_PKG_VERSION"),
@@ -144,12 +123,12 @@ impl Asking<'_> {
         // Its statistics are taken.
         drop(measured);
         let on_progress = |now: diagnosis::Progress| {
-            (self.on_progress)(Diagnosing {
+            (self.done.on_progress)(Some(Diagnosing {
                 campaign: number,
                 campaigns: self.campaigns,
                 done: now.done,
                 total: now.total,
-            })
+            }))
         };
         let (diagnosis, _) = investigation.run(&on_progress)?;
         Ok(Finding::of(&diagnosis))

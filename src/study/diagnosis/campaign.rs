@@ -2,27 +2,21 @@
 
 use crate::dataset::hdf5::RunFileError;
 use crate::learning::run_id;
-use crate::study::folder::Folder;
+use crate::study::analysis::Finished;
 use crate::study::group::Group;
-use crate::study::shard::Shard;
 use crate::study::{Study, traces};
 use crate::trace::Trace;
 use std::ops::Range;
 
 /// The runs of a group that did not fail, in the order of their numbers, without ground truth.
-pub(super) fn measured(
-    study: &Study,
-    folder: &Folder,
-    shards: &[Shard],
-    group: &Group,
-) -> Result<Vec<Trace>, RunFileError> {
+pub(super) fn measured(done: &Finished, group: &Group) -> Result<Vec<Trace>, RunFileError> {
     let mut measured = Vec::new();
-    for shard in shards {
-        let wanted = wanted(study, group, &shard.runs);
+    for shard in done.shards {
+        let wanted = wanted(done.study, group, &shard.runs);
         if wanted.is_empty() {
             continue;
         }
-        let file = traces::open(folder, shard)?;
+        let file = traces::open(done.folder, shard)?;
         for id in wanted.iter().filter(|id| file.runs().contains(id)) {
             measured.push(file.read(id)?.as_measured());
         }

@@ -1,96 +1,89 @@
 //! Diagnoses as CSV, a row a campaign.
 
 use super::score::{CampaignScore, DiagnosisScore, Finding};
-use crate::study::table::{bare, cell, line};
+use crate::diagnosis::Answer;
+use crate::study::cells::Number;
+use crate::study::table::{Columns, bare, to_csv};
+use serde::Serialize;
 
-/// Columns after those of the campaign's swept keys.
-const COLUMNS: [&str; 24] = [
-    "runs",
-    "truth",
-    "verdict",
-    "named",
-    "right",
-    "p_true",
-    "p_none",
-    "p_parameter",
-    "p_unknown",
-    "p_undecided",
-    "effect",
-    "p_effect",
-    "magnitude",
-    "magnitude_low",
-    "magnitude_high",
-    "unit",
-    "gap_as_shipped",
-    "gap_recalibrated",
-    "gap_with_effect",
-    "gap_floor",
-    "closed",
-    "closed_low",
-    "closed_high",
-    "reason",
-];
+/// A campaign, see the [module](super::score).
+#[derive(Serialize)]
+struct CampaignRow<'s> {
+    campaign: usize,
+    scenario: &'s str,
+    /// Values of the swept keys that all its runs share.
+    shared: Vec<String>,
+    runs: usize,
+    truth: String,
+    verdict: &'static str,
+    named: String,
+    right: Option<bool>,
+    p_true: Number,
+    /// Of none, parameter, unknown and undecided.
+    probabilities: [Number; 4],
+    effect: &'s str,
+    /// Probability, magnitude and its interval.
+    magnitude: [Number; 4],
+    unit: &'s str,
+    gaps: [Number; 4],
+    /// Value and interval.
+    closed: [Number; 3],
+    reason: &'s str,
+}
 
 impl DiagnosisScore {
     /// One row for every campaign, see the [module](super::score).
     pub fn to_csv(&self) -> String {
         let shared = self.campaigns.first().map(|campaign| &campaign.shared);
-        let keys = shared.into_iter().flatten().map(|(key, _)| key.as_str());
-        let names = ["campaign", "scenario"].into_iter().chain(keys);
-        let names = names.chain(COLUMNS).map(str::to_owned);
-        let header = line(&names.collect::<Vec<_>>());
-        let rows = self.campaigns.iter().map(|campaign| line(&cells(campaign)));
-        std::iter::once(header).chain(rows).collect()
+        let keys = shared.into_iter().flatten().map(|(key, _)| [key.as_str()]);
+        let columns = Columns::default()
+            .with(["campaign", "scenario"])
+            .list(keys)
+            .with(["runs", "truth", "verdict", "named", "right", "p_true"])
+            .with(["p_none", "p_parameter", "p_unknown", "p_undecided"])
+            .with(["effect", "p_effect"])
+            .with(["magnitude", "magnitude_low", "magnitude_high", "unit"])
+            .with(["gap_as_shipped", "gap_recalibrated", "gap_with_effect"])
+            .with(["gap_floor", "closed", "closed_low", "closed_high", "reason"]);
+        to_csv(&columns, self.campaigns.iter().map(CampaignRow::of))
     }
 }
 
-fn cells(campaign: &CampaignScore) -> Vec<String> {
-    let mut cells = vec![campaign.campaign.to_string(), campaign.scenario.clone()];
-    cells.extend(campaign.shared.iter().map(|(_, value)| bare(value)));
-    cells.push(campaign.result.runs.to_string());
-    cells.push(campaign.truth.to_string());
-    let finding = campaign.finding();
-    let text = |of: fn(&Finding) -> String| finding.map_or_else(String::new, of);
-    cells.push(text(|it| it.verdict().to_owned()));
-    cells.push(text(Finding::named));
-    let right = campaign.is_right();
-    cells.push(right.map_or_else(String::new, |right| right.to_string()));
-    cells.push(cell(campaign.probability_of_truth()));
-    cells.extend(
-        ["none", "parameter", "unknown", "undecided"]
-            .map(|name| cell(finding.and_then(|it| it.probability(name)))),
-    );
-    cells.extend(likeliest(finding));
-    cells.extend(distances(finding));
-    cells.push(campaign.result.reason.clone().unwrap_or_default());
-    cells
-}
-
-fn likeliest(finding: Option<&Finding>) -> Vec<String> {
-    let Some(effect) = finding.and_then(Finding::likeliest) else {
-        return vec![String::new(); 6];
-    };
-    let [low, high] = effect.ci95;
-    let numbers = [effect.probability, effect.magnitude, low, high];
-    let mut cells = vec![effect.name.clone()];
-    cells.extend(numbers.map(|number| cell(Some(number))));
-    cells.push(effect.unit.clone());
-    cells
-}
-
-fn distances(finding: Option<&Finding>) -> [String; 7] {
-    let gap = finding.and_then(|it| it.gap);
-    let closed = finding.and_then(|it| it.closed);
-    [
-        gap.map(|it| it.as_shipped),
-        gap.map(|it| it.recalibrated),
-        gap.map(|it| it.with_effect),
-        gap.map(|it| it.floor),
-        closed.map(|it| it.value),
-        closed.map(|it| it.ci95[0]),
-        closed.map(|it| it.ci95[1]),
-    ]
-    .map(cell)
+impl<'s> CampaignRow<'s> {
+    fn of(campaign: &'s CampaignScore) -> Self {
+        let finding = campaign.finding();
+        let effect = finding.and_then(Finding::likeliest);
+        let gap = finding.and_then(|it| it.gap);
+        let closed = finding.and_then(|it| it.closed);
+        let magnitude = effect.map(|it| [it.probability, it.magnitude, it.ci95[0], it.ci95[1]]);
+        let answers = [
+            Answer::None,
+            Answer::Parameter,
+            Answer::Unknown,
+            Answer::Undecided,
+        ];
+        Self {
+            campaign: campaign.campaign,
+            scenario: &campaign.scenario,
+            shared: campaign.shared.iter().map(|(_, it)| bare(it)).collect(),
+            runs: campaign.result.runs,
+            truth: campaign.truth.to_string(),
+            verdict: finding.map_or("", Finding::verdict),
+            named: finding.map_or_else(String::new, Finding::named),
+            right: campaign.is_right(),
+            p_true: campaign.probability_of_truth().into(),
+            probabilities: answers
+                .map(|answer| finding.and_then(|it| it.probability(answer.name())).into()),
+            effect: effect.map_or("", |it| &it.name),
+            magnitude: Number::of_all(magnitude),
+            unit: effect.map_or("", |it| &it.unit),
+            gaps: Number::of_all(
+                gap.map(|it| [it.as_shipped, it.recalibrated, it.with_effect, it.floor]),
+            ),
+            closed: Number::of_all(closed.map(|it| [it.value, it.ci95[0], it.ci95[1]])),
+            reason: campaign.result.reason.as_deref().unwrap_or_default(),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -109,7 +102,7 @@ mod tests {
         let campaigns = vec![answered, other];
         let text = DiagnosisScore { campaigns }.to_csv();
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        assert_eq!(reader.headers().unwrap().len(), 3 + COLUMNS.len());
+        assert_eq!(reader.headers().unwrap().len(), 27);
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 2);
         assert_eq!(&rows[0][7], "true");

@@ -209,14 +209,7 @@ impl Finding {
 
     /// The verdict in a word.
     pub fn verdict(&self) -> &'static str {
-        match self.verdict {
-            Answer::None => "none",
-            Answer::Parameter => "parameter",
-            Answer::Effect => "effect",
-            Answer::Effects => "effects",
-            Answer::Unknown => "unknown",
-            Answer::Undecided => "undecided",
-        }
+        self.verdict.name()
     }
 
     /// What is named: effects that cannot be distinguished joined by `or`, several by `and`; empty where

@@ -1,132 +1,146 @@
 //! Identification scores as CSV, a row a number.
 
-use super::score::{Accuracy, CarriedScore, DriftScore, GroupScore, IdentificationScore};
+use super::score::{Accuracy, GroupScore, IdentificationScore, ParameterScore};
 use crate::identification::Force;
-use crate::study::table::{bare, cell, line};
-use crate::terrain::class::Wtic;
+use crate::study::cells::Number;
+use crate::study::table::{Columns, bare, to_csv};
+use crate::terrain::class::{TerrainLabel, Wtic};
+use serde::Serialize;
+
+/// A number of a group, see the [module](super::score).
+#[derive(Clone, Serialize)]
+struct NumberRow<'s> {
+    scenario: &'s str,
+    /// Values of the swept keys that all its runs share.
+    shared: Vec<String>,
+    label: TerrainLabel,
+    recognized: Wtic,
+    model: Option<Wtic>,
+    what: String,
+    name: &'s str,
+    unit: &'s str,
+    value: Number,
+    ends: [Number; 2],
+    own: Number,
+    covered: Option<u64>,
+    of: Option<u64>,
+}
 
 impl IdentificationScore {
     /// One row for every number, see the [module](super::score).
     pub fn to_csv(&self) -> String {
         let shared = self.groups.first().map(|group| &group.shared);
-        let keys = shared.into_iter().flatten().map(|(key, _)| key.as_str());
-        let names = std::iter::once("scenario").chain(keys);
-        let names = names.chain(COLUMNS).map(str::to_owned);
-        let mut text = line(&names.collect::<Vec<_>>());
-        for group in &self.groups {
-            add_group(&mut text, group);
-            let predicted = self.predictions.iter();
-            for prediction in
-                predicted.filter(|p| p.scenario == group.scenario && p.shared == group.shared)
-            {
-                let accuracy = &prediction.accuracy;
-                add_accuracy(&mut text, group, "predicted", prediction.class, accuracy);
-            }
-        }
-        for CarriedScore { from, to, accuracy } in &self.carried {
-            let Some(group) = self.groups.iter().find(|group| group.scenario == *to) else {
-                continue;
-            };
-            let source = self.groups.iter().find(|group| group.scenario == *from);
-            let model = source.and_then(GroupScore::parameters);
-            let what = format!("carried from {from}");
-            // All values of a key count together.
-            let every = GroupScore {
-                shared: group
-                    .shared
-                    .iter()
-                    .map(|(key, _)| (key.clone(), String::new()))
-                    .collect(),
-                ..group.clone()
-            };
+        let keys = shared.into_iter().flatten().map(|(key, _)| [key.as_str()]);
+        let columns = Columns::default()
+            .with(["scenario"])
+            .list(keys)
+            .with(["label", "recognized", "model", "what", "name", "unit"])
+            .with(["value", "low", "high", "own", "covered", "of"]);
+        let groups = self.groups.iter().flat_map(|group| self.rows_of(group));
+        to_csv(&columns, groups.chain(self.carried_rows()))
+    }
+
+    fn rows_of<'s>(&'s self, group: &'s GroupScore) -> impl Iterator<Item = NumberRow<'s>> {
+        let predicted = self
+            .predictions
+            .iter()
+            .filter(|it| it.scenario == group.scenario && it.shared == group.shared);
+        let predicted = predicted.flat_map(move |prediction| {
+            let row = group.row("predicted", Some(prediction.class));
+            forces(&row, &prediction.accuracy)
+        });
+        group.drift_rows().chain(group.fit_rows()).chain(predicted)
+    }
+
+    /// Every ground by the parameters of another; all values of a key count together.
+    fn carried_rows(&self) -> impl Iterator<Item = NumberRow<'_>> {
+        let group = |name: &str| self.groups.iter().find(|group| group.scenario == name);
+        self.carried.iter().flat_map(move |carried| {
+            let model = group(&carried.from).and_then(GroupScore::parameters);
             let class = model.map_or(Wtic::Uwtic, |(class, _)| class);
-            add_accuracy(&mut text, &every, &what, class, accuracy);
+            let row = group(&carried.to).map(|to| NumberRow {
+                shared: vec![String::new(); to.shared.len()],
+                ..to.row(&format!("carried from {}", carried.from), Some(class))
+            });
+            row.into_iter()
+                .flat_map(|row| forces(&row, &carried.accuracy))
+        })
+    }
+}
+
+impl GroupScore {
+    /// A row of the group without its number.
+    fn row(&self, what: &str, model: Option<Wtic>) -> NumberRow<'_> {
+        NumberRow {
+            scenario: &self.scenario,
+            shared: self.shared.iter().map(|(_, value)| bare(value)).collect(),
+            label: self.label,
+            recognized: self.recognized,
+            model,
+            what: what.to_owned(),
+            name: "",
+            unit: "",
+            value: Number::default(),
+            ends: Default::default(),
+            own: Number::default(),
+            covered: None,
+            of: None,
         }
-        text
+    }
+
+    /// What still changes, whatever the model.
+    fn drift_rows(&self) -> impl Iterator<Item = NumberRow<'_>> {
+        self.drifts.iter().map(|drift| NumberRow {
+            name: drift.channel,
+            unit: &drift.unit,
+            value: drift.rate.into(),
+            ends: drift.rates.map(Number::from),
+            covered: Some(drift.rows as u64),
+            of: Some(self.rows as u64),
+            ..self.row("not_steady", None)
+        })
+    }
+
+    /// Parameters of every model, and its errors.
+    fn fit_rows(&self) -> impl Iterator<Item = NumberRow<'_>> {
+        let found = self
+            .fits
+            .iter()
+            .filter_map(|fit| Some((fit.class, fit.found()?)));
+        found.flat_map(move |(class, found)| {
+            let parameter = move |it: &'_ ParameterScore| NumberRow {
+                name: it.parameter.name(),
+                unit: it.unit,
+                value: it.value.into(),
+                ends: it.ci95.map(Number::from),
+                own: it.own.into(),
+                ..self.row("parameter", Some(class))
+            };
+            let errors = [
+                ("fitted", &found.fitted),
+                ("means", &found.means),
+                ("left_out", &found.left_out),
+            ];
+            let errors = errors
+                .into_iter()
+                .flat_map(move |(what, accuracy)| forces(&self.row(what, Some(class)), accuracy));
+            found.parameters.iter().map(parameter).chain(errors)
+        })
     }
 }
 
-/// Columns after the group's.
-const COLUMNS: [&str; 12] = [
-    "label",
-    "recognized",
-    "model",
-    "what",
-    "name",
-    "unit",
-    "value",
-    "low",
-    "high",
-    "own",
-    "covered",
-    "of",
-];
-
-fn add_group(text: &mut String, group: &GroupScore) {
-    for drift in &group.drifts {
-        add_drift(text, group, drift);
-    }
-    for fit in &group.fits {
-        let Some(found) = fit.found() else {
-            continue;
-        };
-        for parameter in &found.parameters {
-            let ends = parameter.ci95.map(cell);
-            let values = [parameter.parameter.name(), parameter.unit].map(str::to_owned);
-            let mut cells = first_cells(group, "parameter", fit.class.as_str());
-            cells.extend(values);
-            cells.push(cell(Some(parameter.value)));
-            cells.extend(ends);
-            cells.push(cell(parameter.own));
-            cells.extend([String::new(), String::new()]);
-            text.push_str(&line(&cells));
-        }
-        add_accuracy(text, group, "fitted", fit.class, &found.fitted);
-        add_accuracy(text, group, "means", fit.class, &found.means);
-        add_accuracy(text, group, "left_out", fit.class, &found.left_out);
-    }
-}
-
-/// What still changes, whatever the model.
-fn add_drift(text: &mut String, group: &GroupScore, drift: &DriftScore) {
-    let mut cells = first_cells(group, "not_steady", "");
-    cells.extend([drift.channel, &drift.unit].map(str::to_owned));
-    cells.push(cell(Some(drift.rate)));
-    cells.extend(drift.rates.map(|rate| cell(Some(rate))));
-    cells.push(String::new());
-    cells.extend([drift.rows, group.rows].map(|count| count.to_string()));
-    text.push_str(&line(&cells));
-}
-
-fn add_accuracy(
-    text: &mut String,
-    group: &GroupScore,
-    what: &str,
-    class: Wtic,
-    accuracy: &Accuracy,
-) {
-    for force in Force::ALL {
-        let Some(error) = accuracy.error(force) else {
-            continue;
-        };
+/// A row for the error of every force.
+fn forces<'s>(row: &NumberRow<'s>, accuracy: &Accuracy) -> Vec<NumberRow<'s>> {
+    let of_force = |force: Force| {
         let share = accuracy.covered.get(&force);
-        let held = share.map(|share| (share.value * share.n as f64).round());
-        let mut cells = first_cells(group, what, class.as_str());
-        cells.extend([force.name(), "%"].map(str::to_owned));
-        cells.push(cell(Some(error)));
-        cells.extend(std::iter::repeat_n(String::new(), 3));
-        cells.push(held.map_or_else(String::new, |held| held.to_string()));
-        cells.push(share.map_or_else(String::new, |share| share.n.to_string()));
-        text.push_str(&line(&cells));
-    }
-}
-
-fn first_cells(group: &GroupScore, what: &str, model: &str) -> Vec<String> {
-    let mut cells = vec![group.scenario.clone()];
-    cells.extend(group.shared.iter().map(|(_, value)| bare(value)));
-    cells.push(group.label.to_string());
-    cells.push(group.recognized.to_string());
-    cells.push(model.to_owned());
-    cells.push(what.to_owned());
-    cells
+        Some(NumberRow {
+            name: force.name(),
+            unit: "%",
+            value: accuracy.error(force)?.into(),
+            covered: share.map(|share| (share.value * share.n as f64).round() as u64),
+            of: share.map(|share| share.n),
+            ..row.clone()
+        })
+    };
+    Force::ALL.into_iter().filter_map(of_force).collect()
 }

@@ -1,7 +1,7 @@
 //! The rows of a group, and the models fitted to them.
 
 use super::Plan;
-use super::reading::Row;
+use super::steady::IntervalRow;
 use crate::identification::{
     Drift, Estimate, Identification, IdentifyError, Law, PredictedForce, RIGID_SINKAGE, Setting,
     SteadyLoad, SteadyRow, Uncertainty, pool,
@@ -10,6 +10,7 @@ use crate::recognition::class_of_most;
 use crate::scenario::Scenario;
 use crate::study::Study;
 use crate::study::group::{Group, value_in};
+use crate::study::table::Place;
 use crate::terrain::class::Wtic;
 use rayon::prelude::*;
 
@@ -37,7 +38,7 @@ pub(super) struct GroupRow {
 }
 
 impl GroupRows {
-    pub fn new(study: &Study, plan: &Plan, group: Group, rows: &[Row]) -> Self {
+    pub fn new(study: &Study, plan: &Plan, group: Group, rows: &[IntervalRow]) -> Self {
         let scenario = study.scenario_of(group.conditions[0]);
         let mut found = Self {
             setting: plan.setting(&scenario),
@@ -49,22 +50,28 @@ impl GroupRows {
         };
         let mut last_run = None;
         for row in rows {
-            if !found.group.conditions.contains(&row.condition) {
+            let Place {
+                run,
+                condition,
+                repeat,
+                ..
+            } = row.place;
+            if !found.group.conditions.contains(&condition) {
                 continue;
             }
-            if last_run.replace(row.run) != Some(row.run) {
-                let counts = found.answers.iter_mut().zip(row.answers);
+            if last_run.replace(run) != Some(run) {
+                let counts = found.answers.iter_mut().zip(row.answered);
                 counts.for_each(|(sum, count)| *sum += count);
             }
-            let value = value_in(study, row.condition, &plan.over[0]).unwrap_or_default();
-            match &row.steady {
+            let value = value_in(study, condition, &plan.over[0]).unwrap_or_default();
+            match row.steady() {
                 Ok(steady) => found.rows.push(GroupRow {
-                    condition: row.condition,
-                    repeat: row.repeat,
+                    condition,
+                    repeat,
                     value,
-                    steady: steady.clone(),
+                    steady,
                 }),
-                Err(reason) => found.without.push((row.run, reason.clone())),
+                Err(reason) => found.without.push((run, reason)),
             }
         }
         let loads = found.rows.iter_mut().map(|row| &mut row.steady.load);

@@ -4,22 +4,22 @@
 use super::Plan;
 use super::fit::{Fitted, GroupRows};
 use super::own::{holds, own_value};
-use super::reading;
 use super::repeats;
 use super::score::{
     Accuracy, CarriedScore, Choice, DriftScore, FitOutcome, FitScore, FoundScore, GroundScore,
     GroupScore, IdentificationScore, MODELS, ModelScore, ParameterScore, PredictionScore,
     RepeatScore, Source,
 };
+use super::steady::IntervalRow;
 use crate::identification::{
     Drift, Estimate, Force, ForceErrors, Identified, PredictedForce, Warning,
 };
 use crate::scenario::Scenario;
 use crate::statistics::Share;
+use crate::study::analysis::Finished;
 use crate::study::{Study, StudyError, group};
 use crate::terrain::class::Wtic;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 
 /// A group and what was fitted to it, in the order of [`MODELS`].
 struct FittedGroup {
@@ -28,38 +28,29 @@ struct FittedGroup {
     repeats: Vec<RepeatScore>,
 }
 
-impl Study {
-    /// Identifies the table of the steady rows, where the study has one. `stop` is polled before every fit of
-    /// a group.
-    ///
-    /// # Errors
-    /// `Stopped`.
-    pub(in crate::study) fn identify(
-        &self,
-        steady: Option<&str>,
-        stop: &(dyn Fn() -> ControlFlow<()> + Sync),
-    ) -> Result<Option<IdentificationScore>, StudyError> {
-        let (Some(plan), Some(text)) = (&self.identification, steady) else {
-            return Ok(None);
-        };
-        let rows = reading::rows(text);
-        let groups = group::all(self, &plan.over).into_par_iter();
-        let fitted = groups.map(|group| match stop() {
-            ControlFlow::Continue(()) => {
-                let rows = GroupRows::new(self, plan, group, &rows);
-                Ok(FittedGroup::new(rows))
-            }
-            ControlFlow::Break(()) => Err(self.stopped_when_whole()),
-        });
-        let fitted: Vec<FittedGroup> = fitted.collect::<Result<_, _>>()?;
-        Ok(Some(IdentificationScore {
-            published: plan.published,
-            grounds: grounds(&fitted),
-            groups: fitted.iter().map(GroupScore::of).collect(),
-            predictions: predictions(self, plan, &fitted),
-            carried: carried(&fitted),
-        }))
-    }
+/// Every group of a study identified by its rows; the caller is asked before each whether to go on.
+///
+/// # Errors
+/// `Stopped`.
+pub(super) fn score(
+    plan: &Plan,
+    done: &Finished,
+    rows: &[IntervalRow],
+) -> Result<IdentificationScore, StudyError> {
+    let groups = group::all(done.study, &plan.over).into_par_iter();
+    let fitted = groups.map(|group| {
+        done.go_on()?;
+        let rows = GroupRows::new(done.study, plan, group, rows);
+        Ok(FittedGroup::new(rows))
+    });
+    let fitted: Vec<FittedGroup> = fitted.collect::<Result<_, StudyError>>()?;
+    Ok(IdentificationScore {
+        published: plan.published,
+        grounds: grounds(&fitted),
+        groups: fitted.iter().map(GroupScore::of).collect(),
+        predictions: predictions(done.study, plan, &fitted),
+        carried: carried(&fitted),
+    })
 }
 
 impl FittedGroup {

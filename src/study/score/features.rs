@@ -1,10 +1,11 @@
 //! What the features of the windows were: where they lie against their region, and whether they
 //! depend on speed.
 
-use super::reading::Row;
 use crate::recognition::paper::regions;
 use crate::statistics::{quantile_linear, sorted, student_quantile};
 use crate::study::Study;
+use crate::study::cells::Number;
+use crate::study::windows::WindowRow;
 use crate::table::{Cell, Column, Table};
 use serde::Serialize;
 
@@ -44,23 +45,27 @@ pub struct Slope {
 }
 
 /// The features, scenario by scenario, in the order in which they occur.
-pub(super) fn by_scenario(study: &Study, rows: &[Row], keys: &[&str]) -> Vec<FeaturesOfScenario> {
+pub(super) fn by_scenario(
+    study: &Study,
+    rows: &[WindowRow],
+    keys: &[&str],
+) -> Vec<FeaturesOfScenario> {
     let speed = keys.iter().position(|key| key.ends_with(".forward_speed"));
     let lugs: Vec<u32> = (0..study.condition_count())
         .map(|condition| study.scenario_of(condition).wheel.lug_count())
         .collect();
     let mut scenarios: Vec<&str> = Vec::new();
     for row in rows {
-        if !scenarios.contains(&row.condition[0].as_str()) {
-            scenarios.push(&row.condition[0]);
+        if !scenarios.contains(&row.part(0)) {
+            scenarios.push(row.part(0));
         }
     }
     scenarios
         .into_iter()
         .map(|scenario| {
-            let of_scenario = rows.iter().filter(|row| row.condition[0] == scenario);
+            let of_scenario = rows.iter().filter(|row| row.part(0) == scenario);
             let windows: Vec<Window> = of_scenario
-                .filter_map(|row| Window::of(row, lugs[row.condition_number], speed))
+                .filter_map(|row| Window::of(row, lugs[row.place.condition as usize], speed))
                 .collect();
             FeaturesOfScenario {
                 scenario: scenario.to_owned(),
@@ -79,8 +84,8 @@ struct Window {
 }
 
 impl Window {
-    fn of(row: &Row, lugs: u32, speed: Option<usize>) -> Option<Self> {
-        let p = row.p?;
+    fn of(row: &WindowRow, lugs: u32, speed: Option<usize>) -> Option<Self> {
+        let p = Number::all(row.p)?;
         let region = regions(lugs)
             .into_iter()
             .find(|region| Some(region.class) == row.label_class)?;
@@ -88,7 +93,7 @@ impl Window {
             let [low, high] = region.limits[i];
             (low..=high).contains(&p[i])
         });
-        let speed = speed.and_then(|key| row.condition[1 + key].parse::<f64>().ok());
+        let speed = speed.and_then(|key| row.part(1 + key).parse::<f64>().ok());
         Some(Self {
             p,
             within,

@@ -1,96 +1,11 @@
-//! Scores as text for reading, and as CSV.
+//! Scores as text for reading.
 
 use super::features;
 use super::{Against, Counted, MethodScore, Part, RecognitionScore};
 use crate::recognition::confusion::CLASSES;
 use crate::statistics::Share;
-use crate::study::table::{cell, line};
 use crate::table::{Cell, Column, Table};
 use std::fmt;
-
-impl RecognitionScore {
-    /// One row for every true class in every part of the windows.
-    pub fn to_csv(&self) -> String {
-        let first = ["method", "against", "by", "value", "true_class"];
-        let then = ["n", "correct", "share", "low", "high"];
-        let names = first.into_iter().chain(then);
-        let names = names.chain(CLASSES.map(|class| class.as_str()));
-        let mut text = line(&names.map(str::to_owned).collect::<Vec<_>>());
-        if let Some(published) = &self.published {
-            add_rows(&mut text, ["published", "label", "all", ""], published);
-        }
-        for MethodScore {
-            method,
-            against,
-            all,
-            map,
-        } in &self.scores
-        {
-            let against = against.as_str();
-            add_rows(&mut text, [method, against, "all", ""], all);
-            for Part { by, value, counted } in map {
-                add_rows(&mut text, [method, against, by, value], counted);
-            }
-        }
-        text
-    }
-}
-
-impl Against {
-    pub(in crate::study) fn as_str(self) -> &'static str {
-        match self {
-            Self::Label => "label",
-            Self::Truth => "truth",
-            Self::Agreed => "agreed",
-        }
-    }
-}
-
-/// Rows of the classes that occur, and of all together.
-fn add_rows(text: &mut String, first: [&str; 4], counted: &Counted) {
-    let Counted {
-        confusion,
-        accuracy,
-        recalls,
-        ..
-    } = counted;
-    let counts = &confusion.counts;
-    let all = std::array::from_fn(|column| counts.iter().map(|row| row[column]).sum());
-    let classes = CLASSES.iter().enumerate().map(|(row, class)| AnswerRow {
-        class: class.as_str(),
-        correct: counts[row][row],
-        share: recalls.get(class).copied(),
-        answers: counts[row],
-    });
-    let all = AnswerRow {
-        class: "all",
-        correct: confusion.correct(),
-        share: *accuracy,
-        answers: all,
-    };
-    text.extend(classes.chain([all]).filter_map(|row| row.line(first)));
-}
-
-/// Answers to the windows of a true class.
-struct AnswerRow {
-    class: &'static str,
-    correct: u64,
-    /// None where the class does not occur.
-    share: Option<Share>,
-    answers: [u64; 4],
-}
-
-impl AnswerRow {
-    fn line(&self, first: [&str; 4]) -> Option<String> {
-        let share = self.share?;
-        let names = first.into_iter().chain([self.class]);
-        let mut cells: Vec<String> = names.map(str::to_owned).collect();
-        cells.extend([share.n, self.correct].map(|count| count.to_string()));
-        cells.extend([share.value, share.ci95[0], share.ci95[1]].map(|it| cell(Some(it))));
-        cells.extend(self.answers.map(|count| count.to_string()));
-        Some(line(&cells))
-    }
-}
 
 impl fmt::Display for RecognitionScore {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

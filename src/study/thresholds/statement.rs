@@ -1,10 +1,8 @@
 //! The statements of (55) to (58), tested on the windows of a study.
 
+use super::row::{DisplacementRow, WindowRow};
 use super::tally::{Bounded, Empirical, Tally};
-use super::{Thresholds, acceleration_columns};
-use crate::study::table::{Stored, StoredRow};
 use crate::study::{Axis, Study};
-use crate::terrain::class::Wtic;
 use crate::trace::truth::MOST;
 use crate::vibration::bounds::mean_square_bound_of_jumps;
 use serde::Serialize;
@@ -85,10 +83,8 @@ enum Of {
     Acceleration,
 }
 
-enum Value {
-    Column(String),
-    SquareOf(&'static str),
-}
+/// What of a window is limited.
+type Value = Box<dyn Fn(&WindowRow) -> Option<f64>>;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Bound {
@@ -103,12 +99,12 @@ enum Bound {
 }
 
 impl Bound {
-    fn of(self, window: &StoredRow) -> Option<f64> {
-        let amplitude = window.number("bound_kappa_a");
+    fn of(self, window: &WindowRow) -> Option<f64> {
+        let amplitude = window.bound_kappa_a.get();
         match self {
             Self::Amplitude => amplitude,
             Self::MeanSquare => amplitude.map(|bound| bound * bound),
-            Self::OnSlope => window.number("bound_on_slope"),
+            Self::OnSlope => window.displacement.bound_on_slope.get(),
             Self::Jumps => Some(mean_square_bound_of_jumps(1.0 - MOST)),
         }
     }
@@ -132,140 +128,113 @@ const SLOPE: &str = "corrected, with the steepest line between contacts of neigh
 const JUMPS: &str = "of velocity jumps without slip, a tenth of the lugs missing singly";
 const BUMP: &str = "off a bump off which the next lug still touches, (r + l)(1 - cos(min(α + φ_s, π/2)))/l, squared for mean squares";
 
-/// The limits of displacements: (55) and (56).
+/// The limits of displacements, (55) and (56): of the largest or median displacement on a lug, of the sum of
+/// amplitudes, and of the mean square.
 fn of_displacement() -> Vec<Limit> {
-    let mut limits = of_contact();
-    limits.extend(of_spectrum());
-    limits
-}
-
-fn displacement_limit(
-    name: &str,
-    equation: &'static str,
-    quantity: &str,
-    value: Value,
-    bound: Bound,
-) -> Limit {
-    let limit = if bound == Bound::OnSlope {
-        SLOPE
-    } else {
-        PAPER
-    };
-    Limit {
+    let limit = |name: &str, equation, quantity: &str, of: Displaced, bound| Limit {
         name: name.to_owned(),
         equation,
         quantity: quantity.to_owned(),
-        limit,
+        limit: if bound == Bound::OnSlope {
+            SLOPE
+        } else {
+            PAPER
+        },
         of: Of::Displacement,
-        value,
+        value: Box::new(move |window| of(&window.displacement)),
         bound,
-    }
-}
-
-/// The limits of the largest or median displacement on a lug.
-fn of_contact() -> Vec<Limit> {
-    let limit =
-        |name, quantity, value, bound| displacement_limit(name, "(55)", quantity, value, bound);
-    let column = |name: &str| Value::Column(name.to_owned());
-    let contact = "C_M of the window's largest displacement on a lug";
+    };
+    let largest = "C_M of the window's largest displacement on a lug";
+    let median = "C_M of the window's median displacement on a lug";
+    let longest = "C_f², the largest displacement on a lug above the line between takeovers";
+    let sum = "κ_A, sum of amplitudes of the displacement";
+    let relative_sum = "κ_A of the displacement above the lines between takeovers";
+    let square = "κ_ms, mean square of the displacement";
+    let relative_square = "κ_ms of the displacement above the lines between takeovers";
+    use Bound::{Amplitude, MeanSquare, OnSlope};
     vec![
-        limit("contact", contact, column("c_m_largest"), Bound::Amplitude),
+        limit("contact", "(55)", largest, |it| it.c_m[1].get(), Amplitude),
         limit(
             "contact_median",
-            "C_M of the window's median displacement on a lug",
-            column("c_m_median"),
-            Bound::Amplitude,
+            "(55)",
+            median,
+            |it| it.c_m[0].get(),
+            Amplitude,
         ),
         limit(
             "contact_on_slope",
-            contact,
-            column("c_m_largest"),
-            Bound::OnSlope,
+            "(55)",
+            largest,
+            |it| it.c_m[1].get(),
+            OnSlope,
         ),
         limit(
             "contact_relative",
-            "C_f², the largest displacement on a lug above the line between takeovers",
-            Value::SquareOf("c_f_largest"),
-            Bound::Amplitude,
+            "(55)",
+            longest,
+            |it| it.c_f_largest.get().map(|c_f| c_f * c_f),
+            Amplitude,
+        ),
+        limit(
+            "displacement_a",
+            "(55)",
+            sum,
+            |it| it.kappa[0].get(),
+            Amplitude,
+        ),
+        limit(
+            "relative_a",
+            "(55)",
+            relative_sum,
+            |it| it.relative_kappa[0].get(),
+            Amplitude,
+        ),
+        limit(
+            "displacement_ms",
+            "(56)",
+            square,
+            |it| it.kappa[1].get(),
+            MeanSquare,
+        ),
+        limit(
+            "relative_ms",
+            "(56)",
+            relative_square,
+            |it| it.relative_kappa[1].get(),
+            MeanSquare,
         ),
     ]
 }
 
-/// The limits of the sum of amplitudes and of the mean square, of the displacement itself and of that above the
-/// lines between takeovers.
-fn of_spectrum() -> Vec<Limit> {
-    let amplitudes = |name: &str, quantity| {
-        let column = Value::Column(format!("{name}_kappa_a"));
-        let name = format!("{name}_a");
-        displacement_limit(&name, "(55)", quantity, column, Bound::Amplitude)
-    };
-    let mean_square = |name: &str, quantity| {
-        let column = Value::Column(format!("{name}_kappa_ms"));
-        let name = format!("{name}_ms");
-        displacement_limit(&name, "(56)", quantity, column, Bound::MeanSquare)
-    };
-    vec![
-        amplitudes("displacement", "κ_A, sum of amplitudes of the displacement"),
-        amplitudes(
-            "relative",
-            "κ_A of the displacement above the lines between takeovers",
-        ),
-        mean_square("displacement", "κ_ms, mean square of the displacement"),
-        mean_square(
-            "relative",
-            "κ_ms of the displacement above the lines between takeovers",
-        ),
-    ]
-}
+/// A value of the displacement in a window.
+type Displaced = fn(&DisplacementRow) -> Option<f64>;
 
-/// The limits of accelerations at a bandwidth [Hz].
-fn of_acceleration(bandwidth: f64) -> Vec<Limit> {
-    let [kappa_a, kappa_ms] = acceleration_columns(bandwidth);
-    let limit = |name: &str, equation, quantity: &str, limit, column: &String, bound| Limit {
+/// The limits of accelerations at the bandwidth [Hz] of this number.
+fn of_acceleration(number: usize, bandwidth: f64) -> [Limit; 3] {
+    let limit = |name: &str, equation, limit, kappa: usize, bound| Limit {
         name: format!("{name}_{bandwidth}_hz"),
         equation,
-        quantity: format!("{quantity} of the acceleration, {bandwidth} Hz"),
+        quantity: format!(
+            "{} of the acceleration, {bandwidth} Hz",
+            ["κ_A", "κ_ms"][kappa]
+        ),
         limit,
         of: Of::Acceleration,
-        value: Value::Column(column.clone()),
+        value: Box::new(move |window| window.acceleration[number][kappa].get()),
         bound,
     };
-    vec![
-        limit(
-            "acceleration_a",
-            "(57)",
-            "κ_A",
-            PAPER,
-            &kappa_a,
-            Bound::Amplitude,
-        ),
-        limit(
-            "acceleration_ms",
-            "(58)",
-            "κ_ms",
-            PAPER,
-            &kappa_ms,
-            Bound::MeanSquare,
-        ),
-        limit("jumps_ms", "(58)", "κ_ms", JUMPS, &kappa_ms, Bound::Jumps),
+    [
+        limit("acceleration_a", "(57)", PAPER, 0, Bound::Amplitude),
+        limit("acceleration_ms", "(58)", PAPER, 1, Bound::MeanSquare),
+        limit("jumps_ms", "(58)", JUMPS, 1, Bound::Jumps),
     ]
-}
-
-/// Whether the rim clears flat ground between the lugs.
-fn is_multi_lugged(window: &StoredRow) -> bool {
-    window.text("multi_lugged") == "true"
-}
-
-/// Whether all lugs touched in truth and none entered.
-fn is_alct(window: &StoredRow) -> bool {
-    window.text("truth") == Wtic::Alct.as_str()
 }
 
 impl Limit {
     /// The statement for one kind of wheel; `None` where the limit is not for it, or no window is.
     fn put_to(
         &self,
-        windows: &Stored,
+        windows: &[WindowRow],
         study: &Study,
         axes: &[Axis],
         multi: bool,
@@ -273,11 +242,9 @@ impl Limit {
         if !multi && (!self.bound.is_for_olig_lugged() || self.name.contains("relative")) {
             return None;
         }
-        let of_kind = windows
-            .rows()
-            .filter(|window| is_multi_lugged(window) == multi);
+        let of_kind = windows.iter().filter(|it| it.multi_lugged == multi);
         let points: Vec<Point> = of_kind
-            .filter_map(|window| self.point(&window, study))
+            .filter_map(|window| self.point(window, study))
             .collect();
         let repeats = |odd: u64| -> Vec<Bounded> {
             let chosen = points.iter().filter(|point| point.repeat % 2 == odd);
@@ -298,22 +265,18 @@ impl Limit {
 
     /// A window on which every lug touched: in truth, and for displacements also where the wheel
     /// is rolled without slip.
-    fn point(&self, window: &StoredRow, study: &Study) -> Option<Point> {
-        let rolled = || window.number("rolled_touched_share") >= Some(MOST);
-        if !is_alct(window) || self.of == Of::Displacement && !rolled() {
+    fn point(&self, window: &WindowRow, study: &Study) -> Option<Point> {
+        let rolled = window.displacement.rolled_touched_share.get() >= Some(MOST);
+        if !window.is_alct() || self.of == Of::Displacement && !rolled {
             return None;
         }
-        let value = match &self.value {
-            Value::Column(column) => window.number(column)?,
-            Value::SquareOf(column) => window.number(column).map(|value| value * value)?,
-        };
         Some(Point {
-            entries: study.condition(window.count("condition")).1,
+            entries: study.condition(window.place.condition).1,
             bounded: Bounded {
-                value,
+                value: (self.value)(window)?,
                 bound: self.bound.of(window)?,
             },
-            repeat: window.count("repeat"),
+            repeat: u64::from(window.place.repeat),
         })
     }
 }
@@ -340,26 +303,22 @@ fn parts(points: &[Point], axes: &[Axis]) -> Option<Vec<Part>> {
     Some(parts)
 }
 
-impl Study {
-    /// Puts the limits to the table of the windows, where the study has one.
-    pub(in crate::study) fn hold_to_thresholds(
-        &self,
-        windows: Option<&str>,
-    ) -> Option<ThresholdScore> {
-        let Thresholds { bandwidths } = self.thresholds.as_ref()?;
-        let windows = Stored::read(windows?);
-        let axes = self.axes();
-        let accelerations = bandwidths.iter().flat_map(|b| of_acceleration(*b));
+impl ThresholdScore {
+    /// Puts the limits to the windows of a study with accelerations at these bandwidths [Hz].
+    pub(super) fn of(study: &Study, bandwidths: &[f64], windows: &[WindowRow]) -> Self {
+        let axes = study.axes();
+        let accelerations = bandwidths.iter().enumerate();
+        let accelerations = accelerations.flat_map(|(number, b)| of_acceleration(number, *b));
         let limits: Vec<Limit> = of_displacement().into_iter().chain(accelerations).collect();
         let statements = [true, false].iter().flat_map(|multi| {
-            let put = |limit: &Limit| limit.put_to(&windows, self, &axes, *multi);
+            let put = |limit: &Limit| limit.put_to(windows, study, &axes, *multi);
             limits.iter().filter_map(put).collect::<Vec<Statement>>()
         });
-        Some(ThresholdScore {
-            windows: windows.rows().len(),
-            all_touched: windows.rows().filter(is_alct).count(),
+        Self {
+            windows: windows.len(),
+            all_touched: windows.iter().filter(|it| it.is_alct()).count(),
             statements: statements.collect(),
             axes,
-        })
+        }
     }
 }
