@@ -7,12 +7,10 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
 use crate::learning::DataSet;
-use crate::report::{self, FeaturePoint, Group, StudyReport};
+use crate::report::study_page::Drawing;
+use crate::report::{self, StudyReport};
 use crate::study::conditions::Unsteady;
-use crate::study::identification::score::IdentificationScore;
-use crate::study::score::{Against, MethodScore, RecognitionScore};
 use crate::study::scores::{Report, Scores};
-use crate::study::thresholds::ThresholdScore;
 use crate::study::{self, Diagnosing, Options, Outcome, Run, Study, StudyError};
 use crate::table::four_digits;
 use crate::trace::Trace;
@@ -147,7 +145,9 @@ impl StudyCommand {
             0 => Some(self.write_report(&study, &stem, &outcome, &out)?),
             _ => None,
         };
-        draw(&outcome.scores, &out)?;
+        for Drawing { file, svg } in report::study_page::drawings(&outcome.scores) {
+            output::write_file(&out.join(file), &svg)?;
+        }
         let unanswered = unanswered(&outcome, &out);
         output.print(&Summary {
             study: self.study.display().to_string(),
@@ -304,63 +304,6 @@ fn stills(study: &Study) -> Vec<(String, Trace)> {
         Some(((*name).to_owned(), trace))
     };
     first.par_iter().filter_map(still).collect()
-}
-
-/// Draws the figures of every analysis.
-fn draw(scores: &Scores, out: &Path) -> anyhow::Result<()> {
-    if let Some(score) = &scores.thresholds {
-        draw_limits(score, out)?;
-    }
-    if let Some(score) = &scores.recognition {
-        draw_recognition(score, out)?;
-    }
-    if let Some(score) = &scores.identification {
-        draw_parameters(score, out)?;
-    }
-    if let Some(score) = &scores.diagnosis {
-        let figure = report::study_page::answers_by_campaign(score);
-        output::write_file(&out.join("diagnosis.svg"), &figure)?;
-    }
-    Ok(())
-}
-
-/// Draws a figure of every limit: `thresholds_<limit>.svg`, `..._olig.svg` of wheels of few lugs.
-fn draw_limits(score: &ThresholdScore, out: &Path) -> anyhow::Result<()> {
-    for statement in &score.statements {
-        let kind = if statement.multi_lugged { "" } else { "_olig" };
-        let file = format!("thresholds_{}{kind}.svg", statement.name);
-        let figure = report::threshold_figure(statement, &score.axes);
-        output::write_file(&out.join(file), &figure)?;
-    }
-    Ok(())
-}
-
-/// Draws the features by ground, their planes, and what each method answered.
-fn draw_recognition(score: &RecognitionScore, out: &Path) -> anyhow::Result<()> {
-    let write = |name: &str, svg: &str| output::write_file(&out.join(name), svg);
-    let points = score.points.iter().map(|&(terrain, p)| FeaturePoint {
-        group: Group::Terrain(terrain),
-        p,
-    });
-    let points: Vec<FeaturePoint> = points.collect();
-    if !points.is_empty() {
-        write("feature_values.svg", &report::feature_values(&points))?;
-    }
-    if let (Some(lugs), false) = (score.lugs, points.is_empty()) {
-        write("feature_planes.svg", &report::feature_planes(&points, lugs))?;
-    }
-    let by_ground = score.scores.iter();
-    for MethodScore { method, all, .. } in by_ground.filter(|s| s.against == Against::Label) {
-        let figure = report::study_page::answers_and_truth(method, &all.confusion);
-        write(&format!("confusion_{method}.svg"), &figure)?;
-    }
-    Ok(())
-}
-
-/// Draws the parameters of one group of every scenario: the first, or that at `from`.
-fn draw_parameters(score: &IdentificationScore, out: &Path) -> anyhow::Result<()> {
-    let figure = report::study_page::parameter_drawing(score);
-    output::write_file(&out.join("parameters.svg"), &figure)
 }
 
 /// The first few numbers.

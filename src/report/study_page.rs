@@ -7,14 +7,13 @@ mod identification;
 mod recognition;
 mod thresholds;
 
-pub use diagnosis::answers_by_campaign;
 pub use identification::{force_errors, identified_parameters, not_steady, parameter_drawing};
 pub use recognition::answers_and_truth;
 
 use super::figure::Layout;
 use super::laid_out_trace_figure;
 use super::page::{Cell, Column, Figure, Page, Provenance, Section, Table};
-use crate::study::{Outcome, Study};
+use crate::study::{Outcome, Scores, Study};
 use crate::trace::Trace;
 
 /// A study and what came of it.
@@ -34,32 +33,72 @@ pub struct StudyReport<'a> {
     pub commands: &'a [String],
 }
 
+/// The result of an analysis, as it is shown.
+trait Shown {
+    /// The result in a sentence or two.
+    fn answer(&self) -> String;
+
+    /// Its part of the page.
+    fn sections(&self) -> Vec<Section>;
+
+    /// Its figures as files of their own.
+    fn drawings(&self) -> Vec<Drawing> {
+        Vec::new()
+    }
+}
+
+/// A figure in a file of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Drawing {
+    /// Name of the file.
+    pub file: String,
+    /// The figure as SVG.
+    pub svg: String,
+}
+
+impl Drawing {
+    fn new(file: impl Into<String>, svg: String) -> Self {
+        let file = file.into();
+        Self { file, svg }
+    }
+}
+
+/// The results of a study, in the order of its page.
+fn shown(scores: &Scores) -> Vec<&dyn Shown> {
+    let Scores {
+        recognition,
+        thresholds,
+        identification,
+        diagnosis,
+        dataset,
+    } = scores;
+    let shown = [
+        any(recognition),
+        any(thresholds),
+        any(identification),
+        any(diagnosis),
+        any(dataset),
+    ];
+    shown.into_iter().flatten().collect()
+}
+
+fn any(score: &Option<impl Shown>) -> Option<&dyn Shown> {
+    score.as_ref().map(|score| score as &dyn Shown)
+}
+
+/// The figures of all results as files.
+pub fn drawings(scores: &Scores) -> Vec<Drawing> {
+    let shown = shown(scores).into_iter();
+    shown.flat_map(Shown::drawings).collect()
+}
+
 /// The page of a study, of the same parts for every study: answer, scores with tables and
 /// figures, means of every condition, what a run looks like, runs that failed, how to run it again.
 pub fn study_page(report: &StudyReport) -> Page {
     let StudyReport { study, outcome, .. } = *report;
-    let mut sections = Vec::new();
-    let mut answers = Vec::new();
-    if let Some(score) = &outcome.scores.recognition {
-        answers.push(recognition::answer(score));
-        sections.extend(recognition::sections(score));
-    }
-    if let Some(score) = &outcome.scores.thresholds {
-        answers.push(thresholds::answer(score));
-        sections.extend(thresholds::sections(score));
-    }
-    if let Some(score) = &outcome.scores.identification {
-        answers.push(identification::answer(score));
-        sections.extend(identification::sections(score));
-    }
-    if let Some(score) = &outcome.scores.diagnosis {
-        answers.push(diagnosis::answer(score));
-        sections.push(diagnosis::section(score));
-    }
-    if let Some(set) = &outcome.scores.dataset {
-        answers.push(dataset::answer(set));
-        sections.push(dataset::section(set));
-    }
+    let shown = shown(&outcome.scores);
+    let mut answers: Vec<String> = shown.iter().map(|it| it.answer()).collect();
+    let mut sections: Vec<Section> = shown.iter().flat_map(|it| it.sections()).collect();
     if answers.is_empty() {
         answers.push(conditions::answer(study, &outcome.conditions));
     }

@@ -1,5 +1,6 @@
 //! What a data set for learners holds.
 
+use super::Shown;
 use crate::learning::DataSet;
 use crate::learning::balance::{ByClass, OfPart};
 use crate::learning::splits::Part;
@@ -8,39 +9,41 @@ use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{FeaturePoint, Group, feature_values};
 use crate::terrain::class::LABELS;
 
-/// How large it is, and how its classes are balanced.
-pub fn answer(set: &DataSet) -> String {
-    let windows = set.windows().rows.len();
-    let classes = CLASSES.iter().zip(set.by_class());
-    let classes = classes.filter(|(_, count)| *count > 0);
-    let classes: Vec<String> = classes
-        .map(|(class, count)| format!("{count} {}", class.as_str()))
-        .collect();
-    format!(
-        "The data set has {windows} windows of {} runs: {}.",
-        set.runs(),
-        classes.join(", ")
-    )
-}
-
-/// Balance, splits and features.
-pub fn section(set: &DataSet) -> Section {
-    let section = Section::new("Contents of the data set")
-        .prose(
-            "True classes by the contacts of lugs and ground. dataset.h5 contains the data, dataset.windows.csv \
-             one row per window with its features and its part in every split, dataset.datasheet.md the \
-             datasheet, dataset.croissant.json the same metadata as JSON-LD.",
+impl Shown for DataSet {
+    /// How large it is, and how its classes are balanced.
+    fn answer(&self) -> String {
+        let windows = self.windows().rows.len();
+        let classes = CLASSES.iter().zip(self.by_class());
+        let classes = classes.filter(|(_, count)| *count > 0);
+        let classes: Vec<String> = classes
+            .map(|(class, count)| format!("{count} {}", class.as_str()))
+            .collect();
+        format!(
+            "The data set has {windows} windows of {} runs: {}.",
+            self.runs(),
+            classes.join(", ")
         )
-        .table(balance(set))
-        .table(parts(set));
-    let points: Vec<FeaturePoint> = points(set).collect();
-    if points.is_empty() {
-        return section;
     }
-    section.figure(Figure::new(
-        feature_values(&points),
-        "The four features of every window by ground.",
-    ))
+
+    /// Balance, splits and features.
+    fn sections(&self) -> Vec<Section> {
+        let section = Section::new("Contents of the data set")
+            .prose(
+                "True classes by the contacts of lugs and ground. dataset.h5 contains the data, dataset.windows.csv \
+                 one row per window with its features and its part in every split, dataset.datasheet.md the \
+                 datasheet, dataset.croissant.json the same metadata as JSON-LD.",
+            )
+            .table(balance(self))
+            .table(parts(self));
+        let points: Vec<FeaturePoint> = points(self).collect();
+        if points.is_empty() {
+            return vec![section];
+        }
+        vec![section.figure(Figure::new(
+            feature_values(&points),
+            "The four features of every window by ground.",
+        ))]
+    }
 }
 
 fn columns(first: &[&str]) -> Vec<Column> {

@@ -1,27 +1,60 @@
 //! What diagnoses make of the runs.
 
+use super::{Drawing, Shown};
 use crate::diagnosis::Answer;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::{CampaignBar, campaign_bars};
 use crate::study::diagnosis::score::{CampaignScore, DiagnosisScore, Finding, Truth};
 
-/// How many campaigns are answered rightly, and from where on an effect is named.
-pub fn answer(score: &DiagnosisScore) -> String {
-    let campaigns = &score.campaigns;
-    let right = campaigns.iter().filter(|it| is_right(it)).count();
-    let mut answer = format!(
-        "{right} of {} campaigns are diagnosed correctly.",
-        campaigns.len()
-    );
-    if let Some(named) = named_from(campaigns) {
-        answer.push(' ');
-        answer.push_str(&named);
+impl Shown for DiagnosisScore {
+    /// How many campaigns are answered rightly, and from where on an effect is named.
+    fn answer(&self) -> String {
+        let campaigns = &self.campaigns;
+        let right = campaigns.iter().filter(|it| is_right(it)).count();
+        let mut answer = format!(
+            "{right} of {} campaigns are diagnosed correctly.",
+            campaigns.len()
+        );
+        if let Some(named) = named_from(campaigns) {
+            answer.push(' ');
+            answer.push_str(&named);
+        }
+        let without = self.without_answer().count();
+        if without > 0 {
+            answer.push_str(&format!(" {without} cannot be diagnosed."));
+        }
+        answer
     }
-    let without = score.without_answer().count();
-    if without > 0 {
-        answer.push_str(&format!(" {without} cannot be diagnosed."));
+
+    /// The answers, their probabilities, and the gaps.
+    fn sections(&self) -> Vec<Section> {
+        let figure = Figure::new(
+            answers_by_campaign(self),
+            "Probability of the true cause and of all other answers by campaign; at the right the answer, bold if correct.",
+        );
+        let section = Section::new("Diagnosis of the campaigns")
+            .answer(self.answer())
+            .prose(
+                "Each campaign is diagnosed like measured runs. The probability of an effect is that of its presence, \
+                 alone or with another. Gaps are mean energy scores [standard deviations per statistic] on held-out \
+                 conditions; closed is the share of the recalibrated gap that the most probable effect closes.",
+            )
+            .figure(figure)
+            .table(answers(self));
+        let without = self.without_answer().map(|campaign| {
+            let reason = campaign.result.reason.as_deref().unwrap_or_default();
+            vec![Cell::Text(campaign.place()), Cell::text(reason)]
+        });
+        vec![section.table(Table {
+            caption: "Campaigns without an answer".to_owned(),
+            columns: Column::named(["campaign", "reason"]),
+            rows: without.collect(),
+        })]
     }
-    answer
+
+    fn drawings(&self) -> Vec<Drawing> {
+        vec![Drawing::new("diagnosis.svg", answers_by_campaign(self))]
+    }
 }
 
 fn is_right(campaign: &CampaignScore) -> bool {
@@ -52,34 +85,8 @@ fn named_from(campaigns: &[CampaignScore]) -> Option<String> {
     })
 }
 
-/// The answers, their probabilities, and the gaps.
-pub fn section(score: &DiagnosisScore) -> Section {
-    let figure = Figure::new(
-        answers_by_campaign(score),
-        "Probability of the true cause and of all other answers by campaign; at the right the answer, bold if correct.",
-    );
-    let section = Section::new("Diagnosis of the campaigns")
-        .answer(answer(score))
-        .prose(
-            "Each campaign is diagnosed like measured runs. The probability of an effect is that of its presence, \
-             alone or with another. Gaps are mean energy scores [standard deviations per statistic] on held-out \
-             conditions; closed is the share of the recalibrated gap that the most probable effect closes.",
-        )
-        .figure(figure)
-        .table(answers(score));
-    let without = score.without_answer().map(|campaign| {
-        let reason = campaign.result.reason.as_deref().unwrap_or_default();
-        vec![Cell::Text(campaign.place()), Cell::text(reason)]
-    });
-    section.table(Table {
-        caption: "Campaigns without an answer".to_owned(),
-        columns: Column::named(["campaign", "reason"]),
-        rows: without.collect(),
-    })
-}
-
 /// Probabilities of the truth and of all else, a bar a campaign.
-pub fn answers_by_campaign(score: &DiagnosisScore) -> String {
+fn answers_by_campaign(score: &DiagnosisScore) -> String {
     let bars: Vec<CampaignBar> = score.campaigns.iter().map(bar).collect();
     campaign_bars(&bars, "What explains the runs of each campaign")
 }
@@ -221,7 +228,7 @@ mod tests {
 
     #[test]
     fn an_effect_is_named_from_where_all_larger_ones_are() {
-        let answer_of = |campaigns: Vec<CampaignScore>| answer(&DiagnosisScore { campaigns });
+        let answer_of = |campaigns| DiagnosisScore { campaigns }.answer();
         let some = vec![
             campaign("0.0", false),
             campaign("0.1", true),
@@ -251,7 +258,7 @@ mod tests {
         let score = DiagnosisScore {
             campaigns: vec![campaign("0.0", false), campaign("0.8", true)],
         };
-        let section = format!("{:?}", section(&score));
+        let section = format!("{:?}", score.sections());
         assert!(section.contains("Diagnosis of the campaigns"));
     }
 }

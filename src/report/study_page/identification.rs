@@ -1,5 +1,6 @@
 //! Terrain parameters and what they predict.
 
+use super::{Drawing, Shown};
 use crate::identification::{Force, Standing};
 use crate::identification::{Parameter, TerrainParameters};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
@@ -13,36 +14,64 @@ use crate::study::identification::score::{
 use crate::table::four_digits;
 use crate::terrain::class::{TerrainLabel, Wtic};
 
-/// The force errors by the model of the class recognised, beside those published.
-pub fn answer(score: &IdentificationScore) -> String {
-    let errors = score.grounds.iter().filter_map(|ground| {
-        let by_class = |model: &&ModelScore| model.choice == Choice::Recognized && model.groups > 0;
-        let model = ground.models.iter().find(by_class)?;
-        let published = score.published.map(|published| {
-            let errors = Force::ALL.map(|force| published.error(ground.label.class(), force));
-            format!(" (published {})", three(errors))
+impl Shown for IdentificationScore {
+    /// The force errors by the model of the class recognised, beside those published.
+    fn answer(&self) -> String {
+        let errors = self.grounds.iter().filter_map(|ground| {
+            let by_class =
+                |model: &&ModelScore| model.choice == Choice::Recognized && model.groups > 0;
+            let model = ground.models.iter().find(by_class)?;
+            let published = self.published.map(|published| {
+                let errors = Force::ALL.map(|force| published.error(ground.label.class(), force));
+                format!(" (published {})", three(errors))
+            });
+            let errors = three(Force::ALL.map(|force| model.means.error(force)));
+            let published = published.unwrap_or_default();
+            Some(format!("{errors} % on {}{published}", ground.scenario))
         });
-        let errors = three(Force::ALL.map(|force| model.means.error(force)));
-        let published = published.unwrap_or_default();
-        Some(format!("{errors} % on {}{published}", ground.scenario))
-    });
-    let errors: Vec<String> = errors.collect();
-    if errors.is_empty() {
-        return "No model could be fitted.".to_owned();
-    }
-    let groups = || score.groups.iter();
-    let rows: usize = groups().map(|group| group.rows).sum();
-    let drifting = match groups().map(|group| group.not_steady).sum::<usize>() {
-        0 => String::new(),
-        drifting => {
-            format!(" {drifting} of {rows} rows are not steady: their parameters are less certain.")
+        let errors: Vec<String> = errors.collect();
+        if errors.is_empty() {
+            return "No model could be fitted.".to_owned();
         }
-    };
-    format!(
-        "With the model of the recognised class, the errors of pull, load and torque of a condition are \
-         {}.{drifting}",
-        errors.join("; ")
-    )
+        let groups = || self.groups.iter();
+        let rows: usize = groups().map(|group| group.rows).sum();
+        let drifting = match groups().map(|group| group.not_steady).sum::<usize>() {
+            0 => String::new(),
+            drifting => {
+                format!(
+                    " {drifting} of {rows} rows are not steady: their parameters are less certain."
+                )
+            }
+        };
+        format!(
+            "With the model of the recognised class, the errors of pull, load and torque of a condition are \
+             {}.{drifting}",
+            errors.join("; ")
+        )
+    }
+
+    /// Errors, parameters, force curves, predictions.
+    fn sections(&self) -> Vec<Section> {
+        let mut sections = vec![
+            Section::new("Force errors")
+                .prose(
+                    "Errors are mean absolute errors over mean absolute forces: on the fitted rows, on the means of a \
+                     condition's rows, and by cross-validation. Scatter is the error expected from the uncertainties \
+                     of the rows. Covered is the share of the forces left out that are within their 95 % interval.",
+                )
+                .table(force_errors(self)),
+            parameters(self),
+        ];
+        sections.extend(curves(self));
+        sections.extend(predictions(self));
+        sections.extend(carried(self));
+        sections
+    }
+
+    /// The parameters of one group of every scenario: the first, or that at `from`.
+    fn drawings(&self) -> Vec<Drawing> {
+        vec![Drawing::new("parameters.svg", parameter_drawing(self))]
+    }
 }
 
 fn three(values: [Option<f64>; 3]) -> String {
@@ -51,24 +80,6 @@ fn three(values: [Option<f64>; 3]) -> String {
 
 fn percent(value: Option<f64>) -> String {
     value.map_or("–".to_owned(), |value| format!("{value:.1}"))
-}
-
-/// Errors, parameters, force curves, predictions.
-pub fn sections(score: &IdentificationScore) -> Vec<Section> {
-    let mut sections = vec![
-        Section::new("Force errors")
-            .prose(
-                "Errors are mean absolute errors over mean absolute forces: on the fitted rows, on the means of a \
-                 condition's rows, and by cross-validation. Scatter is the error expected from the uncertainties \
-                 of the rows. Covered is the share of the forces left out that are within their 95 % interval.",
-            )
-            .table(force_errors(score)),
-        parameters(score),
-    ];
-    sections.extend(curves(score));
-    sections.extend(predictions(score));
-    sections.extend(carried(score));
-    sections
 }
 
 /// The force errors of every ground and model, beside those published, a row a force.

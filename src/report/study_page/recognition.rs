@@ -1,5 +1,6 @@
 //! How well classes were recognised.
 
+use super::{Drawing, Shown};
 use crate::recognition::confusion::{CLASSES, Confusion};
 use crate::report::figure::Layout;
 use crate::report::page::{Cell, Column, Figure, Section, Table};
@@ -12,25 +13,50 @@ use crate::statistics::Share;
 use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
 
-/// How many answers were right, method by method, beside those published.
-pub fn answer(score: &RecognitionScore) -> String {
-    let right = |name: &str, counted: &Counted| {
-        counted
-            .accuracy
-            .map(|share| format!("{name} {}", right_answers(&counted.confusion, &share)))
-    };
-    let labelled = score.scores.iter().filter(|s| s.against == Against::Label);
-    let methods = labelled.filter_map(|s| right(&s.method, &s.all));
-    let published = score.published.iter();
-    let published = published.filter_map(|counted| right("published", counted));
-    let shares: Vec<String> = methods.chain(published).collect();
-    if shares.is_empty() {
-        return "No ground stands for one class.".to_owned();
+impl Shown for RecognitionScore {
+    /// How many answers were right, method by method, beside those published.
+    fn answer(&self) -> String {
+        let right = |name: &str, counted: &Counted| {
+            counted
+                .accuracy
+                .map(|share| format!("{name} {}", right_answers(&counted.confusion, &share)))
+        };
+        let labelled = self.scores.iter().filter(|s| s.against == Against::Label);
+        let methods = labelled.filter_map(|s| right(&s.method, &s.all));
+        let published = self.published.iter();
+        let published = published.filter_map(|counted| right("published", counted));
+        let shares: Vec<String> = methods.chain(published).collect();
+        if shares.is_empty() {
+            return "No ground stands for one class.".to_owned();
+        }
+        format!(
+            "Windows recognised as the class of their ground: {}.",
+            shares.join("; ")
+        )
     }
-    format!(
-        "Windows recognised as the class of their ground: {}.",
-        shares.join("; ")
-    )
+
+    /// Scores, their map, and the features behind them.
+    fn sections(&self) -> Vec<Section> {
+        let mut sections = vec![methods(self), map(self)];
+        sections.extend(features(self));
+        sections
+    }
+
+    /// The features by ground, their planes, and what each method answered.
+    fn drawings(&self) -> Vec<Drawing> {
+        let points = points(self);
+        let mut drawings = Vec::new();
+        if !points.is_empty() {
+            drawings.push(Drawing::new("feature_values.svg", feature_values(&points)));
+            let planes = self.lugs.map(|lugs| feature_planes(&points, lugs));
+            drawings.extend(planes.map(|svg| Drawing::new("feature_planes.svg", svg)));
+        }
+        drawings.extend(of_label(self).map(|MethodScore { method, all, .. }| {
+            let figure = answers_and_truth(method, &all.confusion);
+            Drawing::new(format!("confusion_{method}.svg"), figure)
+        }));
+        drawings
+    }
 }
 
 fn right_answers(confusion: &Confusion, share: &Share) -> String {
@@ -40,13 +66,6 @@ fn right_answers(confusion: &Confusion, share: &Share) -> String {
         confusion.correct(),
         share.n
     )
-}
-
-/// Scores, their map, and the features behind them.
-pub fn sections(score: &RecognitionScore) -> Vec<Section> {
-    let mut sections = vec![methods(score), map(score)];
-    sections.extend(features(score));
-    sections
 }
 
 fn methods(score: &RecognitionScore) -> Section {
@@ -252,11 +271,7 @@ fn over_key(methods: &[&MethodScore], key: &str) -> Figure {
 }
 
 fn features(score: &RecognitionScore) -> Option<Section> {
-    let points = score.points.iter().map(|&(terrain, p)| FeaturePoint {
-        group: Group::Terrain(terrain),
-        p,
-    });
-    let points: Vec<FeaturePoint> = points.collect();
+    let points = points(score);
     if points.is_empty() {
         return None;
     }
@@ -274,6 +289,15 @@ fn features(score: &RecognitionScore) -> Option<Section> {
         ));
     }
     Some(section)
+}
+
+/// The features of every window.
+fn points(score: &RecognitionScore) -> Vec<FeaturePoint> {
+    let points = score.points.iter().map(|&(terrain, p)| FeaturePoint {
+        group: Group::Terrain(terrain),
+        p,
+    });
+    points.collect()
 }
 
 const NAMES: [&str; 4] = ["p1 frequency", "p2 amplitudes", "p3 mean", "p4 mean square"];

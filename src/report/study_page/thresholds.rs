@@ -1,61 +1,74 @@
 //! How far the limits of Eq. (55) to (58) hold.
 
+use super::{Drawing, Shown};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::threshold_figure;
 use crate::study::thresholds::tally::Tally;
 use crate::study::thresholds::{Part, Statement, ThresholdScore};
 
-/// The share of windows above the paper's limits, the first of each equation.
-pub fn answer(score: &ThresholdScore) -> String {
-    let mut equations: Vec<&str> = Vec::new();
-    let first = shown(score).filter(|statement| {
-        let is_first = !equations.contains(&statement.equation);
-        equations.push(statement.equation);
-        is_first
-    });
-    let shares = first.map(|statement| {
-        let violations = statement.parts[0].tally.violations;
-        let [value, low, high] =
-            [violations.value, violations.ci95[0], violations.ci95[1]].map(|s| 100.0 * s);
+impl Shown for ThresholdScore {
+    /// The share of windows above the paper's limits, the first of each equation.
+    fn answer(&self) -> String {
+        let mut equations: Vec<&str> = Vec::new();
+        let first = shown(self).filter(|statement| {
+            let is_first = !equations.contains(&statement.equation);
+            equations.push(statement.equation);
+            is_first
+        });
+        let shares = first.map(|statement| {
+            let violations = statement.parts[0].tally.violations;
+            let [value, low, high] =
+                [violations.value, violations.ci95[0], violations.ci95[1]].map(|s| 100.0 * s);
+            format!(
+                "{} {value:.1} % [{low:.1}, {high:.1}] by {}",
+                statement.equation, statement.quantity
+            )
+        });
+        let shares: Vec<String> = shares.collect();
         format!(
-            "{} {value:.1} % [{low:.1}, {high:.1}] by {}",
-            statement.equation, statement.quantity
+            "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged wheels: \
+             {}.",
+            self.all_touched,
+            shares.join("; ")
         )
-    });
-    let shares: Vec<String> = shares.collect();
-    format!(
-        "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged wheels: \
-         {}.",
-        score.all_touched,
-        shares.join("; ")
-    )
+    }
+
+    /// Tallies, figures, and tallies by swept key.
+    fn sections(&self) -> Vec<Section> {
+        let figures = shown(self).map(|statement| {
+            let caption = format!(
+                "{} {}: {}.",
+                statement.equation, statement.name, statement.quantity
+            );
+            Figure::new(threshold_figure(statement, &self.axes), caption)
+        });
+        let drawn = Section::new("Windows relative to the paper's limits").prose(
+            "Every window over its limit, multi-lugged wheels; figures of the other limits and wheels are in the \
+             folder of the study.",
+        );
+        let swept = Section::new("Dependence on the swept keys").table(Table {
+            caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
+            columns: columns(["name", "by", "value"]),
+            rows: shown(self).flat_map(by_sweep).collect(),
+        });
+        vec![validity(self), figures.fold(drawn, Section::figure), swept]
+    }
+
+    /// A figure of every limit: `thresholds_<limit>.svg`, `..._olig.svg` of wheels of few lugs.
+    fn drawings(&self) -> Vec<Drawing> {
+        let drawing = |statement: &Statement| {
+            let kind = if statement.multi_lugged { "" } else { "_olig" };
+            let file = format!("thresholds_{}{kind}.svg", statement.name);
+            Drawing::new(file, threshold_figure(statement, &self.axes))
+        };
+        self.statements.iter().map(drawing).collect()
+    }
 }
 
 /// The limits as the paper states them, for its wheels of many lugs.
 fn shown(score: &ThresholdScore) -> impl Iterator<Item = &Statement> {
     let statements = score.statements.iter();
     statements.filter(|statement| statement.multi_lugged && statement.is_the_papers())
-}
-
-/// Tallies, figures, and tallies by swept key.
-pub fn sections(score: &ThresholdScore) -> Vec<Section> {
-    let figures = shown(score).map(|statement| {
-        let caption = format!(
-            "{} {}: {}.",
-            statement.equation, statement.name, statement.quantity
-        );
-        Figure::new(threshold_figure(statement, &score.axes), caption)
-    });
-    let drawn = Section::new("Windows relative to the paper's limits").prose(
-        "Every window over its limit, multi-lugged wheels; figures of the other limits and wheels are in the \
-         folder of the study.",
-    );
-    let swept = Section::new("Dependence on the swept keys").table(Table {
-        caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
-        columns: columns(["name", "by", "value"]),
-        rows: shown(score).flat_map(by_sweep).collect(),
-    });
-    vec![validity(score), figures.fold(drawn, Section::figure), swept]
 }
 
 /// A row every limit.
