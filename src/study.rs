@@ -431,6 +431,13 @@ impl Study {
             .map(String::as_str)
     }
 
+    /// The scenario of a run, and the values of its swept keys as TOML.
+    fn condition_of(&self, run: &Run) -> String {
+        let values = self.keys().zip(self.values(run));
+        let values = values.map(|(key, value)| format!(", {key} = {value}"));
+        self.scenario_name(run).to_owned() + &values.collect::<String>()
+    }
+
     /// Name of the scenario of a run: its file without the ending.
     fn scenario_name(&self, run: &Run) -> &str {
         &self.condition(run.condition).0.name
@@ -549,17 +556,15 @@ impl StudyTable {
         text: &str,
         folder: ScenarioFolder,
     ) -> Result<Study, Misfit> {
-        let at = |key: &str, message: String| Misfit {
-            place: document.place(key),
-            message,
+        let at = |wrong: Wrong| Misfit {
+            place: document.place(&wrong.0),
+            message: wrong.1,
         };
-        let scenarios =
-            load_scenarios(&self.scenarios, folder).map_err(|(key, message)| at(&key, message))?;
-        let sweeps = sweep::read_all(self.sweep, Seed(self.seed))
-            .map_err(|(key, message)| at(&key, message))?;
+        let scenarios = load_scenarios(&self.scenarios, folder).map_err(at)?;
+        let sweeps = sweep::read_all(self.sweep, Seed(self.seed)).map_err(at)?;
         let mut settings = Vec::new();
         flatten("", &self.set, &mut settings);
-        check_once(&settings, &sweeps).map_err(|(key, message)| at(&key, message))?;
+        check_once(&settings, &sweeps).map_err(at)?;
         let study = Study {
             seed: Seed(self.seed),
             title: self.title,
@@ -578,7 +583,7 @@ impl StudyTable {
         };
         study
             .check_size()
-            .map_err(|error| at("repeats", error.to_string()))?;
+            .map_err(|error| at(("repeats".to_owned(), error.to_string())))?;
         Ok(study)
     }
 }

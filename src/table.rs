@@ -47,6 +47,18 @@ impl Column {
 }
 
 impl Table {
+    /// A table without a caption, of columns without units.
+    pub fn of<N: Into<String>>(
+        names: impl IntoIterator<Item = N>,
+        rows: impl IntoIterator<Item = Vec<Cell>>,
+    ) -> Self {
+        Self {
+            caption: String::new(),
+            columns: Column::named(names),
+            rows: rows.into_iter().collect(),
+        }
+    }
+
     /// The columns and rows as lines of text behind `indent` blanks: columns of numbers to the right, others to the
     /// left, two blanks between them, in ASCII but for the texts.
     pub fn to_text(&self, indent: usize) -> String {
@@ -125,7 +137,7 @@ impl Cell {
 
     /// A share in per cent with its interval.
     pub fn share(share: &Share) -> Self {
-        let [value, low, high] = [share.value, share.ci95[0], share.ci95[1]].map(|s| 100.0 * s);
+        let [value, low, high] = share.percent();
         Self::Written(format!("{value:.1} % [{low:.1}, {high:.1}]"), share.value)
     }
 

@@ -12,7 +12,6 @@ use crate::report::{self, StudyReport};
 use crate::study::conditions::Unsteady;
 use crate::study::scores::{Report, Scores};
 use crate::study::{self, Diagnosing, Options, Outcome, Run, Study, StudyError};
-use crate::table::four_digits;
 use crate::trace::Trace;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
@@ -329,20 +328,11 @@ fn not_steady(unsteady: &Unsteady, runs: u64) -> String {
         quantity,
         drifting,
         too_short,
-        rates,
-        unit,
+        ..
     } = unsteady;
     let mut parts = Vec::new();
-    if let Some(rates) = rates {
-        let [least, greatest] = rates.map(four_digits);
-        let range = if least == greatest {
-            least
-        } else {
-            format!("{least} to {greatest}")
-        };
-        parts.push(format!(
-            "not steady in {drifting} of {runs} runs (changes by {range} {unit})"
-        ));
+    if let Some(range) = unsteady.range() {
+        parts.push(format!("not steady in {drifting} of {runs} runs ({range})"));
     }
     if *too_short > 0 {
         parts.push(format!(

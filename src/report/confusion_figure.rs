@@ -96,6 +96,6 @@ fn draw_row(canvas: &mut Canvas, row: usize, counts: &[u64; 4]) {
 
 /// A share in percent with its interval and number.
 fn interval(share: &Share) -> String {
-    let [value, low, high] = [share.value, share.ci95[0], share.ci95[1]].map(|part| 100.0 * part);
+    let [value, low, high] = share.percent();
     format!("{value:.1} % ({low:.1} to {high:.1}) of {}", share.n)
 }

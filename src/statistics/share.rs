@@ -1,6 +1,7 @@
 //! Shares of counts.
 
 use serde::Serialize;
+use std::fmt;
 
 /// A share of a count and its interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -36,6 +37,24 @@ impl Share {
             ci95: [(centre - half).max(0.0), (centre + half).min(1.0)],
             n,
         })
+    }
+
+    /// The share and the ends of its interval [-].
+    pub fn with_ends(&self) -> [f64; 3] {
+        [self.value, self.ci95[0], self.ci95[1]]
+    }
+
+    /// The share and the ends of its interval [%].
+    pub fn percent(&self) -> [f64; 3] {
+        self.with_ends().map(|share| 100.0 * share)
+    }
+}
+
+/// `0.967 [0.886, 0.991]`.
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [value, low, high] = self.with_ends();
+        write!(f, "{value:.3} [{low:.3}, {high:.3}]")
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rows as structs: their cells by derive, in the order of the fields.
 //!
-//! A struct in a row, an array and a [`List`] give the cells of their parts, one after the other. How long the lists
+//! A struct in a row, an array and a list ([`list`]) give the cells of their parts, one after the other. How long the lists
 //! are depends on the study. What is not there is an empty cell.
 
 use crate::dataset::records::cell;
@@ -9,7 +9,6 @@ use serde::de::{DeserializeOwned, Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
-use std::ops::Deref;
 
 /// A number in a cell, which reads back as itself; the cell is empty where there is none or it is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -60,48 +59,27 @@ impl<'de> Deserialize<'de> for Number {
     }
 }
 
-/// A list in a row. It has as many entries in every row of a table; a count before them says how many when it is read.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(transparent)]
-pub(super) struct List<T>(Vec<T>);
-
-impl<T> Default for List<T> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<T> FromIterator<T> for List<T> {
-    fn from_iter<I: IntoIterator<Item = T>>(entries: I) -> Self {
-        Self(entries.into_iter().collect())
-    }
-}
-
-impl<T> Deref for List<T> {
-    type Target = [T];
-
-    fn deref(&self) -> &[T] {
-        &self.0
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for List<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(Entries(PhantomData))
-    }
+/// Reads a list in a row. It has as many entries in every row of a table, and a count before them when it is read.
+///
+/// # Errors
+/// A cell that is missing or is not that of an entry.
+pub(super) fn list<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    cells: D,
+) -> Result<Vec<T>, D::Error> {
+    cells.deserialize_seq(Entries(PhantomData))
 }
 
 /// Reads a count and so many entries.
 struct Entries<T>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
-    type Value = List<T>;
+    type Value = Vec<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a count and so many entries")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut cells: A) -> Result<List<T>, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut cells: A) -> Result<Vec<T>, A::Error> {
         let count: usize = cells.next_element()?.unwrap_or_default();
         let entry = |_| {
             let entry = cells.next_element()?;
@@ -139,10 +117,12 @@ mod tests {
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
     struct Row {
         run: u64,
-        values: List<String>,
+        #[serde(deserialize_with = "list")]
+        values: Vec<String>,
         class: Option<Wtic>,
         powers: [Number; 2],
-        answers: List<Answer>,
+        #[serde(deserialize_with = "list")]
+        answers: Vec<Answer>,
         is_whole: bool,
     }
 
@@ -159,29 +139,24 @@ mod tests {
         };
         Row {
             run: 12,
-            values: ["0.30", "triangular"]
-                .map(str::to_owned)
-                .into_iter()
-                .collect(),
+            values: ["0.30", "triangular"].map(str::to_owned).into(),
             class: Some(Wtic::Leis),
             powers: [1.0e-300.into(), f64::NAN.into()],
-            answers: [answer.clone(), answer].into_iter().collect(),
+            answers: vec![answer.clone(), answer],
             is_whole: true,
         }
     }
 
     #[test]
     fn a_row_comes_back_from_its_cells_lists_missing_numbers_and_all() {
-        let line = lines([example()]);
-        let answer = "0.30000000000000004,\"it said \"\"no\"\", twice\"";
-        assert_eq!(
-            line,
-            format!("12,0.30,triangular,LEIS,1e-300,,{answer},{answer},true\n")
-        );
-        let counted = line.replace(",0.30", ",2,0.30").replace(",,", ",,2,");
-        let mut reader = csv::ReaderBuilder::new();
-        let mut reader = reader.has_headers(false).from_reader(counted.as_bytes());
-        let cells = reader.records().next().unwrap().unwrap();
+        let reason = "it said \"no\", twice";
+        let number = "0.30000000000000004";
+        let answer = format!("{number},\"{}\"", reason.replace('"', "\"\""));
+        let line = format!("12,0.30,triangular,LEIS,1e-300,,{answer},{answer},true\n");
+        assert_eq!(lines([example()]), line);
+        let first = ["12", "2", "0.30", "triangular", "LEIS", "1e-300", ""];
+        let answers = ["2", number, reason, number, reason, "true"];
+        let cells = StringRecord::from([&first[..], &answers].concat());
         assert_eq!(row::<Row>(cells).unwrap(), example());
     }
 

@@ -2,6 +2,7 @@
 
 use super::runs::{BANDS, RunRow, STEADY, Tested};
 use crate::statistics::{mean_and_variance, student_quantile};
+use crate::table::four_digits;
 use crate::trace::without_rounding;
 use serde::Serialize;
 
@@ -185,6 +186,17 @@ impl Unsteady {
         (unsteady.drifting + unsteady.too_short > 0).then_some(unsteady)
     }
 
+    /// Its rates of change in a few words, with their unit; none where it drifts in no run.
+    pub fn range(&self) -> Option<String> {
+        let [least, greatest] = self.rates?.map(four_digits);
+        let range = if least == greatest {
+            least
+        } else {
+            format!("{least} to {greatest}")
+        };
+        Some(format!("changes by {range} {}", self.unit))
+    }
+
     /// What is not steady in all of some conditions, quantity by quantity.
     pub fn of_all(conditions: &[Condition]) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
@@ -218,7 +230,7 @@ pub(super) fn of_runs(rows: &[RunRow]) -> Vec<Condition> {
         let sound = rows.iter().filter(|row| row.failure.is_empty()).count();
         Condition {
             scenario: rows[0].scenario.clone(),
-            values: rows[0].values.to_vec(),
+            values: rows[0].values.clone(),
             runs: sound,
             failed: rows.len() - sound,
             means: QUANTITIES.map(|quantity| quantity.mean(rows)),

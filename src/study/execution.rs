@@ -257,18 +257,13 @@ impl Study {
     /// The runs among these that failed.
     fn failures(&self, rows: &[RunRow]) -> Vec<Failure> {
         let failed = rows.iter().filter(|row| !row.failure.is_empty());
-        let failure = |row: &RunRow| {
-            let values = self
+        let failure = |row: &RunRow| Failure {
+            run: row.run,
+            condition: self
                 .runs_in(row.run..row.run + 1)
-                .flat_map(|run| self.keys().zip(self.values(&run)).collect::<Vec<_>>());
-            let condition = values.map(|(key, value)| format!(", {key} = {value}"));
-            Failure {
-                run: row.run,
-                condition: std::iter::once(row.scenario.clone())
-                    .chain(condition)
-                    .collect(),
-                reason: row.failure.clone(),
-            }
+                .map(|run| self.condition_of(&run))
+                .collect(),
+            reason: row.failure.clone(),
         };
         failed.map(failure).collect()
     }

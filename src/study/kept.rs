@@ -4,7 +4,6 @@
 //! `dataset.h5`. So memory contains one run per thread, and an interruption costs one shard.
 
 use super::analysis::{Analysis, Finished, Observed, Report};
-use super::cells::List;
 use super::recognition::BY_DEFAULT;
 use super::runs::swept_fields;
 use super::table::{Columns, NoRows, Stop};
@@ -44,7 +43,7 @@ impl Analysis for Dataset {
     const ROWS: Option<&'static str> = Some("dataset");
     type Plan = Self;
     /// Cells of the [`fields`].
-    type Row = List<String>;
+    type Row = Vec<String>;
     type Score = DataSet;
 
     fn read(plan: Self, _: &Reading) -> Result<Self, Misfit> {
@@ -57,10 +56,10 @@ impl Analysis for Dataset {
 
     fn columns(&self, study: &Study) -> Columns {
         let names = fields(study).into_iter().map(|field| field.name);
-        Columns::row(names)
+        Columns::default().with(names)
     }
 
-    fn rows(&self, run: &Observed, stop: &mut Stop) -> Result<Vec<List<String>>, NoRows> {
+    fn rows(&self, run: &Observed, stop: &mut Stop) -> Result<Vec<Vec<String>>, NoRows> {
         let reference = run.reference(stop)?;
         let settings = BY_DEFAULT.settings(&run.study.scenario(run.run));
         let mut windower = Windower::new(settings, reference).map_err(NoRows::failed)?;
@@ -73,17 +72,17 @@ impl Analysis for Dataset {
         ];
         let windows = windower.rows(run.trace).into_iter();
         let row = |cells: Vec<String>| [&first[..], &place.values, &cells].concat();
-        Ok(windows.map(row).map(List::from_iter).collect())
+        Ok(windows.map(row).collect())
     }
 
     /// Makes the data set from the windows and the shards' runs.
     ///
     /// # Errors
     /// `Dataset` and `File` where a file cannot be read or written; `Stopped`.
-    fn score(&self, done: &Finished, rows: Vec<List<String>>) -> Result<DataSet, StudyError> {
+    fn score(&self, done: &Finished, rows: Vec<Vec<String>>) -> Result<DataSet, StudyError> {
         let windows = Records {
             fields: fields(done.study),
-            rows: rows.iter().map(|row| row.to_vec()).collect(),
+            rows,
         };
         let (kept, channels) = match self.keep {
             Keep::Traces => (Kept::Traces, merge(done)?),

@@ -1,5 +1,6 @@
 //! The `[recognition]` of a study file: methods and reference of the recognition.
 
+use super::group::swept;
 use super::{RandomNumbers, Reading, Study, in_one_line};
 use crate::document::Misfit;
 use crate::features::{Settings, Window};
@@ -106,16 +107,10 @@ fn check_methods(methods: &[Method]) -> Result<(), String> {
 
 fn check_baseline(study: &Study, key: &str) -> Result<(), String> {
     let Some(values) = study.values_of(key) else {
-        let swept: Vec<&str> = study.keys().collect();
-        return Err(match swept.as_slice() {
-            [] => {
-                format!("`{key}` is not swept, so no value of it can be left out of the training")
-            }
-            swept => format!(
-                "`{key}` is not swept, so no value of it can be left out of the training; swept are `{}`",
-                swept.join("`, `")
-            ),
-        });
+        return Err(format!(
+            "`{key}` is not swept, so no value of it can be left out of the training; {}",
+            swept(study)
+        ));
     };
     let groups: BTreeSet<String> = values.map(magnitude).collect();
     if groups.len() < 2 {

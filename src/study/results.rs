@@ -1,12 +1,13 @@
 //! Results of a finished study, read from its folder.
 
 use super::conditions::{self, Condition};
-use super::runs::{self, RunRow};
+use super::runs;
 use super::score::csv::{self, ClassRow, part};
 use super::score::{Against, Part};
-use super::table::NoTable;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+
+pub use super::table::NoTable;
 
 /// The tables of a study that its figures show.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,22 +49,12 @@ pub enum ResultsError {
         source: io::Error,
     },
     /// A table is not of a study.
-    #[error("{} is no table of a study: it has no column {column}", file.display())]
-    NoColumn {
+    #[error("{} is no table of a study: {reason}", file.display())]
+    NoTable {
         /// The table.
         file: PathBuf,
-        /// The column.
-        column: String,
-    },
-    /// A row of a table is not that of a study.
-    #[error("cannot read row {row} of {}: {reason}", file.display())]
-    NoRow {
-        /// The table.
-        file: PathBuf,
-        /// Number of the row below the names of the columns, from 1.
-        row: usize,
         /// Why.
-        reason: String,
+        reason: NoTable,
     },
 }
 
@@ -72,17 +63,17 @@ impl Results {
     ///
     /// # Errors
     /// `NoStudy` where there is no table of runs, `Unreadable` where the system refuses to read a table,
-    /// `NoColumn` and `NoRow` where it is not one of a study.
+    /// `NoTable` where it is not one of a study.
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
         let [file, of_recognition] = tables(folder);
         let text = read(&file)?.ok_or_else(|| ResultsError::NoStudy {
             folder: folder.to_owned(),
         })?;
-        let no_runs = |reason| unlike(&file, reason);
-        let keys = runs::keys_of(&text).map_err(no_runs)?;
-        let rows: Vec<RunRow> = runs::columns(&keys).read(&text).map_err(no_runs)?;
+        let no_table = |file: PathBuf| |reason| ResultsError::NoTable { file, reason };
+        let keys = runs::keys_of(&text).map_err(no_table(file.clone()))?;
+        let rows = runs::columns(&keys).read(&text).map_err(no_table(file))?;
         let recognition = match read(&of_recognition)? {
-            Some(text) => recognition(&text).map_err(|reason| unlike(&of_recognition, reason))?,
+            Some(text) => recognition(&text).map_err(no_table(of_recognition))?,
             None => Vec::new(),
         };
         Ok(Self {
@@ -107,15 +98,6 @@ fn read(file: &Path) -> Result<Option<String>, ResultsError> {
             file: file.to_owned(),
             source,
         }),
-    }
-}
-
-/// A table of another form.
-fn unlike(file: &Path, reason: NoTable) -> ResultsError {
-    let file = file.to_owned();
-    match reason {
-        NoTable::Column(column) => ResultsError::NoColumn { file, column },
-        NoTable::Row(row, reason) => ResultsError::NoRow { file, row, reason },
     }
 }
 

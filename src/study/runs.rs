@@ -18,7 +18,7 @@
 //! A cell is empty where a value does not exist. Numbers have the shortest representation that reads back
 //! exactly.
 
-use super::cells::{List, Number, lines};
+use super::cells::{Number, lines, list};
 use super::table::{Columns, NoRows, NoTable, Place, Stop, Table};
 use super::{Run, Study};
 use crate::dataset::records::Field;
@@ -69,7 +69,8 @@ pub(super) struct RunRow {
     stream: u64,
     pub(super) scenario: String,
     /// Values of the swept keys.
-    pub(super) values: List<String>,
+    #[serde(deserialize_with = "list")]
+    pub(super) values: Vec<String>,
     label: Option<TerrainLabel>,
     class: Option<Wtic>,
     /// Of each true class; none where the run failed.

@@ -309,7 +309,7 @@ mod tests {
         WindowRow {
             place: Place {
                 scenario: "hard".to_owned(),
-                values: std::iter::once(speed.to_owned()).collect(),
+                values: vec![speed.to_owned()],
                 ..Place::default()
             },
             label_class: Some(class),

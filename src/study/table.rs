@@ -1,6 +1,6 @@
 //! Tables to which every run of a study adds rows.
 
-use super::cells::{self, List, lines};
+use super::cells::{self, lines, list};
 use super::{Run, Study};
 use crate::dataset::records::line;
 use crate::scenario::experiment::ExperimentError;
@@ -75,11 +75,6 @@ impl Columns {
             .list(study.keys().map(|key| [key]))
     }
 
-    /// The columns of rows that are one list.
-    pub(super) fn row(names: impl IntoIterator<Item = String>) -> Self {
-        Self::default().list(names.into_iter().map(|name| [name]))
-    }
-
     /// Adds columns.
     pub(super) fn with<N: Into<String>>(mut self, names: impl IntoIterator<Item = N>) -> Self {
         self.names.extend(names.into_iter().map(Into::into));
@@ -130,12 +125,14 @@ impl Columns {
     }
 }
 
-/// Why a text is no table of these columns.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) enum NoTable {
-    /// It lacks a column.
+/// Why a text is no table of the columns it should have.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoTable {
+    /// It lacks this column.
+    #[error("it has no column {0}")]
     Column(String),
-    /// A row, by its number from 1, cannot be read.
+    /// A row, by its number from 1, cannot be read for this reason.
+    #[error("its row {0} cannot be read: {1}")]
     Row(usize, String),
 }
 
@@ -147,7 +144,8 @@ pub(super) struct Place {
     pub(super) repeat: u32,
     pub(super) scenario: String,
     /// Values of the swept keys.
-    pub(super) values: List<String>,
+    #[serde(deserialize_with = "list")]
+    pub(super) values: Vec<String>,
 }
 
 impl Place {

@@ -45,8 +45,8 @@ use crate::terrain::class::Wtic;
 use crate::trace::{LugTally, Trace};
 use crate::vibration::bounds;
 use crate::wheel::Wheel;
-use displacement::{Displacement, Ground};
-use row::{DisplacementRow, WindowRow};
+use displacement::Ground;
+use row::WindowRow;
 use serde::Deserialize;
 use std::ops::Range;
 
@@ -107,7 +107,6 @@ impl Analysis for Thresholds {
             let displacement = ground
                 .as_mut()
                 .and_then(|ground| ground.displacement(&record, &window, &mut extractors[0]));
-            let displacement = displacement.map(|it| displacement_row(it, &record.wheel));
             WindowRow {
                 acceleration: accelerations,
                 displacement: displacement.unwrap_or_default(),
@@ -182,17 +181,4 @@ fn acceleration(record: &Record, window: &Range<usize>, extractor: &mut Extracto
     let features = extractor.features(record, window.clone(), &Reference::computed());
     let features = features.ok();
     Number::of_all(features.map(|features| [features.kappa_a, features.kappa_ms]))
-}
-
-fn displacement_row(displacement: Displacement, wheel: &Wheel) -> DisplacementRow {
-    let on_slope = || bounds::amplitude_bound_on_slope(wheel.lug_count(), displacement.steepest);
-    DisplacementRow {
-        rolled_touched_share: displacement.touched_share.into(),
-        steepest: displacement.steepest.into(),
-        bound_on_slope: wheel.is_multi_lugged().then(on_slope).into(),
-        c_m: displacement.scaling.map(Number::from),
-        c_f_largest: displacement.longest.into(),
-        kappa: displacement.ratios.map(Number::from),
-        relative_kappa: displacement.relative.map(Number::from),
-    }
 }

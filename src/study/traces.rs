@@ -39,10 +39,7 @@ impl Traces {
         run: &Run,
         mut trace: Trace,
     ) -> Result<(), StudyError> {
-        let values = study.keys().zip(study.values(run));
-        let values = values.map(|(key, value)| format!(", {key} = {value}"));
-        let values: String = values.collect();
-        trace.attributes.notes = format!("scenario {}{values}", study.scenario_name(run));
+        trace.attributes.notes = format!("scenario {}", study.condition_of(run));
         Ok(self.writer.add(&run_id(run.number), &trace)?)
     }
 

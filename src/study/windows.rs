@@ -20,7 +20,7 @@
 
 use super::Study;
 use super::analysis::Observed;
-use super::cells::{List, Number};
+use super::cells::{Number, list};
 use super::recognition::Recognition;
 use super::table::{Columns, NoRows, Place, Stop};
 use crate::features::band_powers::{BANDS, BandPowers};
@@ -46,7 +46,8 @@ pub(super) struct WindowRow {
     /// Feature vector.
     pub(super) p: [Number; 4],
     /// One of every method.
-    pub(super) answers: List<AnswerRow>,
+    #[serde(deserialize_with = "list")]
+    pub(super) answers: Vec<AnswerRow>,
     pub(super) powers: [Number; BANDS],
 }
 
@@ -110,7 +111,7 @@ pub(super) fn rows(
 /// The true class windows of a record that no method can use.
 fn unusable(recognition: &Recognition, run: &Observed, reason: &str) -> Vec<WindowRow> {
     let methods = recognition.methods.iter();
-    let unknown: List<AnswerRow> = methods.map(|_| Answer::unknown(reason).into()).collect();
+    let unknown: Vec<AnswerRow> = methods.map(|_| Answer::unknown(reason).into()).collect();
     let windows = run
         .trace
         .truth

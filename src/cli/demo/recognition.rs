@@ -143,7 +143,7 @@ impl Recognition {
 fn right(confusion: &Confusion) -> String {
     let of = format!("{} of {}", confusion.correct(), confusion.total());
     let share = confusion.accuracy().map(|share| {
-        let [value, low, high] = [share.value, share.ci95[0], share.ci95[1]].map(|s| 100.0 * s);
+        let [value, low, high] = share.percent();
         format!(" ({value:.0} % [{low:.0}, {high:.0}])")
     });
     format!("{of}{}", share.unwrap_or_default())

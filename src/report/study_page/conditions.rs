@@ -7,7 +7,6 @@ use crate::report::{SweptKey, sweep_figure};
 use crate::scenario::keys::unit_of;
 use crate::study::Study;
 use crate::study::conditions::{Condition, Mean, QUANTITIES, Unsteady, varied};
-use crate::table::four_digits;
 
 /// Conditions shown in the table, and conditions in a figure; a page is no place for more.
 const SHOWN: usize = 400;
@@ -71,19 +70,10 @@ fn of_scenario(conditions: &[Condition], place: &dyn Fn(&Condition) -> String) -
 fn mark(condition: &Condition) -> String {
     let pull = QUANTITIES[0].name;
     let mut unsteady = condition.unsteady.iter();
-    let rates = unsteady.find(|it| it.quantity == pull).and_then(rates);
+    let rates = unsteady
+        .find(|it| it.quantity == pull)
+        .and_then(Unsteady::range);
     rates.map_or_else(String::new, |rates| format!(" (not steady: {rates})"))
-}
-
-/// How fast a quantity changes; `None` where it does not.
-fn rates(unsteady: &Unsteady) -> Option<String> {
-    let unit = &unsteady.unit;
-    let [least, greatest] = unsteady.rates?.map(four_digits);
-    Some(if least == greatest {
-        format!("changes by {least} {unit}")
-    } else {
-        format!("changes by {least} to {greatest} {unit}")
-    })
 }
 
 fn written(pull: &Mean) -> String {
@@ -193,7 +183,9 @@ fn unsteady_cell(unsteady: &[Unsteady]) -> Cell {
     };
     let parts = unsteady.iter().flat_map(|unsteady| {
         let quantity = unsteady.quantity;
-        let rates = rates(unsteady).map_or_else(String::new, |rates| format!(" ({rates})"));
+        let rates = unsteady
+            .range()
+            .map_or_else(String::new, |rates| format!(" ({rates})"));
         let drifting = counted("drifting", unsteady.drifting, quantity);
         let drifting = drifting.map(|text| text + &rates);
         drifting

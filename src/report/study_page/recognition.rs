@@ -60,7 +60,7 @@ impl Shown for RecognitionScore {
 }
 
 fn right_answers(confusion: &Confusion, share: &Share) -> String {
-    let [value, low, high] = [share.value, share.ci95[0], share.ci95[1]].map(|s| 100.0 * s);
+    let [value, low, high] = share.percent();
     format!(
         "{} of {}, {value:.1} % [{low:.1}, {high:.1}]",
         confusion.correct(),

@@ -3,7 +3,7 @@
 use super::{Drawing, Shown};
 use crate::report::page::{Cell, Column, Figure, Section, Table};
 use crate::report::threshold_figure;
-use crate::study::thresholds::tally::Tally;
+use crate::study::thresholds::tally::{QUANTILES, Tally};
 use crate::study::thresholds::{Part, Statement, ThresholdScore};
 
 impl Shown for ThresholdScore {
@@ -16,9 +16,7 @@ impl Shown for ThresholdScore {
             is_first
         });
         let shares = first.map(|statement| {
-            let violations = statement.parts[0].tally.violations;
-            let [value, low, high] =
-                [violations.value, violations.ci95[0], violations.ci95[1]].map(|s| 100.0 * s);
+            let [value, low, high] = statement.parts[0].tally.violations.percent();
             format!(
                 "{} {value:.1} % [{low:.1}, {high:.1}] by {}",
                 statement.equation, statement.quantity
@@ -135,25 +133,11 @@ fn meanings(score: &ThresholdScore) -> Vec<Vec<Cell>> {
 }
 
 fn columns(first: [&str; 3]) -> Vec<Column> {
-    let numbers = ["windows", "median", "95 %", "99 %", "largest", "limit"];
-    let then = ["99 % / limit", "above the limit"];
-    let names = first.iter().chain(&numbers).chain(&then);
-    Column::named(names.copied())
+    let names = first.into_iter().chain(["windows"]).chain(QUANTILES);
+    Column::named(names.chain(["99 % / limit", "above the limit"]))
 }
 
 fn tally(tally: &Tally) -> Vec<Cell> {
-    let [low, high] = tally.bound;
-    let bound = if high - low < 0.005 {
-        format!("{low:.2}")
-    } else {
-        format!("{low:.2} to {high:.2}")
-    };
-    let numbers = [tally.median, tally.q95, tally.q99, tally.largest];
-    let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
-    let mut cells = vec![Cell::Count(tally.n as u64)];
-    cells.extend(numbers.map(number));
-    cells.push(Cell::Written(bound, high));
-    cells.push(number(tally.tightness));
-    cells.push(Cell::share(&tally.violations));
-    cells
+    let share = Cell::share(&tally.violations);
+    tally.cells(" to ").into_iter().chain([share]).collect()
 }

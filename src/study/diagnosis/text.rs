@@ -2,7 +2,7 @@
 
 use super::score::{CampaignScore, DiagnosisScore, Finding};
 use crate::study::table::bare;
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Table};
 use crate::trace::behind_number;
 use std::fmt;
 
@@ -32,11 +32,7 @@ impl fmt::Display for DiagnosisScore {
             right.count(),
             self.without_answer().count()
         )?;
-        let table = Table {
-            columns: Column::named(COLUMNS),
-            rows: self.campaigns.iter().map(cells).collect(),
-            ..Table::default()
-        };
+        let table = Table::of(COLUMNS, self.campaigns.iter().map(cells));
         f.write_str(&table.to_text(2))?;
         let mut without = self.without_answer().peekable();
         if without.peek().is_some() {

@@ -8,7 +8,7 @@ use super::score::{
 use crate::identification::{Force, Parameter, Standing};
 use crate::recognition::confusion::CLASSES;
 use crate::statistics::Share;
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Table};
 use crate::terrain::class::Wtic;
 use std::fmt;
 
@@ -36,11 +36,7 @@ impl fmt::Display for IdentificationScore {
 fn table<'n>(names: impl IntoIterator<Item = &'n str>, rows: Vec<Vec<String>>) -> Table {
     let rows = rows.into_iter();
     let cells = rows.map(|row| row.into_iter().map(Cell::Text).collect());
-    Table {
-        columns: Column::named(names),
-        rows: cells.collect(),
-        ..Table::default()
-    }
+    Table::of(names, cells)
 }
 
 fn write_ground(

@@ -74,7 +74,7 @@ fn class_rows(first: [&str; 4], counted: &Counted) -> impl Iterator<Item = Class
         true_class: true_class.to_owned(),
         n: share.n,
         correct,
-        share: [share.value, share.ci95[0], share.ci95[1]].map(Number::from),
+        share: share.with_ends().map(Number::from),
         answers,
     };
     let Counted {

@@ -6,7 +6,7 @@ use crate::statistics::{quantile_linear, sorted, student_quantile};
 use crate::study::Study;
 use crate::study::cells::Number;
 use crate::study::windows::WindowRow;
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Table};
 use serde::Serialize;
 
 /// Names of the features, in their order.
@@ -173,11 +173,8 @@ fn percentiles(scenarios: &[FeaturesOfScenario]) -> Table {
         first.into_iter().chain(spreads).collect()
     };
     let names = NAMES.iter().flat_map(|name| [*name, ""]);
-    Table {
-        columns: Column::named(["scenario", "windows"].into_iter().chain(names)),
-        rows: scenarios.iter().map(row).collect(),
-        ..Table::default()
-    }
+    let names = ["scenario", "windows"].into_iter().chain(names);
+    Table::of(names, scenarios.iter().map(row))
 }
 
 fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
@@ -195,11 +192,8 @@ fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
             .chain(slopes)
             .collect()
     };
-    Table {
-        columns: Column::named(["scenario"].into_iter().chain(NAMES)),
-        rows: scenarios.iter().map(row).collect(),
-        ..Table::default()
-    }
+    let names = ["scenario"].into_iter().chain(NAMES);
+    Table::of(names, scenarios.iter().map(row))
 }
 
 #[cfg(test)]

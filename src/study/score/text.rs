@@ -4,7 +4,7 @@ use super::features;
 use super::{Against, Counted, MethodScore, Part, RecognitionScore};
 use crate::recognition::confusion::CLASSES;
 use crate::statistics::Share;
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Table};
 use std::fmt;
 
 impl fmt::Display for RecognitionScore {
@@ -63,11 +63,7 @@ fn confusion(
     });
     let classes = CLASSES.map(|class| class.as_str());
     let columns = ["", "true class"].into_iter().chain(classes);
-    let table = Table {
-        columns: Column::named(columns.chain(["recall"])),
-        rows: rows.collect(),
-        ..Table::default()
-    };
+    let table = Table::of(columns.chain(["recall"]), rows);
     f.write_str(&table.to_text(2))?;
     for (whose, side) in sides {
         writeln!(
@@ -91,23 +87,11 @@ fn parts(map: &[Part]) -> String {
     };
     let classes = CLASSES[..3].iter().map(|class| class.as_str());
     let columns = ["by", ""].into_iter().chain(classes);
-    let table = Table {
-        columns: Column::named(columns.chain(["all"])),
-        rows: map.iter().map(row).collect(),
-        ..Table::default()
-    };
-    table.to_text(2)
+    Table::of(columns.chain(["all"]), map.iter().map(row)).to_text(2)
 }
 
 fn share(share: Option<&Share>) -> String {
-    share.map_or_else(
-        || "-".to_owned(),
-        |Share {
-             value,
-             ci95: [low, high],
-             ..
-         }| format!("{value:.3} [{low:.3}, {high:.3}]"),
-    )
+    share.map_or_else(|| "-".to_owned(), Share::to_string)
 }
 
 fn share_and_n(found: Option<&Share>) -> String {

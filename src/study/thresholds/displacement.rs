@@ -4,14 +4,17 @@
 //! position at the start of the window and turned by the run's own wheel angle over the run's own ground,
 //! without slip ([`rolling`]). The axle's position is the commanded one, since both rigs control its speed.
 
+use super::row::DisplacementRow;
 use crate::features::Extractor;
 use crate::features::record::Record;
 use crate::scenario::Scenario;
 use crate::simulation::rig::Command;
 use crate::statistics::sorted;
+use crate::study::cells::Number;
 use crate::terrain::class::TerrainLabel;
 use crate::terrain::profile::Profile;
 use crate::terrain::{Stretch, Terrain};
+use crate::vibration::bounds;
 use crate::vibration::flat_ground;
 use crate::vibration::outline::Support;
 use crate::vibration::rolling::{self, Pose, Stay};
@@ -26,24 +29,6 @@ const POSES: f64 = 256.0;
 
 /// Time step [s] of the sum that makes a place of a speed.
 const STEP: f64 = 1.0e-3;
-
-/// The displacement in one window.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Displacement {
-    /// Share of the lugs that carried the wheel [-].
-    pub touched_share: f64,
-    /// Steepest line between contacts of neighbouring stays [rad].
-    pub steepest: f64,
-    /// Median and largest `C_M` of a lug's stay [-].
-    pub scaling: [f64; 2],
-    /// Largest turn about one lug over the lug angle, `C_f` [-].
-    pub longest: f64,
-    /// `κ_A` and `κ_ms` of the displacement [-].
-    pub ratios: [f64; 2],
-    /// The same of the displacement above the lines between takeovers: means over the turn of
-    /// `C_f²` and `C_f⁴` [-].
-    pub relative: [f64; 2],
-}
 
 /// The fixed ground of a run, and where its axle was.
 pub(super) struct Ground {
@@ -78,7 +63,7 @@ impl Ground {
         record: &Record,
         window: &Range<usize>,
         extractor: &mut Extractor,
-    ) -> Option<Displacement> {
+    ) -> Option<DisplacementRow> {
         let wheel = self.wheel;
         let alpha = wheel.lug_angle()?;
         let [from, to] = [window.start, window.end - 1].map(|sample| record.angle[sample]);
@@ -100,13 +85,18 @@ impl Ground {
             .iter()
             .map(|angle| flat_ground::displacement(&wheel, *angle))
             .collect();
-        Some(Displacement {
-            touched_share: touched_share(&path)?,
-            steepest: self.steepest(&path),
-            scaling: [amplitudes[amplitudes.len() / 2], largest],
-            longest: scalings.iter().map(|s| s.stretch).fold(0.0, f64::max),
-            ratios: extractor.displacement_ratios(&rolling::displacement(&path), &reference),
-            relative: means_over_turn(&scalings),
+        let steepest = self.steepest(&path);
+        let on_slope = || bounds::amplitude_bound_on_slope(wheel.lug_count(), steepest);
+        let longest = scalings.iter().map(|s| s.stretch).fold(0.0, f64::max);
+        let ratios = extractor.displacement_ratios(&rolling::displacement(&path), &reference);
+        Some(DisplacementRow {
+            rolled_touched_share: touched_share(&path)?.into(),
+            steepest: steepest.into(),
+            bound_on_slope: wheel.is_multi_lugged().then(on_slope).into(),
+            c_m: [amplitudes[amplitudes.len() / 2], largest].map(Number::from),
+            c_f_largest: longest.into(),
+            kappa: ratios.map(Number::from),
+            relative_kappa: means_over_turn(&scalings).map(Number::from),
         })
     }
 

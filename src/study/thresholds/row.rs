@@ -1,7 +1,7 @@
 //! The rows of `thresholds.csv`.
 
 use crate::study::Study;
-use crate::study::cells::{List, Number};
+use crate::study::cells::{Number, list};
 use crate::study::table::{Columns, Place};
 use crate::terrain::class::Wtic;
 use serde::{Deserialize, Serialize};
@@ -19,22 +19,27 @@ pub(in crate::study) struct WindowRow {
     pub touched_share: Number,
     pub bound_kappa_a: Number,
     /// `κ_A` and `κ_ms` at every bandwidth.
-    pub acceleration: List<[Number; 2]>,
+    #[serde(deserialize_with = "list")]
+    pub acceleration: Vec<[Number; 2]>,
     pub displacement: DisplacementRow,
 }
 
 /// The displacement of the wheel in a window; without numbers on movable or yielding ground.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(in crate::study) struct DisplacementRow {
+    /// Share of the lugs that carried the wheel [-].
     pub rolled_touched_share: Number,
+    /// Steepest line between contacts of neighbouring stays [rad].
     pub steepest: Number,
+    /// Bound of the largest `C_M` with that line; none of wheels of few lugs [-].
     pub bound_on_slope: Number,
-    /// Median and largest.
+    /// Median and largest `C_M` of a lug's stay [-].
     pub c_m: [Number; 2],
+    /// Largest turn about one lug over the lug angle, `C_f` [-].
     pub c_f_largest: Number,
-    /// `κ_A` and `κ_ms`.
+    /// `κ_A` and `κ_ms` of the displacement [-].
     pub kappa: [Number; 2],
-    /// The same above the lines between takeovers.
+    /// The same of the displacement above the lines between takeovers: means over the turn of `C_f²` and `C_f⁴` [-].
     pub relative_kappa: [Number; 2],
 }
 

@@ -1,9 +1,8 @@
 //! The statements as text for reading.
 
 use super::statement::{Part, Statement, ThresholdScore};
-use super::tally::{Empirical, Tally};
-use crate::statistics::Share;
-use crate::table::{Cell, Column, Table};
+use super::tally::{Empirical, QUANTILES, Tally};
+use crate::table::{Cell, Table};
 use std::fmt;
 
 impl fmt::Display for ThresholdScore {
@@ -74,40 +73,15 @@ impl fmt::Display for Statement {
 
 /// A table of tallies, whose `first` columns name their windows.
 fn text<const N: usize>(first: [&str; N], rows: Vec<Vec<Cell>>) -> String {
-    let numbers = [
-        "n",
-        "median",
-        "95 %",
-        "99 %",
-        "largest",
-        "limit",
-        "99 %/limit",
-    ];
-    let columns = first.into_iter().chain(numbers).chain(["above the limit"]);
-    let columns = Column::named(columns);
-    Table {
-        columns,
-        rows,
-        ..Table::default()
-    }
-    .to_text(2)
+    let names = first.into_iter().chain(["n"]).chain(QUANTILES);
+    let names = names.chain(["99 %/limit", "above the limit"]);
+    Table::of(names, rows).to_text(2)
 }
 
 fn row<const N: usize>(first: [&str; N], tally: &Tally) -> Vec<Cell> {
-    let [low, high] = tally.bound;
-    let bound = if high - low < 0.005 {
-        format!("{low:.2}")
-    } else {
-        format!("{low:.2}-{high:.2}")
-    };
-    let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
-    let quantiles = [tally.median, tally.q95, tally.q99, tally.largest];
     let mut cells: Vec<Cell> = first.map(Cell::text).to_vec();
-    cells.push(Cell::Count(tally.n as u64));
-    cells.extend(quantiles.map(number));
-    cells.push(Cell::Written(bound, high));
-    cells.push(number(tally.tightness));
-    cells.push(Cell::Text(share(&tally.violations)));
+    cells.extend(tally.cells("-"));
+    cells.push(Cell::Text(tally.violations.to_string()));
     cells
 }
 
@@ -118,18 +92,6 @@ fn empirical(f: &mut fmt::Formatter<'_>, limit: &Empirical) -> fmt::Result {
         f,
         "  empirical: 99 % of {} windows (even repeats) stay below {:.2} [{low}, {high}] times the \
          limit;\n             of the {} others (odd repeats) exceed that {}",
-        limit.n,
-        limit.quantile,
-        limit.exceeded.n,
-        share(&limit.exceeded)
+        limit.n, limit.quantile, limit.exceeded.n, limit.exceeded
     )
-}
-
-fn share(share: &Share) -> String {
-    let Share {
-        value,
-        ci95: [low, high],
-        ..
-    } = share;
-    format!("{value:.3} [{low:.3}, {high:.3}]")
 }
