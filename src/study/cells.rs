@@ -1,7 +1,7 @@
 //! Rows as structs: their cells by derive, in the order of the fields.
 //!
-//! A struct in a row, an array and a list ([`list`]) give the cells of their parts, one after the other. How long the lists
-//! are depends on the study. What is not there is an empty cell.
+//! A struct in a row, an array and a list ([`list`]) give the cells of their parts, one after the other. How long the
+//! lists are depends on the study. What is not there is an empty cell.
 
 use crate::dataset::records::cell;
 use csv::StringRecord;

@@ -1,8 +1,9 @@
 //! The runs of a study on threads, shard by shard, into a folder.
 
-use super::analysis::Finished;
+use super::analysis::{Analysis, Finished};
 use super::conditions::{self, Condition};
 use super::folder::{Before, Folder};
+use super::kept::Dataset;
 use super::progress::Progress;
 use super::runs::{self, RunRow};
 use super::scores::Scores;
@@ -461,7 +462,10 @@ impl<'s> Collected<'s> {
 
     fn write(&self, folder: &Folder) -> Result<(), StudyError> {
         // The windows of a data set are written with its other texts.
-        let tables = self.texts.iter().filter(|(name, _)| *name != "dataset");
+        let tables = self
+            .texts
+            .iter()
+            .filter(|(name, _)| Some(*name) != Dataset::ROWS);
         for (name, text) in tables {
             folder.write(&format!("{name}.csv"), text.as_bytes())?;
         }

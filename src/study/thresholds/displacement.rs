@@ -96,7 +96,7 @@ impl Ground {
             c_m: [amplitudes[amplitudes.len() / 2], largest].map(Number::from),
             c_f_largest: longest.into(),
             kappa: ratios.map(Number::from),
-            relative_kappa: means_over_turn(&scalings).map(Number::from),
+            relative: means_over_turn(&scalings).map(Number::from),
         })
     }
 

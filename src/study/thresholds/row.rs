@@ -40,7 +40,7 @@ pub(in crate::study) struct DisplacementRow {
     /// `κ_A` and `κ_ms` of the displacement [-].
     pub kappa: [Number; 2],
     /// The same of the displacement above the lines between takeovers: means over the turn of `C_f²` and `C_f⁴` [-].
-    pub relative_kappa: [Number; 2],
+    pub relative: [Number; 2],
 }
 
 impl WindowRow {

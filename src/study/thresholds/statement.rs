@@ -2,6 +2,7 @@
 
 use super::row::{DisplacementRow, WindowRow};
 use super::tally::{Bounded, Empirical, Tally};
+use crate::study::cells::Number;
 use crate::study::{Axis, Study};
 use crate::trace::truth::MOST;
 use crate::vibration::bounds::mean_square_bound_of_jumps;
@@ -131,83 +132,38 @@ const BUMP: &str = "off a bump off which the next lug still touches, (r + l)(1 -
 /// The limits of displacements, (55) and (56): of the largest or median displacement on a lug, of the sum of
 /// amplitudes, and of the mean square.
 fn of_displacement() -> Vec<Limit> {
-    let limit = |name: &str, equation, quantity: &str, of: Displaced, bound| Limit {
+    let limit = |name: &str, quantity: &str, of: Displaced, bound| Limit {
         name: name.to_owned(),
-        equation,
+        equation: if bound == MeanSquare { "(56)" } else { "(55)" },
         quantity: quantity.to_owned(),
-        limit: if bound == Bound::OnSlope {
-            SLOPE
-        } else {
-            PAPER
-        },
+        limit: if bound == OnSlope { SLOPE } else { PAPER },
         of: Of::Displacement,
-        value: Box::new(move |window| of(&window.displacement)),
+        value: Box::new(move |window| of(&window.displacement).get()),
         bound,
     };
     let largest = "C_M of the window's largest displacement on a lug";
     let median = "C_M of the window's median displacement on a lug";
     let longest = "C_f², the largest displacement on a lug above the line between takeovers";
     let sum = "κ_A, sum of amplitudes of the displacement";
-    let relative_sum = "κ_A of the displacement above the lines between takeovers";
+    let sum_above = "κ_A of the displacement above the lines between takeovers";
     let square = "κ_ms, mean square of the displacement";
-    let relative_square = "κ_ms of the displacement above the lines between takeovers";
+    let square_above = "κ_ms of the displacement above the lines between takeovers";
+    let turn: Displaced = |it| it.c_f_largest.get().map(|c_f| c_f * c_f).into();
     use Bound::{Amplitude, MeanSquare, OnSlope};
     vec![
-        limit("contact", "(55)", largest, |it| it.c_m[1].get(), Amplitude),
-        limit(
-            "contact_median",
-            "(55)",
-            median,
-            |it| it.c_m[0].get(),
-            Amplitude,
-        ),
-        limit(
-            "contact_on_slope",
-            "(55)",
-            largest,
-            |it| it.c_m[1].get(),
-            OnSlope,
-        ),
-        limit(
-            "contact_relative",
-            "(55)",
-            longest,
-            |it| it.c_f_largest.get().map(|c_f| c_f * c_f),
-            Amplitude,
-        ),
-        limit(
-            "displacement_a",
-            "(55)",
-            sum,
-            |it| it.kappa[0].get(),
-            Amplitude,
-        ),
-        limit(
-            "relative_a",
-            "(55)",
-            relative_sum,
-            |it| it.relative_kappa[0].get(),
-            Amplitude,
-        ),
-        limit(
-            "displacement_ms",
-            "(56)",
-            square,
-            |it| it.kappa[1].get(),
-            MeanSquare,
-        ),
-        limit(
-            "relative_ms",
-            "(56)",
-            relative_square,
-            |it| it.relative_kappa[1].get(),
-            MeanSquare,
-        ),
+        limit("contact", largest, |it| it.c_m[1], Amplitude),
+        limit("contact_median", median, |it| it.c_m[0], Amplitude),
+        limit("contact_on_slope", largest, |it| it.c_m[1], OnSlope),
+        limit("contact_relative", longest, turn, Amplitude),
+        limit("displacement_a", sum, |it| it.kappa[0], Amplitude),
+        limit("relative_a", sum_above, |it| it.relative[0], Amplitude),
+        limit("displacement_ms", square, |it| it.kappa[1], MeanSquare),
+        limit("relative_ms", square_above, |it| it.relative[1], MeanSquare),
     ]
 }
 
 /// A value of the displacement in a window.
-type Displaced = fn(&DisplacementRow) -> Option<f64>;
+type Displaced = fn(&DisplacementRow) -> Number;
 
 /// The limits of accelerations at the bandwidth [Hz] of this number.
 fn of_acceleration(number: usize, bandwidth: f64) -> [Limit; 3] {
