@@ -46,17 +46,30 @@ impl Column {
     }
 }
 
+/// A column without unit.
+impl<N: Into<String>> From<N> for Column {
+    fn from(name: N) -> Self {
+        Self::new(name, "")
+    }
+}
+
 impl Table {
-    /// A table without a caption, of columns without units.
-    pub fn of<N: Into<String>>(
-        names: impl IntoIterator<Item = N>,
+    /// A table without a caption.
+    pub fn of<C: Into<Column>>(
+        columns: impl IntoIterator<Item = C>,
         rows: impl IntoIterator<Item = Vec<Cell>>,
     ) -> Self {
         Self {
             caption: String::new(),
-            columns: Column::named(names),
+            columns: columns.into_iter().map(Into::into).collect(),
             rows: rows.into_iter().collect(),
         }
+    }
+
+    /// The same with a caption.
+    pub fn captioned(self, caption: impl Into<String>) -> Self {
+        let caption = caption.into();
+        Self { caption, ..self }
     }
 
     /// The columns and rows as lines of text behind `indent` blanks: columns of numbers to the right, others to the
@@ -158,7 +171,7 @@ impl Cell {
     }
 
     /// The same with hyphens for minus signs and dashes in numbers.
-    fn in_ascii(&self) -> String {
+    pub(crate) fn in_ascii(&self) -> String {
         match self {
             Self::Text(text) | Self::Code(text) => text.clone(),
             number => number.written().replace(['−', '–'], "-"),

@@ -12,7 +12,7 @@ pub use recognition::answers_and_truth;
 
 use super::figure::Layout;
 use super::laid_out_trace_figure;
-use super::page::{Cell, Column, Figure, Page, Provenance, Section, Table};
+use super::page::{Cell, Figure, Page, Provenance, Section, Table};
 use crate::study::{Outcome, Scores, Study};
 use crate::trace::Trace;
 
@@ -163,11 +163,7 @@ fn failures(outcome: &Outcome) -> Option<Section> {
             Cell::text(&failure.reason),
         ]
     });
-    let table = Table {
-        caption: "Runs without values".to_owned(),
-        columns: Column::named(["run", "condition", "reason"]),
-        rows: rows.collect(),
-    };
+    let table = Table::of(["run", "condition", "reason"], rows).captioned("Runs without values");
     let answer = format!(
         "{} Failed runs are excluded from all results above.",
         failed(outcome)?

@@ -5,7 +5,7 @@ use crate::learning::DataSet;
 use crate::learning::balance::{ByClass, OfPart};
 use crate::learning::splits::Part;
 use crate::recognition::confusion::CLASSES;
-use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::page::{Cell, Figure, Section, Table};
 use crate::report::{FeaturePoint, Group, feature_values};
 use crate::terrain::class::LABELS;
 
@@ -46,9 +46,9 @@ impl Shown for DataSet {
     }
 }
 
-fn columns(first: &[&str]) -> Vec<Column> {
+fn columns(first: &[&'static str]) -> impl Iterator<Item = &'static str> {
     let first = first.iter().copied();
-    Column::named(first.chain(CLASSES.map(|class| class.as_str())))
+    first.chain(CLASSES.map(|class| class.as_str()))
 }
 
 fn counts(windows: ByClass) -> impl Iterator<Item = Cell> {
@@ -62,11 +62,8 @@ fn balance(set: &DataSet) -> Table {
         let first = [Cell::text(*ground), Cell::Count(all)];
         first.into_iter().chain(counts(*windows)).collect()
     };
-    Table {
-        caption: "Windows by ground and true class".to_owned(),
-        columns: columns(&["ground", "windows"]),
-        rows: grounds.iter().map(row).collect(),
-    }
+    let rows = grounds.iter().map(row);
+    Table::of(columns(&["ground", "windows"]), rows).captioned("Windows by ground and true class")
 }
 
 fn parts(set: &DataSet) -> Table {
@@ -78,13 +75,11 @@ fn parts(set: &DataSet) -> Table {
         ];
         first.into_iter().chain(counts(of.windows)).collect()
     };
-    Table {
-        caption: "Recommended splits: runs, and windows by true class. The parts of a split are disjoint in runs, in \
-         realisations of ground and noise, in conditions, or in both"
-            .to_owned(),
-        columns: columns(&["split", "part", "runs"]),
-        rows: set.by_part().iter().map(row).collect(),
-    }
+    let rows = set.by_part();
+    Table::of(columns(&["split", "part", "runs"]), rows.iter().map(row)).captioned(
+        "Recommended splits: runs, and windows by true class. The parts of a split are disjoint in runs, in \
+         realisations of ground and noise, in conditions, or in both",
+    )
 }
 
 /// The features of every window whose ground is known.

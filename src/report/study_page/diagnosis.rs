@@ -45,11 +45,8 @@ impl Shown for DiagnosisScore {
             let reason = campaign.result.reason.as_deref().unwrap_or_default();
             vec![Cell::Text(campaign.place()), Cell::text(reason)]
         });
-        vec![section.table(Table {
-            caption: "Campaigns without an answer".to_owned(),
-            columns: Column::named(["campaign", "reason"]),
-            rows: without.collect(),
-        })]
+        let without = Table::of(["campaign", "reason"], without);
+        vec![section.table(without.captioned("Campaigns without an answer"))]
     }
 
     fn drawings(&self) -> Vec<Drawing> {
@@ -139,11 +136,7 @@ fn answers(score: &DiagnosisScore) -> Table {
         "floor",
     ]));
     columns.push(Column::new("closed", "%"));
-    Table {
-        caption: "Answers, with 95 % intervals".to_owned(),
-        columns,
-        rows: score.campaigns.iter().map(row).collect(),
-    }
+    Table::of(columns, score.campaigns.iter().map(row)).captioned("Answers, with 95 % intervals")
 }
 
 fn row(campaign: &CampaignScore) -> Vec<Cell> {

@@ -214,11 +214,8 @@ fn fits(score: &IdentificationScore) -> Table {
         let first = [Cell::Count(number as u64 + 1), Cell::text(&group.scenario)];
         first.into_iter().chain(values).collect()
     };
-    Table {
-        caption: "Fits by number".to_owned(),
-        columns: Column::named(first.into_iter().chain(keys)),
-        rows: score.groups.iter().enumerate().map(row).collect(),
-    }
+    let rows = score.groups.iter().enumerate().map(row);
+    Table::of(first.into_iter().chain(keys), rows).captioned("Fits by number")
 }
 
 /// Of `sensors.vision.delay` the `delay`.
@@ -275,11 +272,8 @@ pub fn identified_parameters(score: &IdentificationScore) -> Table {
     if is_beside {
         names.push("the paper's ground (Table 6)");
     }
-    Table {
-        caption: "Parameters with their 95 % intervals; in brackets if not identifiable".to_owned(),
-        columns: Column::named(names),
-        rows: rows.collect(),
-    }
+    Table::of(names, rows)
+        .captioned("Parameters with their 95 % intervals; in brackets if not identifiable")
 }
 
 /// The name of a fit, or its number.
@@ -314,11 +308,9 @@ pub fn not_steady(score: &IdentificationScore) -> Option<Table> {
         "rate: mean [least, greatest]",
         "unit",
     ];
-    let table = Table {
-        caption: "Rows whose values still change along their interval; the change is in their uncertainty".to_owned(),
-        columns: Column::named(columns),
-        rows: rows.collect(),
-    };
+    let table = Table::of(columns, rows).captioned(
+        "Rows whose values still change along their interval; the change is in their uncertainty",
+    );
     (!table.rows.is_empty()).then_some(table)
 }
 

@@ -3,7 +3,7 @@
 use super::{Drawing, Shown};
 use crate::recognition::confusion::{CLASSES, Confusion};
 use crate::report::figure::Layout;
-use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::page::{Cell, Figure, Section, Table};
 use crate::report::sweep_figure::unit_behind_number;
 use crate::report::{
     FeaturePoint, Group, MethodParts, SweptKey, confusion_figure, feature_planes, feature_values,
@@ -94,15 +94,11 @@ fn methods(score: &RecognitionScore) -> Section {
     if let Some(published) = &score.published {
         rows.extend(answers("published", published));
     }
-    let section = section.table(Table {
-        caption: "Confusion matrix with respect to the class of the ground".to_owned(),
-        columns: Column::named(["method", "true class"])
-            .into_iter()
-            .chain(CLASSES.map(|class| Column::new(class.as_str(), "")))
-            .chain([Column::new("right", "")])
-            .collect(),
-        rows,
-    });
+    let names = ["method", "true class"].into_iter();
+    let names = names.chain(CLASSES.map(|class| class.as_str()));
+    let table = Table::of(names.chain(["right"]), rows);
+    let section =
+        section.table(table.captioned("Confusion matrix with respect to the class of the ground"));
     let figures = labelled.iter().map(|score| {
         Figure::new(
             answers_and_truth(&score.method, &score.all.confusion),
@@ -146,18 +142,11 @@ fn totals(score: &RecognitionScore) -> Table {
     });
     let published = score.published.iter();
     let published = published.map(|counted| row("published", "class of the ground", counted));
-    Table {
-        caption: "Accuracy of every method".to_owned(),
-        columns: Column::named([
-            "method",
-            "reference",
-            "windows",
-            "right",
-            "share",
-            "confused with another known class",
-        ]),
-        rows: methods.chain(published).collect(),
-    }
+    let names = ["method", "reference", "windows", "right", "share"];
+    let names = names
+        .into_iter()
+        .chain(["confused with another known class"]);
+    Table::of(names, methods.chain(published)).captioned("Accuracy of every method")
 }
 
 /// A row for every true class that occurs.
@@ -188,12 +177,9 @@ fn map(score: &RecognitionScore) -> Section {
     };
     let names = methods.iter().map(|score| score.method.as_str());
     let section = Section::new("Accuracy by scenario and swept key");
-    let table = Table {
-        caption: "Accuracy by scenario and by swept key with respect to the class of the ground"
-            .to_owned(),
-        columns: Column::named(["by", "value", "windows"].into_iter().chain(names)),
-        rows: rows.iter().enumerate().map(row).collect(),
-    };
+    let names = ["by", "value", "windows"].into_iter().chain(names);
+    let table = Table::of(names, rows.iter().enumerate().map(row))
+        .captioned("Accuracy by scenario and by swept key with respect to the class of the ground");
     let keys = swept_keys(&methods);
     let section = match range_over_keys(&methods, &keys) {
         Some(answer) => section.answer(answer),
@@ -325,12 +311,9 @@ fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
         "in the region",
         "windows",
     ];
-    Table {
-        caption: "Each feature over all windows, and windows within the paper's limits for the class of the ground"
-            .to_owned(),
-        columns: Column::named(columns.into_iter().map(str::to_owned)),
-        rows: scenarios.iter().flat_map(rows).collect(),
-    }
+    Table::of(columns, scenarios.iter().flat_map(rows)).captioned(
+        "Each feature over all windows, and windows within the paper's limits for the class of the ground",
+    )
 }
 
 /// Empty where speed was not swept.
@@ -351,10 +334,7 @@ fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
             .chain(slopes)
             .collect()
     };
-    Table {
-        caption: "Decades of a feature per decade of speed, with Student's 95 % interval"
-            .to_owned(),
-        columns: Column::named(["scenario"].into_iter().chain(NAMES)),
-        rows: scenarios.iter().filter(has).map(row).collect(),
-    }
+    let names = ["scenario"].into_iter().chain(NAMES);
+    Table::of(names, scenarios.iter().filter(has).map(row))
+        .captioned("Decades of a feature per decade of speed, with Student's 95 % interval")
 }

@@ -1,7 +1,7 @@
 //! How far the limits of Eq. (55) to (58) hold.
 
 use super::{Drawing, Shown};
-use crate::report::page::{Cell, Column, Figure, Section, Table};
+use crate::report::page::{Cell, Figure, Section, Table};
 use crate::report::threshold_figure;
 use crate::study::thresholds::tally::{QUANTILES, Tally};
 use crate::study::thresholds::{Part, Statement, ThresholdScore};
@@ -44,11 +44,12 @@ impl Shown for ThresholdScore {
             "Every window over its limit, multi-lugged wheels; figures of the other limits and wheels are in the \
              folder of the study.",
         );
-        let swept = Section::new("Dependence on the swept keys").table(Table {
-            caption: "The paper's limits by swept key, multi-lugged wheels".to_owned(),
-            columns: columns(["name", "by", "value"]),
-            rows: shown(self).flat_map(by_sweep).collect(),
-        });
+        let swept = Table::of(
+            columns(["name", "by", "value"]),
+            shown(self).flat_map(by_sweep),
+        );
+        let swept = swept.captioned("The paper's limits by swept key, multi-lugged wheels");
+        let swept = Section::new("Dependence on the swept keys").table(swept);
         vec![validity(self), figures.fold(drawn, Section::figure), swept]
     }
 
@@ -71,6 +72,11 @@ fn shown(score: &ThresholdScore) -> impl Iterator<Item = &Statement> {
 
 /// A row every limit.
 fn validity(score: &ThresholdScore) -> Section {
+    let limits = Table::of(
+        columns(["name", "equation", "wheels"]),
+        score.statements.iter().map(of_all),
+    );
+    let names = Table::of(["name", "what is limited", "the limit"], meanings(score));
     Section::new("Validity of the limits")
         .prose(format!(
             "In {} of {} windows the true class is ALCT: at least 90 % of the lugs touch. These are compared with \
@@ -78,16 +84,10 @@ fn validity(score: &ThresholdScore) -> Section {
              % quantile of value over limit: 1 is a limit just reached, 0.1 a loose one.",
             score.all_touched, score.windows
         ))
-        .table(Table {
-            caption: "Every limit. Shares have Wilson's 95 % interval, which assumes independent windows".to_owned(),
-            columns: columns(["name", "equation", "wheels"]),
-            rows: score.statements.iter().map(of_all).collect(),
-        })
-        .table(Table {
-            caption: "Definitions of the names".to_owned(),
-            columns: Column::named(["name", "what is limited", "the limit"]),
-            rows: meanings(score),
-        })
+        .table(limits.captioned(
+            "Every limit. Shares have Wilson's 95 % interval, which assumes independent windows",
+        ))
+        .table(names.captioned("Definitions of the names"))
 }
 
 /// All windows of a limit.
@@ -132,9 +132,9 @@ fn meanings(score: &ThresholdScore) -> Vec<Vec<Cell>> {
         .collect()
 }
 
-fn columns(first: [&str; 3]) -> Vec<Column> {
+fn columns(first: [&'static str; 3]) -> impl Iterator<Item = &'static str> {
     let names = first.into_iter().chain(["windows"]).chain(QUANTILES);
-    Column::named(names.chain(["99 % / limit", "above the limit"]))
+    names.chain(["99 % / limit", "above the limit"])
 }
 
 fn tally(tally: &Tally) -> Vec<Cell> {

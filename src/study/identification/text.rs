@@ -381,16 +381,7 @@ fn write_repeats(f: &mut fmt::Formatter<'_>, repeats: &[RepeatScore]) -> fmt::Re
 
 /// Four digits, with an exponent where the number is far from 1.
 fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (0.001..1.0e5).contains(&size) {
-        let before = libm::floor(libm::log10(size)) as i32;
-        let decimals = (3 - before).clamp(0, 6) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
+    Cell::Number(value).in_ascii()
 }
 
 #[cfg(test)]
