@@ -177,17 +177,7 @@ impl Simulation {
             inertia: wheel.inertia,
             clamped: rig.clearance() > 0.0,
         };
-        let on_bed = OnBed {
-            friction: wheel.friction,
-            load: rig.load(),
-            gravity: rig.gravity(),
-            heading: if rig.drive().forward_speed < 0.0 {
-                -1.0
-            } else {
-                1.0
-            },
-        };
-        let mut ground = GroundForce::new(terrain, wheel, on_bed);
+        let mut ground = GroundForce::new(terrain, wheel, OnBed::of(rig, wheel));
         ground.follow(0.0, rate.period());
         let mut world = World::new(&body, rate);
         let [_, rim] = wheel.flaws.rim_centre(1.0, 0.0);

@@ -79,9 +79,10 @@ pub(super) fn runs(design: &Design) -> usize {
 
 /// How many motions the detectability of an effect takes.
 pub(super) fn motions(hidden: &Hidden, design: &Design) -> usize {
-    let of_condition = match is_of_sensors(hidden) {
-        true => PAIRS_OF_SENSORS,
-        false => 2 * PAIRS_OF_MOTIONS,
+    let of_condition = if is_of_sensors(hidden) {
+        PAIRS_OF_SENSORS
+    } else {
+        2 * PAIRS_OF_MOTIONS
     };
     of_condition * design.conditions.len()
 }
@@ -172,9 +173,10 @@ impl Oracle {
             with: affected(truth, bench.design, std::slice::from_ref(hidden))?,
             shares_motion: is_of_sensors(hidden),
         };
-        let count = match rigs.shares_motion {
-            true => PAIRS_OF_SENSORS,
-            false => PAIRS_OF_MOTIONS,
+        let count = if rigs.shares_motion {
+            PAIRS_OF_SENSORS
+        } else {
+            PAIRS_OF_MOTIONS
         };
         let mut statistician = statistician()?;
         let mut with: Rows = vec![Vec::new(); bench.conditions()];

@@ -20,9 +20,11 @@ mod surface;
 
 use super::contact::{Reach, WheelGeometry};
 use super::motion::WheelMotion;
+use super::rig::Rig;
 use crate::quantity::Seed;
 use crate::terrain::Stones;
 use crate::terrain::stones::{PlacedStone, extent, extent_at};
+use crate::wheel::Wheel;
 use assembly::{Assembly, Medium, WheelLoads, WheelNow};
 use contact_law::ContactLaw;
 use pouring::Pouring;
@@ -141,6 +143,19 @@ pub struct OnBed {
     pub gravity: [f64; 2],
     /// 1 forward, -1 in reverse [-].
     pub heading: f64,
+}
+
+impl OnBed {
+    /// A wheel on its rig.
+    pub fn of(rig: &Rig, wheel: &Wheel) -> Self {
+        let is_reversing = rig.drive().forward_speed < 0.0;
+        Self {
+            friction: wheel.friction,
+            load: rig.load(),
+            gravity: rig.gravity(),
+            heading: if is_reversing { -1.0 } else { 1.0 },
+        }
+    }
 }
 
 /// The bed of one run.

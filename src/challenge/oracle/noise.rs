@@ -104,9 +104,12 @@ impl Replicates {
         let values = self.values(&column.cell);
         let [centre, _] = mean_and_variance(&values);
         let is_constant = column.scatter <= LEAST * column.scale;
-        let standard = |value: f64| match is_constant {
-            true => 0.0,
-            false => (value - centre) / column.scatter,
+        let standard = |value: f64| {
+            if is_constant {
+                0.0
+            } else {
+                (value - centre) / column.scatter
+            }
         };
         values.into_iter().map(standard).collect()
     }
@@ -197,9 +200,12 @@ impl Noise {
             .iter()
             .map(|it| libm::sqrt((1.0 - it.fixed).max(0.0)))
             .collect();
-        let matrix = DMatrix::from_fn(columns.len(), columns.len(), |i, j| match i == j {
-            true => 1.0,
-            false => varying[i] * varying[j] * correlations.matrix[(places[i], places[j])],
+        let matrix = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+            if i == j {
+                1.0
+            } else {
+                varying[i] * varying[j] * correlations.matrix[(places[i], places[j])]
+            }
         });
         Some(Self {
             factor: Cholesky::new(matrix)?,
