@@ -228,7 +228,7 @@
 //! | a statistic of the comparison | a variant of [`Statistic`](gap::Statistic) and a file in `src/gap/statistics` |
 //! | a parameter of the recalibration | one entry in `src/diagnosis/parameter.rs` |
 //! | a distribution of a study | a variant of `Distribution` in `src/study/sweep/distribution.rs` |
-//! | an analysis of a study | an implementation of `Table` of `src/study/table.rs`, and its line in each list of `src/study/scores.rs` |
+//! | an analysis of a study | a file with an implementation of `Analysis` (`src/study/analysis.rs`), its line in `src/study/scores.rs`, and how its result is shown (`src/report/study_page.rs`) |
 //!
 //! # Glossary
 //!
