@@ -398,10 +398,16 @@ fn unit(scores: &DMatrix<f64>) -> f64 {
     libm::sqrt(median / scores.ncols() as f64)
 }
 
-/// Orthonormal columns that span all rows but the first, which is what all causes have in common.
+/// Orthonormal columns that span all rows but the first, which is what all causes have in common: from the smaller of both
+/// Gram matrices, as the other is singular.
 fn basis(rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let rows = rows.rows(1, rows.nrows() - 1);
-    let gram = rows * rows.transpose();
+    let is_tall = rows.nrows() > rows.ncols();
+    let gram = if is_tall {
+        rows.tr_mul(&rows)
+    } else {
+        rows * rows.transpose()
+    };
     let SymmetricEigen {
         eigenvectors,
         eigenvalues,
@@ -413,10 +419,16 @@ fn basis(rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     if kept.is_empty() {
         return None;
     }
-    let mut basis = rows.tr_mul(&eigenvectors.select_columns(&kept));
-    for (column, place) in kept.iter().enumerate() {
-        let scale = 1.0 / libm::sqrt(eigenvalues[*place]);
-        basis.column_mut(column).scale_mut(scale);
+    let vectors = eigenvectors.select_columns(&kept);
+    let mut basis = if is_tall {
+        vectors
+    } else {
+        rows.tr_mul(&vectors)
+    };
+    for mut column in basis.column_iter_mut() {
+        let norm = column.norm();
+        column.unscale_mut(norm);
     }
-    Some(basis)
+    // The decomposition of a matrix that is no number has none.
+    basis.iter().all(|x| x.is_finite()).then_some(basis)
 }
