@@ -79,12 +79,18 @@ pub(super) fn runs(design: &Design) -> usize {
 
 /// How many motions the detectability of an effect takes.
 pub(super) fn motions(hidden: &Hidden, design: &Design) -> usize {
-    let of_condition = if is_of_sensors(hidden) {
+    let shares_motion = is_of_sensors(hidden);
+    let of_pair = if shares_motion { 1 } else { 2 };
+    of_pair * pairs(shares_motion) * design.conditions.len()
+}
+
+/// Pairs of every condition for an effect, which is on sensors or not.
+fn pairs(shares_motion: bool) -> usize {
+    if shares_motion {
         PAIRS_OF_SENSORS
     } else {
-        2 * PAIRS_OF_MOTIONS
-    };
-    of_condition * design.conditions.len()
+        PAIRS_OF_MOTIONS
+    }
 }
 
 fn is_of_sensors(hidden: &Hidden) -> bool {
@@ -173,11 +179,7 @@ impl Oracle {
             with: affected(truth, bench.design, std::slice::from_ref(hidden))?,
             shares_motion: is_of_sensors(hidden),
         };
-        let count = if rigs.shares_motion {
-            PAIRS_OF_SENSORS
-        } else {
-            PAIRS_OF_MOTIONS
-        };
+        let count = pairs(rigs.shares_motion);
         let mut statistician = statistician()?;
         let mut with: Rows = vec![Vec::new(); bench.conditions()];
         let mut without = with.clone();

@@ -3,9 +3,7 @@
 use super::{
     Bound, Effect, EffectError, OtherForm, Prior, Seat, Seated, Setup, Signature, Source, Stage,
 };
-use crate::simulation::rig::carriage::Carriage;
 use crate::simulation::rig::flaws::DriveFlaws;
-use crate::simulation::rig::motor::Motor;
 use crate::wheel::Lugs;
 
 /// The effects of the wheel and of what turns it.
@@ -333,18 +331,14 @@ const CARRIAGE_COMPLIANCE: Effect = Effect {
          pulley; a polyurethane belt half as wide, twice as long and badly tensioned has ten times that, a guess",
     ),
     law: |setup, compliance, seated| {
-        let carriage = carriage(setup, seated)?;
-        carriage.stiffness = softened(carriage.stiffness, compliance);
+        carriage_spring(setup, seated)?.soften(compliance);
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "the added spring has no damper of its own: the damping ratio falls with the stiffness",
+        description: UNDAMPED,
         not_on: &[],
         law: |setup, compliance, seated| {
-            let carriage = carriage(setup, seated)?;
-            let stiff = carriage.stiffness;
-            carriage.stiffness = softened(stiff, compliance);
-            carriage.damping_ratio *= carriage.stiffness / stiff;
+            carriage_spring(setup, seated)?.soften_undamped(compliance);
             Ok(())
         },
     }),
@@ -378,48 +372,69 @@ const MOTOR_COMPLIANCE: Effect = Effect {
          shaft or a bellows coupling has 2 to 0.2 kN·m/rad, a guess too",
     ),
     law: |setup, compliance, seated| {
-        let motor = motor(setup, seated)?;
-        motor.stiffness = softened(motor.stiffness, compliance);
+        motor_spring(setup, seated)?.soften(compliance);
         Ok(())
     },
     other_form: Some(OtherForm {
-        description: "the added spring has no damper of its own: the damping ratio falls with the stiffness",
+        description: UNDAMPED,
         not_on: &[],
         law: |setup, compliance, seated| {
-            let motor = motor(setup, seated)?;
-            let stiff = motor.stiffness;
-            motor.stiffness = softened(stiff, compliance);
-            motor.damping_ratio *= motor.stiffness / stiff;
+            motor_spring(setup, seated)?.soften_undamped(compliance);
             Ok(())
         },
     }),
 };
 
-/// A stiffness in series with a compliance, each in the units of the other's inverse.
-fn softened(stiffness: f64, compliance: f64) -> f64 {
-    stiffness / (1.0 + stiffness * compliance)
+/// How a compliance may be added otherwise.
+const UNDAMPED: &str =
+    "the added spring has no damper of its own: the damping ratio falls with the stiffness";
+
+/// The spring of a drive, in the units of the drive.
+struct Spring<'a> {
+    stiffness: &'a mut f64,
+    damping_ratio: &'a mut f64,
 }
 
-/// The carriage, if it is no rigid one.
-fn carriage<'a>(setup: &'a mut Setup, seated: Seated) -> Result<&'a mut Carriage, EffectError> {
+impl Spring<'_> {
+    /// Puts a compliance in series, in the unit of the stiffness' inverse.
+    fn soften(self, compliance: f64) {
+        *self.stiffness /= 1.0 + *self.stiffness * compliance;
+    }
+
+    /// The same without a damper beside it.
+    fn soften_undamped(self, compliance: f64) {
+        let stiff = *self.stiffness;
+        *self.stiffness /= 1.0 + stiff * compliance;
+        *self.damping_ratio *= *self.stiffness / stiff;
+    }
+}
+
+/// The spring of the carriage, if it is no rigid one.
+fn carriage_spring<'a>(setup: &'a mut Setup, seated: Seated) -> Result<Spring<'a>, EffectError> {
     let carriage = setup.rig.drive_mut().carriage.as_mut();
-    carriage
-        .filter(|carriage| !carriage.is_rigid())
-        .ok_or(EffectError::Needs {
-            effect: seated.effect,
-            what: "a rig with a carriage of finite stiffness",
-        })
+    let carriage = carriage.filter(|carriage| !carriage.is_rigid());
+    let spring = carriage.map(|carriage| Spring {
+        stiffness: &mut carriage.stiffness,
+        damping_ratio: &mut carriage.damping_ratio,
+    });
+    spring.ok_or(EffectError::Needs {
+        effect: seated.effect,
+        what: "a rig with a carriage of finite stiffness",
+    })
 }
 
-/// The motor, if it is no rigid one.
-fn motor<'a>(setup: &'a mut Setup, seated: Seated) -> Result<&'a mut Motor, EffectError> {
+/// The spring of the motor, if it is no rigid one.
+fn motor_spring<'a>(setup: &'a mut Setup, seated: Seated) -> Result<Spring<'a>, EffectError> {
     let motor = setup.rig.drive_mut().motor.as_mut();
-    motor
-        .filter(|motor| !motor.is_rigid())
-        .ok_or(EffectError::Needs {
-            effect: seated.effect,
-            what: "a rig with a motor of finite stiffness",
-        })
+    let motor = motor.filter(|motor| !motor.is_rigid());
+    let spring = motor.map(|motor| Spring {
+        stiffness: &mut motor.stiffness,
+        damping_ratio: &mut motor.damping_ratio,
+    });
+    spring.ok_or(EffectError::Needs {
+        effect: seated.effect,
+        what: "a rig with a motor of finite stiffness",
+    })
 }
 
 fn drive_flaws<'a>(setup: &'a mut Setup) -> &'a mut DriveFlaws {

@@ -71,8 +71,9 @@ struct Shock {
 pub(super) struct Clatter {
     figures: LooseMount,
     period: f64,
-    /// Samples of a landing.
+    /// Samples of a landing, and the sum of its half sine over them [-].
     landing: u32,
+    area: f64,
     /// Gap [m] between sensor and mount, and its rate [m/s]; none while in contact.
     gap: f64,
     rate: f64,
@@ -83,10 +84,15 @@ pub(super) struct Clatter {
 impl Clatter {
     /// Sampled at `rate` \[Hz\]; none for a bolted sensor.
     pub(super) fn new(figures: LooseMount, rate: f64) -> Option<Self> {
-        (figures.preload != f64::INFINITY).then(|| Self {
+        if figures.preload == f64::INFINITY {
+            return None;
+        }
+        let landing = ((figures.contact_time * rate).round() as u32).max(1);
+        Some(Self {
             figures,
             period: 1.0 / rate,
-            landing: ((figures.contact_time * rate).round() as u32).max(1),
+            landing,
+            area: (0..landing).map(|k| half_sine(k, f64::from(landing))).sum(),
             gap: 0.0,
             rate: 0.0,
             is_flying: false,
@@ -129,10 +135,8 @@ impl Clatter {
 
     /// Begins a shock that changes the velocity by so much [m/s].
     fn shock(&mut self, velocity: f64) {
-        let count = f64::from(self.landing);
-        let area: f64 = (0..self.landing).map(|k| half_sine(k, count)).sum();
         self.shocks.push(Shock {
-            peak: velocity / (area * self.period),
+            peak: velocity / (self.area * self.period),
             read: 0,
         });
     }

@@ -144,13 +144,7 @@ impl Judged {
             apart.iter().all(|verdict| verdict.name() != name.as_str())
         });
         let mut labels = vec![(NOTHING.to_owned(), answer.probability_of_nothing())];
-        labels.extend(others.map(|(name, probability)| {
-            let name = match name.split_once('+') {
-                Some((a, b)) => pair(a, b),
-                None => name.clone(),
-            };
-            (name, *probability)
-        }));
+        labels.extend(others.map(|(name, probability)| (label_of(name), *probability)));
         labels
     }
 
@@ -191,12 +185,7 @@ impl Judged {
     pub(super) fn prediction_set(&self) -> Option<PredictionSet> {
         let set = &self.answer.as_ref()?.set;
         let truth = self.label();
-        let nothing = [Verdict::None, Verdict::Parameter];
-        let mut labels = set.iter().map(|name| match name.split_once('+') {
-            Some((a, b)) => pair(a, b),
-            None if nothing.iter().any(|it| it.name() == name) => NOTHING.to_owned(),
-            None => name.clone(),
-        });
+        let mut labels = set.iter().map(|name| label_of(name));
         (!set.is_empty()).then(|| PredictionSet {
             size: set.len(),
             is_right: labels.any(|label| label == truth),
@@ -302,6 +291,16 @@ fn distance(effect: &Application, magnitude: f64) -> f64 {
         (magnitude - neutral).abs()
     } else {
         magnitude.abs()
+    }
+}
+
+/// The label of an answer's name: `nothing` for none or parameter, pairs in the order of their letters.
+fn label_of(name: &str) -> String {
+    let nothing = [Verdict::None, Verdict::Parameter];
+    match name.split_once('+') {
+        Some((a, b)) => pair(a, b),
+        None if nothing.iter().any(|it| it.name() == name) => NOTHING.to_owned(),
+        None => name.to_owned(),
     }
 }
 
