@@ -160,7 +160,7 @@ impl<'t> Document<'t> {
         for_each_leaf("", &self.root, &mut |key, _| keys.push(key.to_owned()));
         keys.sort_by_key(|key| {
             let same_end = last_key(key) == last_key(wanted);
-            (!same_end, distance(key, wanted))
+            (!same_end, strsim::levenshtein(key, wanted))
         });
         keys.truncate(3);
         keys
@@ -335,35 +335,28 @@ fn in_plain_words(message: &str) -> String {
     if message.contains("`$__toml_private_datetime`") {
         return "a date is no value here; write a date in quotes".to_owned();
     }
-    let Some(rest) = message.strip_prefix("unknown ") else {
+    let Some((unknown, known)) = unknown_and_known(message) else {
         return message.to_owned();
     };
-    let mut quoted = rest.split('`').skip(1).step_by(2);
-    let Some(unknown) = quoted.next() else {
-        return message.to_owned();
-    };
-    match quoted.min_by_key(|known| distance(known, unknown)) {
-        Some(known) if distance(known, unknown) <= unknown.chars().count() / 2 => {
+    let distance = |known: &&str| strsim::levenshtein(known, unknown);
+    match known.into_iter().min_by_key(distance) {
+        Some(known) if distance(&known) <= unknown.chars().count() / 2 => {
             format!("{message}; did you mean `{known}`?")
         }
         _ => message.to_owned(),
     }
 }
 
-/// Levenshtein distance: characters to insert, delete or replace.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
+/// The unknown name of a parser's message, and the names that it lists as known.
+fn unknown_and_known(message: &str) -> Option<(&str, Vec<&str>)> {
+    // Of the table of an enum.
+    if let Some(rest) = message.strip_prefix("unexpected keys in table: ") {
+        let (unknown, known) = rest.split_once(", available keys: ")?;
+        return Some((unknown.split(", ").next()?, known.split(", ").collect()));
     }
-    row[b.len()]
+    let rest = message.strip_prefix("unknown ")?;
+    let mut quoted = rest.split('`').skip(1).step_by(2);
+    Some((quoted.next()?, quoted.collect()))
 }
 
 #[cfg(test)]
@@ -441,5 +434,8 @@ mod tests {
         assert!(message.ends_with("did you mean `slip`?"), "{message}");
         let message = in_plain_words("unknown field `moon`, expected `slip`");
         assert!(message.ends_with("expected `slip`"), "{message}");
+        let message =
+            in_plain_words("unexpected keys in table: sooil, available keys: soil, roughness");
+        assert!(message.ends_with("did you mean `soil`?"), "{message}");
     }
 }
