@@ -13,7 +13,8 @@
 //! - [`threshold_figure()`]: how a study's windows lie to a limit of Eq. (55) to (58).
 //! - [`force_curves()`]: measured forces and those that identified parameters give back.
 //! - [`gap_map()`]: channels by domains, where measured and simulated runs differ.
-//! - [`matrix_figure()`], [`power_figure()`]: what blind trials of the diagnosis came to.
+//! - [`matrix_figure()`], [`power_figure()`], [`detection_figure()`], [`reliability_figure()`]: what blind trials of the
+//!   diagnosis came to.
 //! - [`gap_waterfall()`]: how that gap closes, [`probability_bars()`]: what explains it,
 //!   [`isolability_map()`]: which effects show alike.
 //! - [`campaign_bars()`]: how probable each explanation is to a diagnosis of each of several campaigns.
@@ -33,7 +34,8 @@ mod channel_groups;
 mod channel_row;
 mod class_strip;
 mod confusion_figure;
-pub mod diagnosis_page;
+pub mod detection_figure;
+mod diagnosis_page;
 mod envelope;
 mod feature_planes;
 mod feature_points;
@@ -51,10 +53,12 @@ pub mod page;
 mod parameter_figure;
 mod power_figure;
 mod probability_bars;
+mod reliability_figure;
 mod run_page;
 mod run_view;
 mod run_words;
 mod scene;
+mod share_series;
 mod side_by_side;
 pub mod study_page;
 mod sweep_figure;
@@ -67,6 +71,7 @@ pub use arm_curves::arm_curves;
 pub use arm_traces::arm_traces;
 pub use campaign_bars::{CampaignBar, campaign_bars};
 pub use confusion_figure::confusion_figure;
+pub use detection_figure::detection_figure;
 pub use diagnosis_page::{DiagnosisReport, diagnosis_page};
 pub use feature_planes::feature_planes;
 pub use feature_points::{FeaturePoint, Group};
@@ -81,6 +86,7 @@ pub use page::{Page, page};
 pub use parameter_figure::{IdentifiedGround, parameter_figure};
 pub use power_figure::power_figure;
 pub use probability_bars::probability_bars;
+pub use reliability_figure::reliability_figure;
 pub use run_page::run_page;
 pub use run_view::RunView;
 pub use side_by_side::side_by_side;

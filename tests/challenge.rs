@@ -462,7 +462,10 @@ fn the_program_makes_a_trial_and_scores_it() {
     let scores: serde_json::Value = serde_json::from_slice(&scored.stdout).unwrap();
     assert_eq!(scores["unanswered"], 0);
     assert!(scores["C1"]["top1"]["value"].is_null());
-    assert!(folder.path().join("t/score/power.svg").exists());
+    for figure in ["power", "detections", "reliability"] {
+        let file = folder.path().join(format!("t/score/{figure}.svg"));
+        assert!(file.exists(), "{figure}");
+    }
     assert_eq!(
         run(&["make", "--out", "u", "--set", "C9"]).status.code(),
         Some(2)

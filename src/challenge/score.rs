@@ -30,9 +30,9 @@ mod probabilities;
 mod tables;
 mod text;
 
-pub use detectability::{ByClass, ByDetectability, OfClass};
+pub use detectability::{ByClass, ByDetectability, Detected, OfClass};
 pub use interval::Score;
-pub use probabilities::Probabilities;
+pub use probabilities::{Probabilities, Reliability};
 pub use tables::{Matrix, OfEffect, Power};
 
 use super::ChallengeError;
@@ -167,6 +167,8 @@ pub struct Scores {
     pub detectability: ByDetectability,
     /// By `d'` where only the distribution of the parameters is given.
     pub detectability_beside_parameters: ByDetectability,
+    /// Cases of C1 and C2 with their `d'`.
+    pub detections: Vec<Detected>,
     /// Median time of a diagnosis \[s\].
     pub seconds: Score,
     /// Number of cases by truth and answer.
@@ -237,6 +239,7 @@ impl Scores {
             detectability_beside_parameters: ByDetectability::of(judged, |it| {
                 it.detectability_beside_parameters
             }),
+            detections: detectability::detections(judged),
             seconds: Score::median(judged.iter().filter_map(|case| case.seconds)),
             confusion: tables::confusion(judged),
             posterior: tables::posterior(judged),

@@ -10,7 +10,7 @@ use super::target::Claim;
 use crate::challenge::score::Scores;
 use crate::challenge::{self, ChallengeError, GROUNDS, Order, Selection};
 use crate::quantity::Seed;
-use crate::report::{Entries, matrix_figure, power_figure};
+use crate::report::{Entries, detection_figure, matrix_figure, power_figure, reliability_figure};
 use asking::Asking;
 use clap::{Args, Subcommand};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -234,12 +234,14 @@ impl Score {
 const ELSEWHERE: &str = "put the trial in another folder";
 
 /// What scoring writes: all numbers, and figures.
-const SCORES: [&str; 5] = [
+const SCORES: [&str; 7] = [
     "scores.json",
     "confusion.svg",
     "told.svg",
     "isolability.svg",
     "power.svg",
+    "detections.svg",
+    "reliability.svg",
 ];
 
 /// Claims the folder of scores, in which those of before are replaced.
@@ -255,7 +257,15 @@ fn claim_scores(folder: &Path) -> anyhow::Result<()> {
 
 fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
     let write = |name: &str, svg: &str| output::write_file_or(&folder.join(name), svg, ELSEWHERE);
-    let [_, answers, posterior, isolability, power] = SCORES;
+    let [
+        _,
+        answers,
+        posterior,
+        isolability,
+        power,
+        detections,
+        reliability,
+    ] = SCORES;
     let counts = matrix_figure(&scores.confusion, Entries::Counts, "Truths and answers");
     write(answers, &counts)?;
     let title = "Probability of each answer by truth";
@@ -269,7 +279,12 @@ fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
         &matrix_figure(&scores.isolability, Entries::Shares, title),
     )?;
     let title = "Effects named, by magnitude";
-    write(power, &power_figure(&scores.power, title))
+    write(power, &power_figure(&scores.power, title))?;
+    write(detections, &detection_figure(&scores.detections))?;
+    write(
+        reliability,
+        &reliability_figure(&scores.probabilities.reliability),
+    )
 }
 
 fn pool(threads: usize) -> anyhow::Result<ThreadPool> {

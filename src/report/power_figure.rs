@@ -1,6 +1,7 @@
 //! How large an effect has to be to be found, as a picture.
 
 use super::figure::{Anchor, Area, Axis, Canvas, Font, PALETTE, Panel, Scale, Stroke};
+use super::share_series::ShareSeries;
 use crate::challenge::score::{Power, Score};
 
 /// Size of the drawing [px].
@@ -13,9 +14,7 @@ struct Series {
     name: &'static str,
     /// Its score in a class.
     of: fn(&Power) -> Score,
-    stroke: Stroke,
-    /// Distance [px] from the middle of a class, so that intervals do not hide one another.
-    beside: f64,
+    line: ShareSeries,
 }
 
 /// Share of cases whose effect is named, up to equivalence, against its magnitude over the least
@@ -49,19 +48,23 @@ pub fn power_figure(classes: &[Power], title: &str) -> String {
         Series {
             name: "catalogue's form",
             of: |it| it.own,
-            stroke: Stroke::solid(PALETTE[0], 2.0),
-            beside: -3.0,
+            line: ShareSeries {
+                stroke: Stroke::solid(PALETTE[0], 2.0),
+                beside: -3.0,
+            },
         },
         Series {
             name: "another form",
             of: |it| it.other,
-            stroke: Stroke::solid(PALETTE[1], 2.0),
-            beside: 3.0,
+            line: ShareSeries {
+                stroke: Stroke::solid(PALETTE[1], 2.0),
+                beside: 3.0,
+            },
         },
     ];
     let mut legend = Vec::new();
     for series in series {
-        legend.push((series.name.to_owned(), series.stroke));
+        legend.push((series.name.to_owned(), series.line.stroke));
         draw_series(&mut canvas, &panel, classes, &series);
     }
     panel.draw_legend(&mut canvas, header, &legend);
@@ -80,35 +83,11 @@ fn draw_ticks(canvas: &mut Canvas, panel: &Panel) {
 }
 
 fn draw_series(canvas: &mut Canvas, panel: &Panel, classes: &[Power], series: &Series) {
-    let Series {
-        of, stroke, beside, ..
-    } = *series;
-    let mut points = Vec::new();
-    for class in classes {
-        let score = of(class);
-        let Some(value) = score.value else {
-            continue;
-        };
+    let shares = classes.iter().map(|class| {
         let [low, high] = [class.low.max(ENDS[0]), class.high.unwrap_or(ENDS[1])];
-        let [x, y] = panel.at([libm::sqrt(low * high), value]);
-        let x = x + beside;
-        points.push([x, y]);
-        if let Some(ends) = score.ci95 {
-            let [bottom, top] = ends.map(|end| panel.y.pixel(end));
-            canvas.polyline(&[[x, bottom], [x, top]], stroke);
-        }
-        let count = format!("{}", score.n);
-        // Away from the other series, and beside the middle of the interval, where no line runs.
-        let (away, anchor) = if beside < 0.0 {
-            (-5.0, Anchor::End)
-        } else {
-            (5.0, Anchor::Start)
-        };
-        let middle = score.ci95.map_or(value, |[low, high]| 0.5 * (low + high));
-        let at = [x + away, panel.y.pixel(middle) + 5.0];
-        canvas.text(at, anchor, Font::SMALL, &count);
-    }
-    canvas.polyline(&points, stroke);
+        (libm::sqrt(low * high), (series.of)(class))
+    });
+    series.line.draw(canvas, panel, shares);
 }
 
 #[cfg(test)]

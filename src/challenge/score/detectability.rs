@@ -45,6 +45,39 @@ pub struct ByClass {
     pub classes: Vec<OfClass>,
 }
 
+/// Whether an effect was named, beside how well it could be detected.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Detected {
+    /// The effect's name without channel.
+    pub effect: String,
+    /// C1 or C2.
+    pub set: Set,
+    /// `d'` [-] beside unknown parameters.
+    pub detectability: f64,
+    /// Whether it was named, up to equivalence.
+    pub is_named: bool,
+}
+
+/// The cases of C1 and C2 whose `d'` is known, by name and `d'`.
+pub(super) fn detections(cases: &[Judged]) -> Vec<Detected> {
+    let of = |case: &Judged| {
+        let single = case.is_of(Set::C1) || case.is_of(Set::C2);
+        let effect = case.hidden().filter(|_| single)?;
+        Some(Detected {
+            effect: effect.effect().to_owned(),
+            set: case.truth.set,
+            detectability: case.detectability(|it| it.detectability_beside_parameters)?,
+            is_named: case.is_named_up_to_equivalence(),
+        })
+    };
+    let mut detections: Vec<Detected> = cases.iter().filter_map(of).collect();
+    detections.sort_by(|a, b| {
+        let by_name = a.effect.cmp(&b.effect);
+        by_name.then(a.detectability.total_cmp(&b.detectability))
+    });
+    detections
+}
+
 /// Scores by `d'`; cases whose `d'` is not known are in none.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ByDetectability {

@@ -35,6 +35,17 @@ pub struct Probabilities {
     pub set_size: Score,
     /// Share of 95 % intervals in C1 and C2 that cover the true magnitude.
     pub magnitude_covered: Score,
+    /// How often the most probable answer is right, by its probability: ten equal classes from 0 to 1.
+    pub reliability: Vec<Reliability>,
+}
+
+/// Cases whose most probable answer has a probability in one class.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Reliability {
+    /// Mean of the stated probabilities [-]; none without cases.
+    pub stated: Option<f64>,
+    /// Share that is right.
+    pub right: Score,
 }
 
 /// The most probable answer of a case.
@@ -51,15 +62,36 @@ impl Probabilities {
         let simple = cases.iter().filter(simple);
         let sets = || cases.iter().filter_map(Judged::prediction_set);
         let magnitudes = cases.iter().filter_map(|it| it.magnitude()?.is_covered);
+        let likeliest = likeliest(cases);
         Self {
             log_score: Score::mean(cases.iter().map(Judged::log_score)),
             brier_score: Score::mean(cases.iter().map(Judged::brier_score)),
-            calibration_error: Score::of(&likeliest(cases), debiased),
+            calibration_error: Score::of(&likeliest, debiased),
             of_nothing_and_own_form: Score::mean(simple.map(Judged::probability_on_truth)),
             set_coverage: Score::share(sets().map(|set| set.is_right)),
             set_size: Score::median(sets().map(|set| set.size as f64)),
             magnitude_covered: Score::share(magnitudes),
+            reliability: (0..CLASSES)
+                .map(|class| Reliability::of(&likeliest, class))
+                .collect(),
         }
+    }
+}
+
+impl Reliability {
+    fn of(cases: &[Likeliest], class: usize) -> Self {
+        let within = || cases.iter().filter(|case| case.class() == class);
+        Self {
+            stated: mean(within().map(|case| case.probability)),
+            right: Score::share(within().map(|case| case.is_right)),
+        }
+    }
+}
+
+impl Likeliest {
+    /// Its class of probability.
+    fn class(&self) -> usize {
+        ((self.probability * CLASSES as f64) as usize).min(CLASSES - 1)
     }
 }
 
@@ -88,8 +120,7 @@ fn likeliest(cases: &[Judged]) -> Vec<Likeliest> {
 fn error(cases: &[&Likeliest], is_right: impl Fn(&Likeliest) -> bool) -> f64 {
     let mut classes = [0.0; CLASSES];
     for case in cases {
-        let class = ((case.probability * CLASSES as f64) as usize).min(CLASSES - 1);
-        classes[class] += case.probability - f64::from(u8::from(is_right(case)));
+        classes[case.class()] += case.probability - f64::from(u8::from(is_right(case)));
     }
     let off: f64 = classes.into_iter().map(f64::abs).sum();
     off / cases.len() as f64
@@ -132,6 +163,19 @@ mod tests {
         // Seven classes of 14 cases: 0.8 times the root of 0.2 / 14.
         assert!((0.05..0.16).contains(&raw), "{raw}");
         assert!(debiased < 0.03, "{debiased}");
+    }
+
+    #[test]
+    fn reliability_is_the_share_right_beside_the_probability_stated() {
+        let answers = answers(4000, 0.7);
+        let class = Reliability::of(&answers, 8);
+        let stated = class.stated.unwrap();
+        assert!((0.84..0.86).contains(&stated), "{stated}");
+        // 0.7 of 0.85, of some 570 cases: 0.02.
+        let right = class.right.value.unwrap();
+        assert!((0.53..0.66).contains(&right), "{right}");
+        let empty = Reliability::of(&answers, 1);
+        assert_eq!((empty.stated, empty.right.n), (None, 0));
     }
 
     #[test]
