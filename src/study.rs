@@ -116,12 +116,11 @@
 //! runs.csv       one row a run: condition, label, class, steady values; see `study::runs`
 //! runs.h5        the same table as HDF5, a dataset a column; see `dataset::hdf5::write_table`
 //! windows.csv    one row a window: truth, features, answers; see `study::windows`
-//! recognition.txt, recognition.csv    confusions, shares and their map over the conditions
+//! recognition.csv    answers and shares by method, scenario and swept key
 //! thresholds.csv one row a window: what (55) to (58) bound; see `study::thresholds`
-//! thresholds.txt how often the limits are met, and how tight they are; the program adds a figure of each
 //! steady.csv     one row a steady interval: loads, slip, sinkage; see `study::identification`
-//! identification.txt, identification.csv    parameters, force errors, what they predict
-//! diagnosis.txt, diagnosis.csv    the diagnosis of every campaign; see `study::diagnosis`
+//! identification.csv    parameters, force errors, what they predict
+//! diagnosis.csv  the diagnosis of every campaign; see `study::diagnosis`
 //! dataset.h5, dataset.windows.csv, dataset.splits.csv, dataset.datasheet.md, dataset.croissant.json
 //!                the runs or the features of their windows for machine learning; see `learning`
 //! timing.csv     seconds of computing per run: the one file that differs between executions
@@ -136,6 +135,9 @@
 //!                both an interrupted study continues
 //! slurm/         logs of the jobs of a cluster, see `study::slurm`
 //! ```
+//!
+//! The program adds the page and its figures, and the tables of the page as text: `recognition.txt`, `thresholds.txt`,
+//! `identification.txt`, `diagnosis.txt`.
 
 mod analysis;
 mod cells;

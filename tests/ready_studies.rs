@@ -165,10 +165,10 @@ fn shortened(file: &Path, folder: &Path) -> Study {
 fn tables(file: &Path) -> Vec<&'static str> {
     let study: Table = std::fs::read_to_string(file).unwrap().parse().unwrap();
     let asked = [
-        ("recognition", ["windows.csv", "recognition.txt"]),
-        ("thresholds", ["thresholds.csv", "thresholds.txt"]),
-        ("identification", ["steady.csv", "identification.txt"]),
-        ("diagnosis", ["diagnosis.csv", "diagnosis.txt"]),
+        ("recognition", ["windows.csv", "recognition.csv"]),
+        ("thresholds", ["thresholds.csv", "runs.csv"]),
+        ("identification", ["steady.csv", "identification.csv"]),
+        ("diagnosis", ["diagnosis.csv", "runs.csv"]),
         ("dataset", ["dataset.h5", "dataset.splits.csv"]),
     ];
     let asked = asked
@@ -200,7 +200,7 @@ fn every_ready_study_cut_short_ends_with_its_tables() {
         let failed = std::fs::read_to_string(out.join("failed.txt")).unwrap_or_default();
         assert!(outcome.failed.is_empty(), "{}: {failed}", file.display());
         if let Some(score) = &outcome.scores.diagnosis {
-            assert_eq!(score.without_answer().count(), 0, "{score}");
+            assert_eq!(score.without_answer().count(), 0, "{score:?}");
         }
         for table in tables(&file) {
             assert!(out.join(table).exists(), "{}: no {table}", file.display());

@@ -117,6 +117,10 @@ fn a_study_of_runs_that_still_sink_says_so_everywhere_and_fits_them_as_identify_
         ("sinks/steady.csv", "drawbar_pull_drift_n_s"),
         ("sinks/identification.csv", of_row.as_str()),
         ("sinks/identification.txt", "of 4 rows are not steady: "),
+        (
+            "sinks/identification.txt",
+            "Rows whose values still change along their interval",
+        ),
         ("sinks/report.html", "of 4 rows are not steady: "),
         (
             "sinks/report.html",

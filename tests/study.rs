@@ -1,8 +1,9 @@
 //! A study's results depend on its file alone: not on threads, interruptions or how it was shared.
 
 use crate::common::results::{contents, done, into, resumed};
+use lugwheel::report::study_page::texts;
 use lugwheel::study::identification::score::IdentificationScore;
-use lugwheel::study::{Options, Outcome, Progress, Run, Study, StudyError};
+use lugwheel::study::{Options, Outcome, Progress, Run, Scores, Study, StudyError};
 use lugwheel::terrain::class::Wtic;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -470,9 +471,13 @@ fn the_windows_of_a_recognised_study_have_truth_and_the_answers_of_both_methods(
         .iter()
         .find(|score| score.method == "baseline_known");
     assert_eq!(known.unwrap().all.confusion.correct(), 16);
-    let text = std::fs::read_to_string(out.join("recognition.txt")).unwrap();
+    let scores = Scores {
+        recognition: Some(score),
+        ..Scores::default()
+    };
+    let text = &texts(&scores)[0].text;
     assert!(
-        text.contains("published: accuracy 0.973 [0.948, 0.986] of 300"),
+        text.contains("published 292 of 300, 97.3 % [94.8, 98.6]"),
         "{text}"
     );
     let records = records(&out, "recognition.csv");
@@ -568,9 +573,9 @@ fn a_study_stopped_before_its_parameters_are_fitted_has_its_runs_whole_and_goes_
         panic!("{stopped:?}");
     };
     assert_eq!(whole, shards);
-    assert!(!out.join("identification.txt").exists());
+    assert!(!out.join("identification.csv").exists());
     done(&study, &resumed(&out));
-    assert!(out.join("identification.txt").exists());
+    assert!(out.join("identification.csv").exists());
 }
 
 /// Short runs at speeds and slips on stone and sand, identified.
@@ -639,5 +644,5 @@ fn parameters_from_one_speed_predict_the_others_and_those_of_one_ground_another(
     for kind in ["parameter", "fitted", "left_out", "predicted"] {
         assert!(kinds.iter().any(|what| what == kind), "{kind}");
     }
-    assert!(out.join("identification.txt").exists());
+    assert!(out.join("identification.csv").exists());
 }

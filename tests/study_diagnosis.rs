@@ -8,9 +8,10 @@ use lugwheel::diagnosis::inference::BaseRates;
 use lugwheel::diagnosis::rigs::Origin;
 use lugwheel::diagnosis::{Investigation, Settings};
 use lugwheel::effects::names_but;
+use lugwheel::report::study_page::texts;
 use lugwheel::scenario::Scenario;
 use lugwheel::study::diagnosis::score::{DiagnosisScore, Truth};
-use lugwheel::study::{Options, Study, StudyError};
+use lugwheel::study::{Options, Scores, Study, StudyError};
 use lugwheel::trace::Trace;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -92,8 +93,20 @@ fn every_campaign_is_told_with_its_truth_and_its_row() {
     let header = reader.headers().unwrap().clone();
     assert_eq!(&header[2], "effect.gain_error.drawbar_pull");
     assert_eq!(reader.records().count(), 2);
-    let text = fs::read_to_string(WHOLE.out.join("diagnosis.txt")).unwrap();
-    assert!(text.starts_with("2 campaigns, "), "{text}");
+    let text = text(&WHOLE.score);
+    assert!(
+        text.contains(" of 2 campaigns are diagnosed correctly."),
+        "{text}"
+    );
+}
+
+/// The result as text.
+fn text(score: &DiagnosisScore) -> String {
+    let scores = Scores {
+        diagnosis: Some(score.clone()),
+        ..Scores::default()
+    };
+    texts(&scores).remove(0).text
 }
 
 #[test]
@@ -205,6 +218,6 @@ fn a_campaign_that_cannot_be_diagnosed_is_told_with_its_reason_and_does_not_stop
         "{reasons:?}"
     );
     assert_eq!(score.without_answer().count(), 2);
-    let text = fs::read_to_string(out.join("diagnosis.txt")).unwrap();
+    let text = text(&score);
     assert!(reasons.iter().all(|reason| text.contains(reason)), "{text}");
 }

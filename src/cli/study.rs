@@ -7,7 +7,7 @@ use super::output::{self, Output};
 use super::progress::Progress;
 use super::provenance::{self, quoted};
 use crate::learning::DataSet;
-use crate::report::study_page::Drawing;
+use crate::report::study_page::{Drawing, ResultText};
 use crate::report::{self, StudyReport};
 use crate::study::conditions::Unsteady;
 use crate::study::scores::{Report, Scores};
@@ -111,6 +111,8 @@ struct Summary {
     not_steady: Vec<Unsteady>,
     #[serde(skip_serializing_if = "Option::is_none")]
     report: Option<String>,
+    #[serde(skip)]
+    texts: Vec<ResultText>,
     #[serde(flatten)]
     scores: Scores,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -147,6 +149,10 @@ impl StudyCommand {
         for Drawing { file, svg } in report::study_page::drawings(&outcome.scores) {
             output::write_file(&out.join(file), &svg)?;
         }
+        let texts = report::study_page::texts(&outcome.scores);
+        for ResultText { stem, text } in &texts {
+            output::write_file(&out.join(format!("{stem}.txt")), text)?;
+        }
         let unanswered = unanswered(&outcome, &out);
         output.print(&Summary {
             study: self.study.display().to_string(),
@@ -157,6 +163,7 @@ impl StudyCommand {
             computing_s,
             not_steady: Unsteady::of_all(&outcome.conditions),
             report,
+            texts,
             dataset: outcome.scores.dataset.as_ref().map(DataSet::runs),
             scores: outcome.scores,
         })?;
@@ -366,10 +373,14 @@ impl fmt::Display for Summary {
             writeln!(f, "data set: {runs} runs, {}/dataset.h5", self.folder)?;
         }
         for Report {
-            rows, table, text, ..
+            stem, rows, table, ..
         } in self.scores.reports()
         {
-            writeln!(f, "{rows}: {}/{table}\n\n{text}", self.folder)?;
+            writeln!(f, "{rows}: {}/{table}\n", self.folder)?;
+            let mut texts = self.texts.iter();
+            if let Some(ResultText { text, .. }) = texts.find(|it| it.stem == stem) {
+                writeln!(f, "{text}")?;
+            }
         }
         if let Some(report) = &self.report {
             writeln!(f, "report: {report}")?;

@@ -32,7 +32,10 @@
 //! A section shows its parts in the order in which they were added. All texts are plain, with blank
 //! lines between paragraphs, and are escaped; drawings go into the page as they are.
 
+mod text;
+
 pub use crate::table::{Cell, Column, Table};
+pub use text::{prose, section_text, wrapped};
 
 use super::figure::escape;
 use super::run_view::RunView;

@@ -12,7 +12,7 @@ pub use recognition::answers_and_truth;
 
 use super::figure::Layout;
 use super::laid_out_trace_figure;
-use super::page::{Cell, Figure, Page, Provenance, Section, Table};
+use super::page::{Cell, Figure, Page, Provenance, Section, Table, prose, section_text};
 use crate::study::{Outcome, Scores, Study};
 use crate::trace::Trace;
 
@@ -35,6 +35,9 @@ pub struct StudyReport<'a> {
 
 /// The result of an analysis, as it is shown.
 trait Shown {
+    /// Name of its text file, without the ending; none where it has none.
+    fn stem(&self) -> Option<&'static str>;
+
     /// The result in a sentence or two.
     fn answer(&self) -> String;
 
@@ -90,6 +93,29 @@ fn any(score: &Option<impl Shown>) -> Option<&dyn Shown> {
 pub fn drawings(scores: &Scores) -> Vec<Drawing> {
     let shown = shown(scores).into_iter();
     shown.flat_map(Shown::drawings).collect()
+}
+
+/// A result as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ResultText {
+    /// Name of its file, without the ending.
+    pub stem: &'static str,
+    /// Its part of the page without figures.
+    pub text: String,
+}
+
+/// The results as texts, with the tables of the page.
+pub fn texts(scores: &Scores) -> Vec<ResultText> {
+    let text = |score: &dyn Shown| {
+        let text = format!(
+            "{}\n{}",
+            prose(&score.answer()),
+            section_text(&score.sections())
+        );
+        let stem = score.stem()?;
+        Some(ResultText { stem, text })
+    };
+    shown(scores).into_iter().filter_map(text).collect()
 }
 
 /// The page of a study, of the same parts for every study: answer, scores with tables and

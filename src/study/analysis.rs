@@ -4,8 +4,8 @@
 //! ([`Analysis::rows`]), and the rows of all runs come to its result ([`Analysis::score`]):
 //!
 //! ```text
-//! [thresholds]  ->  Thresholds  ->  rows of every run  ->  thresholds.csv  ->  ThresholdScore  ->  thresholds.txt
-//!  study file       the plan        structs               shards, as CSV       from the structs     and the page
+//! [thresholds]  ->  Thresholds  ->  rows of every run  ->  thresholds.csv  ->  ThresholdScore  ->  the page
+//!  study file       the plan        structs               shards, as CSV       from the structs     and its text
 //! ```
 //!
 //! A row is a struct: [`cells`](super::cells) derives its line of CSV, in the shards and in the published table,
@@ -84,7 +84,7 @@ pub(super) trait Analysis: Sized + Sync {
     /// `Stopped` and `StoppedDiagnosing` on request, and what else the analysis may meet.
     fn score(&self, done: &Finished, rows: Vec<Self::Row>) -> Result<Self::Score, StudyError>;
 
-    /// The result as files; none where [`score`](Self::score) has written them.
+    /// The result as tables; none where [`score`](Self::score) has written them.
     fn report(score: &Self::Score) -> Option<Report>;
 }
 
@@ -131,7 +131,7 @@ impl Finished<'_> {
     }
 }
 
-/// A result as files.
+/// The tables of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Stem of the files.
@@ -140,8 +140,6 @@ pub struct Report {
     pub rows: &'static str,
     /// File of these rows.
     pub table: &'static str,
-    /// The result as text.
-    pub text: String,
     /// The result as CSV; none where the rows are all.
     pub csv: Option<String>,
 }

@@ -15,13 +15,12 @@
 //! kept in `bank/` for all, each answer in `diagnoses/`: what was stopped goes on from both. All
 //! draws come from the study's seed.
 //!
-//! What came of it stands in `diagnosis.txt` and `diagnosis.csv`, see [`score`].
+//! The results are in `diagnosis.csv`, see [`score`].
 
 mod asking;
 mod campaign;
 mod csv;
 pub mod score;
-mod text;
 mod truth;
 
 use super::analysis::{Analysis, Finished, Report};
@@ -140,7 +139,6 @@ impl Analysis for Plan {
             stem: "diagnosis",
             rows: "campaigns",
             table: "diagnosis.csv",
-            text: score.to_string(),
             csv: Some(score.to_csv()),
         })
     }

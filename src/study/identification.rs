@@ -28,7 +28,7 @@
 //! | `drawbar_pull_drift_n_s`, ... | rate of change where it drifts in the interval |
 //! | `reason` | why there is no steady interval; empty where there is |
 //!
-//! Results are in `identification.txt` and `identification.csv`, see [`score`].
+//! Results are in `identification.csv`, see [`score`].
 //!
 //! [`RIGID_SINKAGE`]: crate::identification::RIGID_SINKAGE
 
@@ -41,7 +41,6 @@ mod repeats;
 pub mod score;
 mod scoring;
 mod steady;
-mod text;
 
 use super::analysis::{Analysis, Finished, Observed, Report};
 use super::group::{self, Group, check_over, slip_of, swept};
@@ -206,7 +205,6 @@ impl Analysis for Plan {
             stem: "identification",
             rows: "rows",
             table: "steady.csv",
-            text: score.to_string(),
             csv: Some(score.to_csv()),
         })
     }

@@ -25,7 +25,6 @@
 
 pub(super) mod csv;
 pub mod features;
-mod text;
 
 use super::analysis::{Analysis, Finished, Observed, Report};
 use super::cells::Number;
@@ -187,7 +186,6 @@ impl Analysis for Recognition {
             stem: "recognition",
             rows: "windows",
             table: "windows.csv",
-            text: score.to_string(),
             csv: Some(score.to_csv()),
         })
     }
@@ -353,39 +351,5 @@ mod tests {
         // In reverse it is the same speed, so that two values that differ in sign are not two.
         let error = left_out(&rows[..4], &by_speed).unwrap_err();
         assert!(matches!(error, BaselineError::OneGroup));
-    }
-
-    #[test]
-    fn the_text_has_the_published_counts_below_the_simulated_ones_in_the_same_columns() {
-        let mut confusion = Confusion::default();
-        confusion.counts[0] = [58, 0, 0, 2];
-        let counted = Counted::from(confusion);
-        let score = RecognitionScore {
-            windows: 60,
-            points: Vec::new(),
-            lugs: None,
-            features: Vec::new(),
-            published: Some(counted.clone()),
-            scores: vec![MethodScore {
-                method: "paper".to_owned(),
-                against: Against::Label,
-                all: counted,
-                map: Vec::new(),
-            }],
-        };
-        let text = score.to_string();
-        let ends = |start: &str, of: &str| {
-            let mut lines = text.lines();
-            let line = lines.find(|line| line.trim_start().starts_with(start))?;
-            line.find(of).map(|at| at + of.len())
-        };
-        let column = ends("true class", "ALCT").unwrap();
-        assert_eq!(ends("simulated  ALCT", "58"), Some(column));
-        assert_eq!(ends("published  ALCT", "58"), Some(column));
-        assert_eq!(text.matches("0.967 [0.886, 0.991]").count(), 2 + 2);
-        assert!(
-            !text.contains("SLCT  0"),
-            "a class that did not occur has no row"
-        );
     }
 }

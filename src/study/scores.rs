@@ -89,7 +89,7 @@ macro_rules! analyses {
                 })
             }
 
-            /// Every result as files.
+            /// Every result as tables.
             pub fn reports(&self) -> Vec<Report> {
                 let reports = [$(self.$name.as_ref().and_then(<$analysis>::report)),*];
                 reports.into_iter().flatten().collect()
@@ -139,11 +139,7 @@ impl Study {
 
 impl Scores {
     pub(super) fn write(&self, folder: &Folder) -> Result<(), StudyError> {
-        for Report {
-            stem, text, csv, ..
-        } in self.reports()
-        {
-            folder.write(&format!("{stem}.txt"), text.as_bytes())?;
+        for Report { stem, csv, .. } in self.reports() {
             if let Some(csv) = csv {
                 folder.write(&format!("{stem}.csv"), csv.as_bytes())?;
             }

@@ -20,14 +20,13 @@
 //!
 //! The displacement's columns are empty on movable or yielding ground.
 //!
-//! `thresholds.txt` has a table for every [`Statement`]: how often windows on which every lug
+//! The result has a [`Statement`] for every limit: how often windows on which every lug
 //! touched exceed the limit, and how tight it is.
 
 mod displacement;
 mod row;
 mod statement;
 pub mod tally;
-mod text;
 
 pub use statement::{Part, Point, Statement, ThresholdScore};
 
@@ -120,12 +119,11 @@ impl Analysis for Thresholds {
         Ok(ThresholdScore::of(done.study, &self.bandwidths, &rows))
     }
 
-    fn report(score: &ThresholdScore) -> Option<Report> {
+    fn report(_: &ThresholdScore) -> Option<Report> {
         Some(Report {
             stem: "thresholds",
             rows: "thresholds",
             table: "thresholds.csv",
-            text: score.to_string(),
             csv: None,
         })
     }

@@ -1,5 +1,6 @@
 //! Lines of text of bounded width.
 
+use crate::report::page::wrapped;
 use std::fmt;
 
 /// Width of a line of text.
@@ -20,19 +21,4 @@ pub fn write_item(f: &mut fmt::Formatter<'_>, lead: &str, text: &str) -> fmt::Re
     let lines = wrapped(text, LINE - width);
     let indented = lines.join(&format!("\n{:width$}", ""));
     writeln!(f, "{lead}{indented}")
-}
-
-/// `text` wrapped between words into lines of at most `width` characters; longer words are not broken.
-pub fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + word.chars().count() < width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }

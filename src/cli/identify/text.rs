@@ -2,13 +2,14 @@
 
 use super::class::ClassSource;
 use super::law::OtherStress;
-use super::lines::{LINE, counted, wrapped, write_item};
+use super::lines::{LINE, counted, write_item};
 use super::summary::{
     Origin, ParameterReport, Report, RunReport, SettingReport, Summary, by_origin,
 };
 use super::unused::{LeftOut, StretchLeftOut, Unused};
 use crate::identification::{Cylinder, Standing};
 use crate::recognition::known::Source;
+use crate::report::page::wrapped;
 use crate::soil::StressConvention;
 use crate::table::four_digits;
 use crate::terrain::class::Wtic;

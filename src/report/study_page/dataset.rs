@@ -10,6 +10,10 @@ use crate::report::{FeaturePoint, Group, feature_values};
 use crate::terrain::class::LABELS;
 
 impl Shown for DataSet {
+    fn stem(&self) -> Option<&'static str> {
+        None
+    }
+
     /// How large it is, and how its classes are balanced.
     fn answer(&self) -> String {
         let windows = self.windows().rows.len();

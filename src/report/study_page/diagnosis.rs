@@ -7,6 +7,10 @@ use crate::report::{CampaignBar, campaign_bars};
 use crate::study::diagnosis::score::{CampaignScore, DiagnosisScore, Finding, Truth};
 
 impl Shown for DiagnosisScore {
+    fn stem(&self) -> Option<&'static str> {
+        Some("diagnosis")
+    }
+
     /// How many campaigns are answered rightly, and from where on an effect is named.
     fn answer(&self) -> String {
         let campaigns = &self.campaigns;
@@ -33,7 +37,6 @@ impl Shown for DiagnosisScore {
             "Probability of the true cause and of all other answers by campaign; at the right the answer, bold if correct.",
         );
         let section = Section::new("Diagnosis of the campaigns")
-            .answer(self.answer())
             .prose(
                 "Each campaign is diagnosed like measured runs. The probability of an effect is that of its presence, \
                  alone or with another. Gaps are mean energy scores [standard deviations per statistic] on held-out \

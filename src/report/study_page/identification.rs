@@ -1,5 +1,7 @@
 //! Terrain parameters and what they predict.
 
+mod fits;
+
 use super::{Drawing, Shown};
 use crate::identification::{Force, Standing};
 use crate::identification::{Parameter, TerrainParameters};
@@ -15,6 +17,10 @@ use crate::table::four_digits;
 use crate::terrain::class::{TerrainLabel, Wtic};
 
 impl Shown for IdentificationScore {
+    fn stem(&self) -> Option<&'static str> {
+        Some("identification")
+    }
+
     /// The force errors by the model of the class recognised, beside those published.
     fn answer(&self) -> String {
         let errors = self.grounds.iter().filter_map(|ground| {
@@ -61,6 +67,7 @@ impl Shown for IdentificationScore {
                 )
                 .table(force_errors(self)),
             parameters(self),
+            fits::section(self),
         ];
         sections.extend(curves(self));
         sections.extend(predictions(self));
@@ -189,7 +196,7 @@ fn parameters(score: &IdentificationScore) -> Section {
         None => section,
     };
     if numbered(score) {
-        section.table(fits(score))
+        section.table(numbers(score))
     } else {
         section
     }
@@ -203,7 +210,7 @@ fn numbered(score: &IdentificationScore) -> bool {
 }
 
 /// What each number of a fit stands for.
-fn fits(score: &IdentificationScore) -> Table {
+fn numbers(score: &IdentificationScore) -> Table {
     let keys = score.groups.iter().map(|group| &group.shared);
     let keys = keys.max_by_key(|shared| shared.len());
     let keys = keys.into_iter().flatten();

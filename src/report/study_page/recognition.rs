@@ -10,10 +10,14 @@ use crate::report::{
     sweep_figure,
 };
 use crate::statistics::Share;
-use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope, hundredths};
+use crate::study::score::features::{FeatureSpread, FeaturesOfScenario, Slope};
 use crate::study::score::{Against, Counted, MethodScore, Part, RecognitionScore};
 
 impl Shown for RecognitionScore {
+    fn stem(&self) -> Option<&'static str> {
+        Some("recognition")
+    }
+
     /// How many answers were right, method by method, beside those published.
     fn answer(&self) -> String {
         let right = |name: &str, counted: &Counted| {
@@ -87,18 +91,7 @@ fn methods(score: &RecognitionScore) -> Section {
         section
     };
     let section = section.table(totals(score));
-    let mut rows = Vec::new();
-    for MethodScore { method, all, .. } in &labelled {
-        rows.extend(answers(method, all));
-    }
-    if let Some(published) = &score.published {
-        rows.extend(answers("published", published));
-    }
-    let names = ["method", "true class"].into_iter();
-    let names = names.chain(CLASSES.map(|class| class.as_str()));
-    let table = Table::of(names.chain(["right"]), rows);
-    let section =
-        section.table(table.captioned("Confusion matrix with respect to the class of the ground"));
+    let section = section.table(confusions(score));
     let figures = labelled.iter().map(|score| {
         Figure::new(
             answers_and_truth(&score.method, &score.all.confusion),
@@ -121,44 +114,55 @@ fn of_label(score: &RecognitionScore) -> impl Iterator<Item = &MethodScore> {
     scores.filter(|score| score.against == Against::Label)
 }
 
+/// The methods by the class that they are compared with, and the published counts.
+fn sides(score: &RecognitionScore) -> impl Iterator<Item = (&str, &'static str, &Counted)> {
+    let methods = score.scores.iter().map(|score| {
+        let reference = match score.against {
+            Against::Label => OF_GROUND,
+            Against::Truth => "class by the contacts",
+            Against::Agreed => "both, where they agree",
+        };
+        (score.method.as_str(), reference, &score.all)
+    });
+    let published = score.published.iter();
+    methods.chain(published.map(|counted| ("published", OF_GROUND, counted)))
+}
+
+const OF_GROUND: &str = "class of the ground";
+
 fn totals(score: &RecognitionScore) -> Table {
-    let row = |method: &str, against: &str, counted: &Counted| {
+    let rows = sides(score).map(|(method, reference, counted)| {
         vec![
             Cell::text(method),
-            Cell::text(against),
+            Cell::text(reference),
             Cell::Count(counted.confusion.total()),
             Cell::Count(counted.confusion.correct()),
             Cell::from(counted.accuracy.as_ref()),
             Cell::Count(counted.confused),
         ]
-    };
-    let methods = score.scores.iter().map(|score| {
-        let against = match score.against {
-            Against::Label => "class of the ground",
-            Against::Truth => "class by the contacts",
-            Against::Agreed => "both, where they agree",
-        };
-        row(&score.method, against, &score.all)
     });
-    let published = score.published.iter();
-    let published = published.map(|counted| row("published", "class of the ground", counted));
     let names = ["method", "reference", "windows", "right", "share"];
     let names = names
         .into_iter()
         .chain(["confused with another known class"]);
-    Table::of(names, methods.chain(published)).captioned("Accuracy of every method")
+    Table::of(names, rows).captioned("Accuracy of every method")
 }
 
 /// A row for every true class that occurs.
-fn answers(method: &str, counted: &Counted) -> Vec<Vec<Cell>> {
-    let rows = CLASSES.iter().zip(counted.confusion.counts);
-    let rows = rows.filter_map(|(class, counts)| {
-        let recall = counted.recalls.get(class)?;
-        let first = [Cell::text(method), Cell::text(class.as_str())];
-        let row = first.into_iter().chain(counts.map(Cell::Count));
-        Some(row.chain([Cell::share(recall)]).collect())
+fn confusions(score: &RecognitionScore) -> Table {
+    let rows = sides(score).flat_map(|(method, reference, counted)| {
+        let classes = CLASSES.iter().zip(counted.confusion.counts);
+        classes.filter_map(move |(class, counts)| {
+            let recall = counted.recalls.get(class)?;
+            let first = [method, reference, class.as_str()].map(Cell::text);
+            let row = first.into_iter().chain(counts.map(Cell::Count));
+            Some(row.chain([Cell::share(recall)]).collect())
+        })
     });
-    rows.collect()
+    let names = ["method", "reference", "true class"].into_iter();
+    let names = names.chain(CLASSES.map(|class| class.as_str()));
+    Table::of(names.chain(["recall"]), rows)
+        .captioned("Confusion matrices: windows by true class and answer")
 }
 
 fn map(score: &RecognitionScore) -> Section {
@@ -316,6 +320,14 @@ fn spreads(scenarios: &[FeaturesOfScenario]) -> Table {
     )
 }
 
+/// A feature with two places, and a zero that has no sign.
+fn hundredths(value: f64) -> String {
+    match libm::round(100.0 * value) / 100.0 {
+        0.0 => "0.00".to_owned(),
+        rounded => format!("{rounded:.2}"),
+    }
+}
+
 /// Empty where speed was not swept.
 fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
     let has = |of: &&FeaturesOfScenario| of.features.iter().any(|spread| spread.slope.is_some());
@@ -337,4 +349,64 @@ fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
     let names = ["scenario"].into_iter().chain(NAMES);
     Table::of(names, scenarios.iter().filter(has).map(row))
         .captioned("Decades of a feature per decade of speed, with Student's 95 % interval")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::study_page::texts;
+    use crate::study::Scores;
+
+    #[test]
+    fn the_text_has_the_published_counts_below_the_simulated_ones_in_the_same_columns() {
+        let mut confusion = Confusion::default();
+        confusion.counts[0] = [58, 0, 0, 2];
+        let counted = Counted::from(confusion);
+        let score = RecognitionScore {
+            windows: 60,
+            points: Vec::new(),
+            lugs: None,
+            features: Vec::new(),
+            published: Some(counted.clone()),
+            scores: vec![MethodScore {
+                method: "paper".to_owned(),
+                against: Against::Label,
+                all: counted,
+                map: Vec::new(),
+            }],
+        };
+        let scores = Scores {
+            recognition: Some(score),
+            ..Scores::default()
+        };
+        let text = &texts(&scores)[0].text;
+        let line = |of: [&str; 3]| {
+            let mut lines = text.lines();
+            lines.find(|line| {
+                line.split("  ")
+                    .filter(|it| !it.is_empty())
+                    .map(str::trim)
+                    .take(3)
+                    .eq(of)
+            })
+        };
+        let column = text
+            .lines()
+            .find_map(|line| Some(line.find("ALCT")? + 4))
+            .unwrap();
+        for method in ["paper", "published"] {
+            let row = line([method, OF_GROUND, "ALCT"]).unwrap();
+            assert_eq!(&row[column - 2..column], "58", "{row}");
+        }
+        assert_eq!(
+            text.replace('\n', " ")
+                .matches("96.7 % [88.6, 99.1]")
+                .count(),
+            2 * 3
+        );
+        assert!(
+            line(["paper", OF_GROUND, "SLCT"]).is_none(),
+            "it did not occur"
+        );
+    }
 }

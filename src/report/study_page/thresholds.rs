@@ -3,10 +3,14 @@
 use super::{Drawing, Shown};
 use crate::report::page::{Cell, Figure, Section, Table};
 use crate::report::threshold_figure;
-use crate::study::thresholds::tally::{QUANTILES, Tally};
+use crate::study::thresholds::tally::{Empirical, Tally};
 use crate::study::thresholds::{Part, Statement, ThresholdScore};
 
 impl Shown for ThresholdScore {
+    fn stem(&self) -> Option<&'static str> {
+        Some("thresholds")
+    }
+
     /// The share of windows above the paper's limits, the first of each equation.
     fn answer(&self) -> String {
         let mut equations: Vec<&str> = Vec::new();
@@ -76,7 +80,7 @@ fn validity(score: &ThresholdScore) -> Section {
         columns(["name", "equation", "wheels"]),
         score.statements.iter().map(of_all),
     );
-    let names = Table::of(["name", "what is limited", "the limit"], meanings(score));
+    let meanings = Table::of(["name", "what is limited", "the limit"], meanings(score));
     Section::new("Validity of the limits")
         .prose(format!(
             "In {} of {} windows the true class is ALCT: at least 90 % of the lugs touch. These are compared with \
@@ -87,17 +91,14 @@ fn validity(score: &ThresholdScore) -> Section {
         .table(limits.captioned(
             "Every limit. Shares have Wilson's 95 % interval, which assumes independent windows",
         ))
-        .table(names.captioned("Definitions of the names"))
+        .table(meanings.captioned("Definitions of the names"))
+        .table(empirical(score))
 }
 
 /// All windows of a limit.
 fn of_all(statement: &Statement) -> Vec<Cell> {
-    let wheels = if statement.multi_lugged {
-        "multi-lugged"
-    } else {
-        "few-lugged"
-    };
-    let first = [&statement.name, statement.equation, wheels].map(Cell::text);
+    let [name, wheels] = names(statement);
+    let first = [name, statement.equation, wheels].map(Cell::text);
     let tally = tally(&statement.parts[0].tally);
     first.into_iter().chain(tally).collect()
 }
@@ -132,12 +133,71 @@ fn meanings(score: &ThresholdScore) -> Vec<Vec<Cell>> {
         .collect()
 }
 
+/// Limits from the windows themselves; empty where no run was repeated.
+fn empirical(score: &ThresholdScore) -> Table {
+    let row = |statement: &Statement| {
+        let Empirical {
+            quantile,
+            ci95: [low, high],
+            n,
+            exceeded,
+        } = statement.empirical?;
+        let end = |end: Option<f64>| end.map_or("–".to_owned(), |end| format!("{end:.2}"));
+        let limit = format!("{quantile:.2} [{}, {}]", end(low), end(high));
+        let [name, wheels] = names(statement).map(Cell::text);
+        Some(vec![
+            name,
+            wheels,
+            Cell::Count(n as u64),
+            Cell::Written(limit, quantile),
+            Cell::Count(exceeded.n),
+            Cell::share(&exceeded),
+        ])
+    };
+    let columns = [
+        "name",
+        "wheels",
+        "even repeats",
+        "99 % / limit",
+        "odd repeats",
+        "above it",
+    ];
+    Table::of(columns, score.statements.iter().filter_map(row)).captioned(
+        "Empirical limits: 99 % quantile of value over limit in the even repeats, and windows of the odd ones above it",
+    )
+}
+
+fn names(statement: &Statement) -> [&str; 2] {
+    let wheels = if statement.multi_lugged {
+        "multi-lugged"
+    } else {
+        "few-lugged"
+    };
+    [&statement.name, wheels]
+}
+
 fn columns(first: [&'static str; 3]) -> impl Iterator<Item = &'static str> {
-    let names = first.into_iter().chain(["windows"]).chain(QUANTILES);
+    let quantiles = ["median", "95 %", "99 %", "largest", "limit"];
+    let names = first.into_iter().chain(["windows"]).chain(quantiles);
     names.chain(["99 % / limit", "above the limit"])
 }
 
-fn tally(tally: &Tally) -> Vec<Cell> {
-    let share = Cell::share(&tally.violations);
-    tally.cells(" to ").into_iter().chain([share]).collect()
+fn tally(tally: &Tally) -> [Cell; 8] {
+    let [low, high] = tally.bound;
+    let limit = if high - low < 0.005 {
+        format!("{low:.2}")
+    } else {
+        format!("{low:.2} to {high:.2}")
+    };
+    let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
+    [
+        Cell::Count(tally.n as u64),
+        number(tally.median),
+        number(tally.q95),
+        number(tally.q99),
+        number(tally.largest),
+        Cell::Written(limit, high),
+        number(tally.tightness),
+        Cell::share(&tally.violations),
+    ]
 }

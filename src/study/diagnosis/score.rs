@@ -20,6 +20,7 @@
 
 use crate::diagnosis::{Answer, Diagnosis, Gaps};
 use crate::gap::Closed;
+use crate::study::table::bare;
 use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -133,6 +134,27 @@ impl DiagnosisScore {
 }
 
 impl CampaignScore {
+    /// Its scenario and the values of its swept keys.
+    pub fn place(&self) -> String {
+        let values = self.shared.iter();
+        let values = values.map(|(key, value)| format!(", {key} = {}", bare(value)));
+        std::iter::once(self.scenario.clone())
+            .chain(values)
+            .collect()
+    }
+
+    /// Its verdict and what that names, in a few words.
+    pub fn answer(&self) -> String {
+        let Some(finding) = self.finding() else {
+            return "no answer".to_owned();
+        };
+        if finding.named.is_empty() {
+            finding.verdict().to_owned()
+        } else {
+            finding.named()
+        }
+    }
+
     /// The answer, where there is one.
     pub fn finding(&self) -> Option<&Finding> {
         self.result.finding.as_ref()

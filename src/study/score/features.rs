@@ -6,11 +6,7 @@ use crate::statistics::{quantile_linear, sorted, student_quantile};
 use crate::study::Study;
 use crate::study::cells::Number;
 use crate::study::windows::WindowRow;
-use crate::table::{Cell, Table};
 use serde::Serialize;
-
-/// Names of the features, in their order.
-const NAMES: [&str; 4] = ["p1", "p2", "p3", "p4"];
 
 /// The features of the windows of one scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -138,62 +134,6 @@ fn slope(points: &[[f64; 2]]) -> Option<Slope> {
         value,
         ci95: [value - half, value + half],
     })
-}
-
-/// A feature with two places, and a zero that has no sign.
-pub(crate) fn hundredths(value: f64) -> String {
-    match libm::round(100.0 * value) / 100.0 {
-        0.0 => "0.00".to_owned(),
-        rounded => format!("{rounded:.2}"),
-    }
-}
-
-/// The tables of features: their percentiles, and their dependence on speed where there is one.
-pub(super) fn text(scenarios: &[FeaturesOfScenario]) -> String {
-    let mut text = format!(
-        "\nfeatures: 10 %, 50 %, 90 % of the windows, and windows within the paper's limits for the class of the label\n{}",
-        percentiles(scenarios).to_text(2)
-    );
-    if scenarios.iter().any(|it| it.features[0].slope.is_some()) {
-        text.push_str(&format!(
-            "\nspeed: decades of a feature per decade of speed, with Student's 95 % interval\n{}",
-            slopes(scenarios).to_text(2)
-        ));
-    }
-    text
-}
-
-fn percentiles(scenarios: &[FeaturesOfScenario]) -> Table {
-    let row = |of: &FeaturesOfScenario| {
-        let spreads = of.features.iter().flat_map(|spread| {
-            let percentiles = spread.percentiles.map(hundredths).join(" ");
-            [Cell::Text(percentiles), Cell::Count(spread.within as u64)]
-        });
-        let first = [Cell::text(&of.scenario), Cell::Count(of.n as u64)];
-        first.into_iter().chain(spreads).collect()
-    };
-    let names = NAMES.iter().flat_map(|name| [*name, ""]);
-    let names = ["scenario", "windows"].into_iter().chain(names);
-    Table::of(names, scenarios.iter().map(row))
-}
-
-fn slopes(scenarios: &[FeaturesOfScenario]) -> Table {
-    let slope = |spread: &FeatureSpread| {
-        let Slope {
-            value,
-            ci95: [low, high],
-        } = spread.slope?;
-        Some(Cell::Text(format!("{value:+.2} [{low:+.2}, {high:+.2}]")))
-    };
-    let row = |of: &FeaturesOfScenario| {
-        let slopes = of.features.iter().map(|spread| Cell::from(slope(spread)));
-        [Cell::text(&of.scenario)]
-            .into_iter()
-            .chain(slopes)
-            .collect()
-    };
-    let names = ["scenario"].into_iter().chain(NAMES);
-    Table::of(names, scenarios.iter().map(row))
 }
 
 #[cfg(test)]

@@ -1,11 +1,7 @@
 //! Values counted against their bounds.
 
 use crate::statistics::{Share, quantile_interval, quantile_nearest_rank, sorted};
-use crate::table::Cell;
 use serde::Serialize;
-
-/// Columns of quantiles and bound, see [`Tally::cells`].
-pub const QUANTILES: [&str; 5] = ["median", "95 %", "99 %", "largest", "limit"];
 
 /// A value and what it is to stay below.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,26 +58,6 @@ impl Tally {
             tightness: quantile_nearest_rank(&ratios, 0.99),
             violations,
         })
-    }
-
-    /// Count, quantiles, the range of the bound with a text between its ends, and tightness.
-    pub fn cells(&self, to: &str) -> [Cell; 7] {
-        let [low, high] = self.bound;
-        let bound = if high - low < 0.005 {
-            format!("{low:.2}")
-        } else {
-            format!("{low:.2}{to}{high:.2}")
-        };
-        let number = |value: f64| Cell::Written(format!("{value:.2}"), value);
-        [
-            Cell::Count(self.n as u64),
-            number(self.median),
-            number(self.q95),
-            number(self.q99),
-            number(self.largest),
-            Cell::Written(bound, high),
-            number(self.tightness),
-        ]
     }
 }
 
