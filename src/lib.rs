@@ -1,4 +1,4 @@
-//! Simulates a lugged rover wheel on hard, gravel and granular ground, and measures it as a test
+//! Simulates a lugged rover wheel on hard, gravel and sandy ground, and measures it as a test
 //! rig does.
 //!
 //! ```text

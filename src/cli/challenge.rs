@@ -68,7 +68,7 @@ struct Make {
     /// Maximum number of cases, balanced over sets, effects and magnitudes; all if not given
     #[arg(long, value_name = "N")]
     cases: Option<NonZeroUsize>,
-    /// Ground of the campaigns: sand, hard, gravel (about ten times as long); may be given several times
+    /// Ground of the campaigns: sand, hard, gravel (about fifteen times as long); may be given several times
     #[arg(long, value_name = "NAME", default_values_t = ["sand".to_owned(), "hard".to_owned()], value_parser = GROUNDS)]
     ground: Vec<String>,
     /// Duration of each of the twelve runs of a case, and their longest lead-in [s]; 8 and 2 if not given
