@@ -71,6 +71,29 @@ fn probability_of_sets(verdict: &Verdict) -> f64 {
     all.filter(|(name, _)| explains(name)).map(|(_, p)| p).sum()
 }
 
+/// How the probability of one effect is made up, where it can have a second one beside it.
+fn beside_others(verdict: &Verdict) -> String {
+    let [set] = verdict.named.as_slice() else {
+        return String::new();
+    };
+    let alone: f64 = set
+        .iter()
+        .filter_map(|name| verdict.probabilities.get(name))
+        .sum();
+    let beside = probability_of_sets(verdict) - alone;
+    if beside < LEAST_STATED {
+        return String::new();
+    }
+    format!(
+        " (alone {}, together with a second effect {})",
+        percent(alone),
+        percent(beside)
+    )
+}
+
+/// Probability [-] below which a part of one is not stated.
+const LEAST_STATED: f64 = 0.01;
+
 fn effects(diagnosis: &Diagnosis) -> String {
     let Diagnosis {
         verdict, closed, ..
@@ -92,9 +115,10 @@ fn effects(diagnosis: &Diagnosis) -> String {
         format!(" {}.", shrinkage::of_the_gap(&closed, explanation))
     });
     format!(
-        "{subject} missing: {}, with probability {}. Best estimate: {}.{closes}",
+        "{subject} missing: {}, with probability {}{}. Best estimate: {}.{closes}",
         sets.join("; and "),
         percent(probability_of_sets(verdict)),
+        beside_others(verdict),
         strengths.join("; ")
     )
 }
