@@ -243,16 +243,17 @@ fn a_trial_sealed_before_there_was_a_detectability_goes_on_and_is_scored() {
 }
 
 #[test]
-fn a_trial_that_was_stopped_while_it_was_made_gets_the_same_truths() {
+fn a_trial_that_was_stopped_while_it_was_made_gets_the_same_bytes_and_what_is_there_stays() {
     let folder = TempDir::new().unwrap();
     let (total, simulated) = (Mutex::new(0.0), Mutex::new(0.0));
     // After the oracle, and about half of the cases.
     let stop = |step: f64| {
         let mut simulated = simulated.lock().unwrap();
         *simulated += step;
-        match *simulated < 0.8 * *total.lock().unwrap() {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
+        if *simulated < 0.8 * *total.lock().unwrap() {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
         }
     };
     let size = |seconds: f64| *total.lock().unwrap() = seconds;
@@ -266,12 +267,7 @@ fn a_trial_that_was_stopped_while_it_was_made_gets_the_same_truths() {
         .unwrap()
         .install(|| make(folder.path(), &order(0x5eed)));
     assert_eq!(again.unwrap().manifest, manifest(TRIAL.path()));
-}
-
-#[test]
-fn the_same_seed_makes_the_same_bytes_and_what_is_there_stays() {
-    let again = TempDir::new().unwrap();
-    make(again.path(), &order(0x5eed)).unwrap();
+    let again = folder;
     let bytes = |folder: &Path, name: &str| fs::read(folder.join("campaigns").join(name)).unwrap();
     for name in ["manifest.json", "case_0001.h5", "sand.toml"] {
         assert!(

@@ -381,7 +381,7 @@ fn sample() -> String {
 fn the_answer_comes_first_with_probability_magnitude_and_what_it_closes() {
     let page = changed(|_| {}, None);
     for told in [
-        "slip_sinkage or lug_action, with probability 90 % (alone 87 %, together with a second effect 3 %)",
+        "slip_sinkage or lug_action, with probability 90 % (alone 87 %, together with a second effect 3.0 %)",
         "slip_sinkage = 0.8100 [0.7000, 0.9300]",
         "closes 81 % of the gap that remains after recalibration (95 % interval 70 % to 90 %",
     ] {

@@ -138,7 +138,10 @@ impl Summary {
     }
 
     fn write_probabilities(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\nprobabilities, of effects alone and, joined by +, together:")?;
+        writeln!(
+            f,
+            "\nprobabilities, of effects alone and, joined by +, together:"
+        )?;
         let likeliest = self.likeliest();
         for (name, probability) in likeliest.iter().take(MOST_PROBABLE) {
             writeln!(f, "  {:>5.1} %  {name}", 100.0 * probability)?;
