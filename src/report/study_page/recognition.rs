@@ -206,12 +206,12 @@ fn range_over_keys(methods: &[&MethodScore], keys: &[&str]) -> Option<String> {
             let value = Cell::toml(value).written();
             format!("{:.1} % at {key} = {value}{unit}", 100.0 * share)
         };
-        Some(format!(
-            "{} from {} to {}",
-            score.method,
-            at(least),
-            at(most)
-        ))
+        let method = &score.method;
+        Some(if least.0 == most.0 {
+            format!("{method} {:.1} % at every {key}", 100.0 * least.0)
+        } else {
+            format!("{method} from {} to {}", at(least), at(most))
+        })
     };
     let ranges = keys
         .iter()

@@ -27,6 +27,12 @@ impl Shown for ThresholdScore {
             )
         });
         let shares: Vec<String> = shares.collect();
+        if shares.is_empty() {
+            return format!(
+                "In none of {} windows of multi-lugged wheels did every lug touch.",
+                self.windows
+            );
+        }
         format!(
             "Of {} windows in which every lug touched, these shares exceed the paper's limits on multi-lugged wheels: \
              {}.",
@@ -54,6 +60,9 @@ impl Shown for ThresholdScore {
         );
         let swept = swept.captioned("The paper's limits by swept key, multi-lugged wheels");
         let swept = Section::new("Dependence on the swept keys").table(swept);
+        if shown(self).next().is_none() {
+            return vec![validity(self)];
+        }
         vec![validity(self), figures.fold(drawn, Section::figure), swept]
     }
 

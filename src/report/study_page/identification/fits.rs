@@ -43,29 +43,36 @@ fn rows(score: &IdentificationScore) -> Table {
     )
 }
 
-/// A row for every model fitted.
+/// A row for every model fitted, and for every remark on it.
 fn models(score: &IdentificationScore) -> Table {
     let rows = fits(score).flat_map(|(fit, group)| {
-        group.fits.iter().map(move |FitScore { class, outcome }| {
-            let (chi_square, remarks) = match outcome {
-                FitOutcome::Refused(reason) => (Cell::Missing, vec![reason.as_str()]),
-                FitOutcome::Found(found) => {
-                    let remarks = found.combinations.iter().chain(&found.warnings);
-                    let remarks = remarks.map(String::as_str).collect();
-                    (Cell::Number(found.reduced_chi_square), remarks)
-                }
-            };
-            let model = Cell::text(class.as_str());
-            vec![
-                fit.clone(),
-                model,
-                chi_square,
-                Cell::text(remarks.join("; ")),
-            ]
-        })
+        let models = group.fits.iter();
+        models.flat_map(move |model| of_model(&fit, model))
     });
     Table::of(["fit", "model", "reduced chi-square", "remarks"], rows)
         .captioned("Fits of every model; without a number it could not be fitted")
+}
+
+fn of_model(fit: &Cell, FitScore { class, outcome }: &FitScore) -> Vec<Vec<Cell>> {
+    let (chi_square, remarks) = match outcome {
+        FitOutcome::Refused(reason) => (Cell::Missing, vec![reason.as_str()]),
+        FitOutcome::Found(found) => {
+            let remarks = found.combinations.iter().chain(&found.warnings);
+            let remarks = remarks.map(String::as_str).collect();
+            (Cell::Number(found.reduced_chi_square), remarks)
+        }
+    };
+    // An empty number leaves its column one of numbers.
+    let blank = Cell::Written(String::new(), f64::NAN);
+    let numbers = std::iter::once(chi_square).chain(std::iter::repeat(blank));
+    let count = remarks.len().max(1);
+    let remarks = remarks.into_iter().chain(std::iter::repeat(""));
+    let rows = numbers.zip(remarks).take(count);
+    rows.map(|(number, remark)| {
+        let model = Cell::text(class.as_str());
+        vec![fit.clone(), model, number, Cell::text(remark)]
+    })
+    .collect()
 }
 
 fn without(score: &IdentificationScore) -> Table {
