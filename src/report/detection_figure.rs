@@ -17,6 +17,8 @@ const ROW: f64 = 22.0;
 const ENDS: [f64; 2] = [1.0, 1000.0];
 /// Radius of a case [px].
 const RADIUS: f64 = 5.0;
+/// Distance of a case from the middle of its row [px]: up for the catalogue's form, down for another.
+const BESIDE: f64 = 3.5;
 
 /// Every case of one effect in the row of the effect at its `d'` \[-\] beside unknown parameters: filled where the effect
 /// was named, up to equivalence, blue in the catalogue's form and orange in another. One SVG 820 px wide.
@@ -53,7 +55,13 @@ pub fn detection_figure(detections: &[Detected]) -> String {
             detection.detectability.max(ENDS[0]),
             row.unwrap_or(0) as f64 + 0.5,
         ];
-        draw_case(&mut canvas, panel.at(at), detection);
+        let [x, y] = panel.at(at);
+        let beside = if detection.set == Set::C2 {
+            BESIDE
+        } else {
+            -BESIDE
+        };
+        draw_case(&mut canvas, [x, y + beside], detection);
     }
     panel.draw_footer(&mut canvas, "detectability d' [-], 1 or less at the left");
     canvas.finish()
@@ -115,11 +123,11 @@ mod tests {
         ];
         let figure = detection_figure(&cases);
         assert!(
-            figure.contains(&format!("cx=\"{LEFT}\" cy=\"103\"")),
+            figure.contains(&format!("cx=\"{LEFT}\" cy=\"99.5\"")),
             "{figure}"
         );
-        assert!(figure.contains("cx=\"790\" cy=\"103\""), "{figure}");
-        assert!(figure.contains(" cy=\"125\"") && figure.contains(">thin_layer<"));
+        assert!(figure.contains("cx=\"790\" cy=\"99.5\""), "{figure}");
+        assert!(figure.contains(" cy=\"121.5\"") && figure.contains(">thin_layer<"));
         assert!(
             figure.contains("slope (C1): d&#39; 1000, named"),
             "{figure}"

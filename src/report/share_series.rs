@@ -32,14 +32,15 @@ impl ShareSeries {
                 let [bottom, top] = ends.map(|end| panel.y.pixel(end));
                 canvas.polyline(&[[x, bottom], [x, top]], self.stroke);
             }
-            // Away from the other series, and beside the middle of the interval, where no line runs.
+            // Away from the other series, and beside the end of the interval that is farther from lines and frame.
             let (away, anchor) = if self.beside < 0.0 {
                 (-5.0, Anchor::End)
             } else {
                 (5.0, Anchor::Start)
             };
-            let middle = score.ci95.map_or(value, |[low, high]| 0.5 * (low + high));
-            let at = [x + away, panel.y.pixel(middle) + 5.0];
+            let end = |[low, high]: [f64; 2]| if value < 0.5 { high } else { low };
+            let end = score.ci95.map_or(value, end).clamp(0.02, 0.98);
+            let at = [x + away, panel.y.pixel(end) + 5.0];
             canvas.text(at, anchor, Font::SMALL, &score.n.to_string());
         }
         canvas.polyline(&points, self.stroke);
