@@ -256,35 +256,21 @@ fn claim_scores(folder: &Path) -> anyhow::Result<()> {
 }
 
 fn draw(scores: &Scores, folder: &Path) -> anyhow::Result<()> {
-    let write = |name: &str, svg: &str| output::write_file_or(&folder.join(name), svg, ELSEWHERE);
-    let [
-        _,
-        answers,
-        posterior,
-        isolability,
-        power,
-        detections,
-        reliability,
-    ] = SCORES;
-    let counts = matrix_figure(&scores.confusion, Entries::Counts, "Truths and answers");
-    write(answers, &counts)?;
-    let title = "Probability of each answer by truth";
-    write(
-        posterior,
-        &matrix_figure(&scores.posterior, Entries::Shares, title),
-    )?;
-    let title = "Isolability: cosine of projected signatures";
-    write(
-        isolability,
-        &matrix_figure(&scores.isolability, Entries::Shares, title),
-    )?;
-    let title = "Effects named, by magnitude";
-    write(power, &power_figure(&scores.power, title))?;
-    write(detections, &detection_figure(&scores.detections))?;
-    write(
-        reliability,
-        &reliability_figure(&scores.probabilities.reliability),
-    )
+    let shares = |matrix, title| matrix_figure(matrix, Entries::Shares, title);
+    let figures = [
+        matrix_figure(&scores.confusion, Entries::Counts, "Truths and answers"),
+        shares(&scores.posterior, "Probability of each answer by truth"),
+        shares(
+            &scores.isolability,
+            "Isolability: cosine of projected signatures",
+        ),
+        power_figure(&scores.power, "Effects named, by magnitude"),
+        detection_figure(&scores.detections),
+        reliability_figure(&scores.probabilities.reliability),
+    ];
+    let [_, names @ ..] = SCORES;
+    let mut named = names.iter().zip(&figures);
+    named.try_for_each(|(name, svg)| output::write_file_or(&folder.join(name), svg, ELSEWHERE))
 }
 
 fn pool(threads: usize) -> anyhow::Result<ThreadPool> {
