@@ -107,12 +107,12 @@ pub struct ResultText {
 /// The results as texts, with the tables of the page.
 pub fn texts(scores: &Scores) -> Vec<ResultText> {
     let text = |score: &dyn Shown| {
+        let stem = score.stem()?;
         let text = format!(
             "{}\n{}",
             prose(&score.answer()),
             section_text(&score.sections())
         );
-        let stem = score.stem()?;
         Some(ResultText { stem, text })
     };
     shown(scores).into_iter().filter_map(text).collect()
