@@ -33,7 +33,7 @@ mod next_run;
 pub mod parameter;
 pub mod rigs;
 mod screen;
-mod sealed;
+pub(crate) mod sealed;
 mod simulated_runs;
 mod validation;
 mod verdict;

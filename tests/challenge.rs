@@ -262,10 +262,16 @@ fn a_trial_that_was_stopped_while_it_was_made_gets_the_same_bytes_and_what_is_th
         matches!(stopped, ChallengeError::Stopped { .. }),
         "{stopped}"
     );
+    let oracle = folder.path().join("truth/oracle_sand.bin");
+    let of_oracle = fs::metadata(&oracle).unwrap().modified().unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let again = pool
         .unwrap()
         .install(|| make(folder.path(), &order(0x5eed)));
+    assert_eq!(
+        fs::metadata(&oracle).unwrap().modified().unwrap(),
+        of_oracle
+    );
     assert_eq!(again.unwrap().manifest, manifest(TRIAL.path()));
     let again = folder;
     let bytes = |folder: &Path, name: &str| fs::read(folder.join("campaigns").join(name)).unwrap();

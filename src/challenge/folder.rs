@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! campaigns/   what is published: manifest.json, <ground>.toml, <case>.h5
-//! truth/       what is not: order.json, <case>.json, failed.txt
+//! truth/       what is not: order.json, oracle_<ground>.bin, <case>.json, failed.txt
 //! answers/     <case>.json, <case>.seconds, <case>.failed.txt, origin.txt
 //! ```
 

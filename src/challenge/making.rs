@@ -10,6 +10,7 @@ use super::truth::{Truth, sha256};
 use super::{ChallengeError, GROUNDS};
 use crate::dataset::Provenance;
 use crate::dataset::hdf5::RunFileWriter;
+use crate::diagnosis::sealed;
 use crate::quantity::{RangeError, Seed};
 use crate::scenario::ScenarioError;
 use crate::trace::Trace;
@@ -233,20 +234,36 @@ impl Work<'_> {
     }
 
     fn oracles(&self, cases: &[Truth]) -> Result<Oracles, Halt> {
-        let Order {
-            selection, seed, ..
-        } = self.order;
         let mut oracles = Oracles::new();
         for design in self.asked(cases) {
-            match Oracle::of(self.bench(design), selection.family, *seed) {
-                Ok(oracle) => {
-                    oracles.insert(design.ground, oracle);
-                }
-                Err(NoRuns::Failed(_)) => {}
-                Err(NoRuns::Stopped) => return Err(Halt::Stopped),
+            if let Some(oracle) = self.oracle(design)? {
+                oracles.insert(design.ground, oracle);
             }
         }
         Ok(oracles)
+    }
+
+    /// The oracle of a ground, which is simulated once a trial; none where it cannot be.
+    fn oracle(&self, design: &Design) -> Result<Option<Oracle>, Halt> {
+        let Order {
+            selection, seed, ..
+        } = self.order;
+        let name = format!("oracle_{}.bin", design.ground);
+        let path = folder::truth(self.folder).join(name);
+        let title = oracle_title(design, self.order);
+        if let Some(known) = sealed::read(&path, &title) {
+            let simulated = oracle::runs(design) as f64 * design.scenario.driven();
+            let _ = self.runner.report(simulated);
+            return Ok(Some(known));
+        }
+        let oracle = match Oracle::of(self.bench(design), selection.family, *seed) {
+            Ok(oracle) => oracle,
+            Err(NoRuns::Failed(_)) => return Ok(None),
+            Err(NoRuns::Stopped) => return Err(Halt::Stopped),
+        };
+        sealed::write(&path, &title, &oracle)
+            .map_err(|error| folder::file_error("write", &path, error))?;
+        Ok(Some(oracle))
     }
 
     fn truth_file(&self, case: &Truth) -> PathBuf {
@@ -331,6 +348,13 @@ impl Work<'_> {
         }
         Ok(traces)
     }
+}
+
+/// An oracle of another program, order or scenario is simulated again.
+fn oracle_title(design: &Design, order: &Order) -> String {
+    let order = as_json(&Begun::new(order));
+    let key = sha256((order + design.scenario.text()).as_bytes());
+    format!("lugwheel oracle 1 {key}")
 }
 
 fn write_campaign(path: &Path, traces: &[Trace]) -> Result<(), ChallengeError> {

@@ -43,6 +43,7 @@ use crate::trace::Trace;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use noise::{Noise, Replicates, noise};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Replicates of every condition.
 const REPLICATES: usize = 20;
@@ -65,7 +66,7 @@ pub(super) struct Detectability {
 }
 
 /// What paired runs of one ground are compared with.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Oracle {
     noise: Vec<Noise>,
     parameters: Parameters,
@@ -247,7 +248,7 @@ fn whitened(noise: &[Noise], with: &Rows, without: &Rows) -> Vec<DVector<f64>> {
 }
 
 /// What parameters whose distribution is known may have changed.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Parameters {
     /// Whitened change by a standard deviation, one a column.
     changes: DMatrix<f64>,

@@ -9,7 +9,6 @@
 
 use super::inference::Model;
 use super::sealed::{self, hash};
-use crate::whole_file;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -22,8 +21,7 @@ pub fn path(folder: &Path, rigs: usize, key: &str) -> PathBuf {
 
 /// The model in a file; none where it is not there and whole.
 pub fn read(path: &Path, key: &str) -> Option<Model> {
-    let bytes = std::fs::read(path).ok()?;
-    postcard::from_bytes(sealed::open(&title(key), &bytes)?).ok()
+    sealed::read(path, &title(key))
 }
 
 /// Writes a model.
@@ -31,8 +29,7 @@ pub fn read(path: &Path, key: &str) -> Option<Model> {
 /// # Errors
 /// Where the file cannot be written.
 pub fn write(path: &Path, key: &str, model: &Model) -> io::Result<()> {
-    let body = postcard::to_stdvec(model).map_err(io::Error::other)?;
-    whole_file::write_unsynced(path, &sealed::seal(&title(key), &body))
+    sealed::write(path, &title(key), model)
 }
 
 fn title(key: &str) -> String {

@@ -8,7 +8,27 @@
 //! A file that is torn, altered or of another title does not open.
 
 use crate::quantity::hexadecimal;
+use crate::whole_file;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
+use std::io;
+use std::path::Path;
+
+/// What postcard wrote to a file of this title; none where it is not there and whole.
+pub fn read<T: DeserializeOwned>(path: &Path, title: &str) -> Option<T> {
+    let bytes = std::fs::read(path).ok()?;
+    postcard::from_bytes(open(title, &bytes)?).ok()
+}
+
+/// Writes `value` as postcard does, whole or not at all.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write(path: &Path, title: &str, value: &impl Serialize) -> io::Result<()> {
+    let body = postcard::to_stdvec(value).map_err(io::Error::other)?;
+    whole_file::write_unsynced(path, &seal(title, &body))
+}
 
 /// The bytes of a file.
 pub fn seal(title: &str, content: &[u8]) -> Vec<u8> {

@@ -17,6 +17,7 @@
 use crate::gap::{Cell, Readings};
 use crate::statistics::{mean, mean_and_variance};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Shares [-] of independence that are tried.
@@ -40,7 +41,7 @@ pub(super) struct Replicates {
 }
 
 /// A statistic of a condition.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Column {
     cell: Cell,
     /// Standard deviation between replicates, in the cell's unit.
@@ -52,7 +53,7 @@ struct Column {
 }
 
 /// Noise of the statistics of one condition.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Noise {
     columns: Vec<Column>,
     factor: Cholesky<f64, Dyn>,
