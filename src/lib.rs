@@ -115,7 +115,7 @@
 //!
 //! # Extension points
 //!
-//! Ground, soil, drive and sensors of a user's own need no change of the program: each is a small trait, and
+//! Ground, soil, lugs, drive and sensors of a user's own need no change of the program: each is a small trait, and
 //! [`run_with`](scenario::Scenario::run_with) runs a scenario with them.
 //!
 //! A scanned profile is added to the ground's own heights:
@@ -172,6 +172,35 @@
 //! let own = Extensions::default().soil_law(Muskeg { limit: 3.0e4, depth: 0.02, peak: 0.02 });
 //! let trace = scenario.run_with(own, Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
 //! assert!(trace.steady_mean("sinkage").unwrap() > 0.005);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Lugs of another form than plates are the distance of a point from their outline:
+//!
+//! ```
+//! # use lugwheel::{quantity::Seed, scenario::{Scenario, extensions::Extensions}};
+//! # use std::ops::ControlFlow;
+//! use lugwheel::wheel::lug_outline::LugOutline;
+//!
+//! /// Round bars, welded to the rim over half of their section.
+//! #[derive(Debug)]
+//! struct Bar { radius: f64 }
+//!
+//! impl LugOutline for Bar {
+//!     fn distance(&self, height: f64, across: f64) -> f64 {
+//!         libm::hypot(height, across) - self.radius
+//!     }
+//!     fn half_width(&self) -> f64 {
+//!         self.radius
+//!     }
+//! }
+//!
+//! # let text = std::fs::read_to_string("scenarios/single_wheel_ref.toml")?;
+//! # let scenario = Scenario::from_toml(&text, "ref.toml")?;
+//! let scenario = scenario.with_all(&["wheel.lugs.count=20", "wheel.lugs.height=0.01", "duration=0.2", "lead_in=0.0"])?;
+//! let own = Extensions::default().lugs(Bar { radius: 0.01 });
+//! let trace = scenario.run_with(own, Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
+//! assert!(trace.steady_mean("normal_force").unwrap() > 50.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

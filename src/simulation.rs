@@ -27,6 +27,7 @@ use crate::quantity::{RangeError, SampleRate};
 use crate::terrain::Terrain;
 use crate::terrain::class::TerrainLabel;
 use crate::wheel::Wheel;
+use crate::wheel::lug_outline::{self, LugOutline};
 use contact::WheelGeometry;
 use ground_force::GroundForce;
 use motion::{WheelMotion, Wrench};
@@ -166,10 +167,27 @@ impl Simulation {
         rig: &Rig,
         rate: SampleRate,
     ) -> Result<Self, SimulationError> {
+        Self::with_lugs(None, terrain, wheel, rig, rate)
+    }
+
+    /// The same with lugs of a user's own form in place of plates.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); `Range` where the outline is not that of the wheel's lugs.
+    pub fn with_lugs(
+        outline: Option<Arc<dyn LugOutline>>,
+        terrain: &Terrain,
+        wheel: &Wheel,
+        rig: &Rig,
+        rate: SampleRate,
+    ) -> Result<Self, SimulationError> {
+        if let Some(outline) = &outline {
+            lug_outline::check(&**outline, wheel)?;
+        }
         let command = Command::new(rig.drive(), wheel.radius)?;
         let mount = Mount::new(rig, wheel, rate)?;
         let mass = rig.moving_mass(wheel);
-        let mut geometry = WheelGeometry::new(wheel, rig.load());
+        let mut geometry = WheelGeometry::new(wheel, rig.load()).with_lugs(outline);
         geometry.mobility = mount.mobility(mass, wheel.inertia);
         let body = WheelBody {
             mass,

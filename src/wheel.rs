@@ -5,6 +5,7 @@
 //! Eq. (5) and (10).
 
 pub mod flaws;
+pub mod lug_outline;
 
 use crate::quantity::RangeError;
 use flaws::Flaws;

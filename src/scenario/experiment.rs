@@ -103,7 +103,9 @@ impl Made {
 
     fn simulation(&self, terrain: &Terrain) -> Result<Simulation, SimulationError> {
         let Experiment { wheel, rig, .. } = &self.experiment;
-        let simulation = Simulation::new(terrain, wheel, rig, self.observed.physics_rate)?;
+        let lugs = self.extensions.lugs.clone();
+        let rate = self.observed.physics_rate;
+        let simulation = Simulation::with_lugs(lugs, terrain, wheel, rig, rate)?;
         Ok(match &self.extensions.drive {
             Some(profile) => simulation.following(Arc::clone(profile)),
             None => simulation,

@@ -4,6 +4,7 @@ use crate::sensors::Sensor;
 use crate::simulation::rig::DriveProfile;
 use crate::soil::law::SoilLaw;
 use crate::terrain::profile::Heights;
+use crate::wheel::lug_outline::LugOutline;
 use std::sync::Arc;
 
 /// The user's own parts of an experiment; by default there are none.
@@ -11,6 +12,7 @@ use std::sync::Arc;
 pub struct Extensions {
     pub(super) heights: Option<Arc<dyn Heights>>,
     pub(super) soil_law: Option<Arc<dyn SoilLaw>>,
+    pub(super) lugs: Option<Arc<dyn LugOutline>>,
     pub(super) drive: Option<Arc<dyn DriveProfile>>,
     pub(super) sensors: Vec<Box<dyn Sensor>>,
 }
@@ -25,6 +27,13 @@ impl Extensions {
     /// Lets soil bear by this law: see [`Terrain::with_soil_law`](crate::terrain::Terrain::with_soil_law).
     pub fn soil_law(mut self, law: impl SoilLaw + 'static) -> Self {
         self.soil_law = Some(Arc::new(law));
+        self
+    }
+
+    /// Gives the wheel lugs of this form, as many and as high as the scenario's: see
+    /// [`Simulation::with_lugs`](crate::simulation::Simulation::with_lugs).
+    pub fn lugs(mut self, outline: impl LugOutline + 'static) -> Self {
+        self.lugs = Some(Arc::new(outline));
         self
     }
 
@@ -122,6 +131,95 @@ mod tests {
         };
         let firm = run(&scenario, Extensions::default().soil_law(AsItIs(firm)));
         assert!(firm.steady_mean("sinkage").unwrap() < 0.7 * own);
+    }
+
+    /// A plate with the round edges of the scenario's own lugs.
+    #[derive(Debug)]
+    struct Plate {
+        height: f64,
+        half_thickness: f64,
+        edge_radius: f64,
+    }
+
+    impl LugOutline for Plate {
+        fn distance(&self, height: f64, across: f64) -> f64 {
+            let aside = across.abs() - (self.half_thickness - self.edge_radius);
+            let above = height - (self.height - self.edge_radius);
+            let outside = libm::hypot(aside.max(0.0), above.max(0.0));
+            outside + aside.max(above).min(0.0) - self.edge_radius
+        }
+
+        fn half_width(&self) -> f64 {
+            self.half_thickness
+        }
+    }
+
+    #[test]
+    fn a_plate_as_an_outline_of_ones_own_rolls_as_the_plates_of_the_scenario() {
+        for scenario in ["single_wheel_ref", "single_wheel_gt"].map(short) {
+            let lugs = scenario.wheel.lugs.unwrap();
+            let plate = Plate {
+                height: lugs.height,
+                half_thickness: 0.5 * lugs.thickness,
+                edge_radius: lugs.edge_radius(),
+            };
+            let [own, stated] = [Extensions::default(), Extensions::default().lugs(plate)]
+                .map(|it| run(&scenario, it));
+            let [own, stated] =
+                [own, stated].map(|trace| trace.channel("normal_force").unwrap().samples.clone());
+            // Directions by differences have errors of some 1e-9, which grow while stones roll.
+            let early = own.iter().zip(&stated).take(400);
+            let apart = early.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 0.01, "{apart}");
+        }
+    }
+
+    /// A round bar on the rim, half sunk into it.
+    #[derive(Debug)]
+    struct Bar(f64);
+
+    impl LugOutline for Bar {
+        fn distance(&self, height: f64, across: f64) -> f64 {
+            libm::hypot(height, across) - self.0
+        }
+
+        fn half_width(&self) -> f64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn a_wheel_of_round_bars_rises_and_falls_as_circles_about_the_rim_roll() {
+        let scenario = short("single_wheel_ref");
+        let scenario = scenario
+            .with_all(&[
+                "wheel.lugs.count=16",
+                "wheel.lugs.height=0.01",
+                "duration=3.0",
+            ])
+            .unwrap();
+        // Over flat ground a bar's centre stays a bar's radius above it: r cos(θ) + R, θ to half the pitch.
+        let [radius, bar] = [scenario.wheel.radius, 0.01];
+        let fall = radius * (1.0 - libm::cos(std::f64::consts::PI / 16.0));
+        let heave = Extensions::default()
+            .lugs(Bar(bar))
+            .sensor(Heave::default());
+        let trace = run(&scenario, heave);
+        let samples = &trace.channel("axle_height").unwrap().samples;
+        let [low, high] =
+            [f64::min, f64::max].map(|of| samples.iter().copied().reduce(of).unwrap());
+        assert!(
+            (high - low - fall).abs() < 0.05 * fall,
+            "{high} {low} {fall}"
+        );
+    }
+
+    #[test]
+    fn an_outline_higher_than_the_lugs_of_the_wheel_is_refused() {
+        let scenario = short("single_wheel_ref");
+        let bars = Extensions::default().lugs(Bar(0.008));
+        let refused = scenario.run_with(bars, Seed(5), 2, &mut |_| ControlFlow::Continue(()));
+        assert!(refused.unwrap_err().to_string().contains("lug outline"));
     }
 
     /// The speeds that a rig commands itself.

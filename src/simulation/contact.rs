@@ -1,10 +1,12 @@
 //! The wheel as the ground meets it: its lowest lugs and its rim, and what the ground answers.
 
 use super::motion::{WheelMotion, Wrench};
-use super::outline::{Outline, Placed};
+use super::outline::{Form, Outline, OwnLug, Placed};
 use crate::wheel::Wheel;
 use crate::wheel::flaws::Flaws;
+use crate::wheel::lug_outline::LugOutline;
 use libm::{cos, sin};
+use std::sync::Arc;
 
 /// A part of the wheel that may touch the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -91,6 +93,8 @@ pub(super) struct WheelGeometry {
     /// Half a lug's thickness, and the radius of its edges [m].
     half_thickness: f64,
     edge_radius: f64,
+    /// Outline of the lugs where they are no plates.
+    own_lugs: Option<Arc<dyn LugOutline>>,
     flaws: Flaws,
     /// Lugs on either side of the lowest that may touch.
     spread: i64,
@@ -125,8 +129,17 @@ impl WheelGeometry {
                 .collect(),
             half_thickness: wheel.lugs.map_or(0.0, |lugs| 0.5 * lugs.thickness),
             edge_radius: wheel.lugs.map_or(0.0, |lugs| lugs.edge_radius()),
+            own_lugs: None,
             flaws: wheel.flaws,
             spread,
+        }
+    }
+
+    /// With lugs of this form.
+    pub fn with_lugs(self, outline: Option<Arc<dyn LugOutline>>) -> Self {
+        Self {
+            own_lugs: outline,
+            ..self
         }
     }
 
@@ -177,15 +190,35 @@ impl WheelGeometry {
 
     /// A part in its place; `motion` is that of the rim's centre.
     #[inline]
-    pub fn placed(&self, part: Part, motion: &WheelMotion) -> Placed {
-        let (outline, axis) = match part {
-            Part::Lug(lug) => (self.lug_outline(lug), self.axis(lug, motion)),
-            Part::Rim => (self.rim_outline(), [0.0, -1.0]),
+    pub fn placed(&self, part: Part, motion: &WheelMotion) -> Placed<'_> {
+        let (form, axis) = match part {
+            Part::Lug(lug) => (self.lug_form(lug), self.axis(lug, motion)),
+            Part::Rim => (Form::Round(self.rim_outline()), [0.0, -1.0]),
         };
         Placed {
-            outline,
+            form,
             centre: [motion.x, motion.y],
             axis,
+        }
+    }
+
+    fn lug_form(&self, lug: usize) -> Form<'_> {
+        match &self.own_lugs {
+            None => Form::Round(self.lug_outline(lug)),
+            Some(outline) => Form::Own(self.own_lug(&**outline, lug)),
+        }
+    }
+
+    fn own_lug<'w>(&self, outline: &'w dyn LugOutline, lug: usize) -> OwnLug<'w> {
+        let worn = self.tip_radius - self.tips[lug];
+        OwnLug {
+            outline,
+            root: self.radius - worn,
+            bounds: Outline {
+                core: [self.radius, self.tips[lug]],
+                half: outline.half_width(),
+                radius: 0.0,
+            },
         }
     }
 

@@ -3,6 +3,7 @@
 //! An outline is everything within a radius of a core: a lug's core is the middle of its plate, so that its edges are
 //! round; the rim's core is its centre.
 
+use crate::wheel::lug_outline::{LugOutline, direction};
 use libm::sqrt;
 
 /// All points within `radius` of a core, a rectangle along an axis through the rim's centre.
@@ -16,10 +17,29 @@ pub(super) struct Outline {
     pub radius: f64,
 }
 
-/// An outline in its place.
+/// A lug of a user's own form.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placed {
-    pub outline: Outline,
+pub(super) struct OwnLug<'w> {
+    pub outline: &'w dyn LugOutline,
+    /// Where its height counts from, from the rim's centre [m]: the rim, or deeper by what is worn off.
+    pub root: f64,
+    /// Rectangle around it.
+    pub bounds: Outline,
+}
+
+/// Form of a part of the wheel.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Form<'w> {
+    /// A plate or a disc.
+    Round(Outline),
+    /// A user's own.
+    Own(OwnLug<'w>),
+}
+
+/// A part in its place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed<'w> {
+    pub form: Form<'w>,
     /// The rim's centre [m].
     pub centre: [f64; 2],
     /// Unit vector along the axis, away from the rim's centre.
@@ -35,14 +55,11 @@ pub(super) struct Gap {
     pub normal: [f64; 2],
 }
 
-impl Placed {
-    /// Distance of the point `[x, y]` [m].
+impl Outline {
+    /// Distance of a point `along` [m] the axis from the rim's centre and `across` [m] it; the normal in these directions.
     #[inline]
-    pub fn gap(&self, [x, y]: [f64; 2]) -> Gap {
-        let Outline { core, half, radius } = self.outline;
-        let [ax, ay] = self.axis;
-        let (dx, dy) = (x - self.centre[0], y - self.centre[1]);
-        let (along, across) = (dx * ax + dy * ay, dy * ax - dx * ay);
+    fn gap(&self, along: f64, across: f64) -> Gap {
+        let Self { core, half, radius } = *self;
         let (beyond, short) = (along - core[1], core[0] - along);
         let (out, outward) = if beyond > short {
             (beyond, 1.0)
@@ -50,7 +67,7 @@ impl Placed {
             (short, -1.0)
         };
         let (aside, sideward) = (across.abs() - half, across.signum());
-        let (from_core, [u, v]) = if out > 0.0 && aside > 0.0 {
+        let (from_core, normal) = if out > 0.0 && aside > 0.0 {
             let distance = sqrt(out * out + aside * aside);
             (
                 distance,
@@ -63,13 +80,45 @@ impl Placed {
         };
         Gap {
             distance: from_core - radius,
+            normal,
+        }
+    }
+}
+
+impl OwnLug<'_> {
+    /// Distance of a point at this `height` [m] and `across` [m] the axis.
+    fn gap(&self, height: f64, across: f64) -> Gap {
+        Gap {
+            distance: self.outline.distance(height, across),
+            normal: direction(self.outline, height, across),
+        }
+    }
+}
+
+impl Placed<'_> {
+    /// Distance of the point `[x, y]` [m].
+    #[inline]
+    pub fn gap(&self, [x, y]: [f64; 2]) -> Gap {
+        let [ax, ay] = self.axis;
+        let (dx, dy) = (x - self.centre[0], y - self.centre[1]);
+        let (along, across) = (dx * ax + dy * ay, dy * ax - dx * ay);
+        let Gap {
+            distance,
+            normal: [u, v],
+        } = match self.form {
+            Form::Round(outline) => outline.gap(along, across),
+            Form::Own(lug) => lug.gap(along - lug.root, across),
+        };
+        Gap {
+            distance,
             normal: [u * ax - v * ay, u * ay + v * ax],
         }
     }
 
     /// Places along the track [m] between which it reaches below `height` [m], if it does.
     pub fn below(&self, height: f64) -> Option<[f64; 2]> {
-        let Outline { core, half, radius } = self.outline;
+        let (Form::Round(bounds) | Form::Own(OwnLug { bounds, .. })) = self.form;
+        let Outline { core, half, radius } = bounds;
         let ends = core.map(|way| [0, 1].map(|i| self.centre[i] + way * self.axis[i]));
         let reach = half + radius;
         let above = (ends[0][1].min(ends[1][1]) - height).max(0.0);
@@ -84,13 +133,13 @@ mod tests {
     use super::*;
 
     /// A lug that leans forward by `angle` [rad] from straight down.
-    fn lug(angle: f64) -> Placed {
+    fn lug(angle: f64) -> Placed<'static> {
         Placed {
-            outline: Outline {
+            form: Form::Round(Outline {
                 core: [0.14, 0.1545],
                 half: 0.001,
                 radius: 0.0005,
-            },
+            }),
             centre: [0.3, 0.15],
             axis: [libm::sin(angle), -libm::cos(angle)],
         }
@@ -133,11 +182,11 @@ mod tests {
     #[test]
     fn a_disc_reaches_below_a_height_over_its_chord() {
         let rim = Placed {
-            outline: Outline {
+            form: Form::Round(Outline {
                 core: [0.0, 0.0],
                 half: 0.0,
                 radius: 0.14,
-            },
+            }),
             centre: [0.0, 0.13],
             axis: [0.0, -1.0],
         };
