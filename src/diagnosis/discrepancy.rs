@@ -44,27 +44,49 @@ const PER_DECADE: f64 = 5.0;
 /// Wheel orders from here on belong to the passing of lugs.
 const OF_LUGS: u32 = 4;
 
+/// How far each statistic of a layout may be moved.
+#[derive(Debug)]
+pub struct Discrepancy<'c> {
+    columns: &'c [Column],
+    /// Standard deviations, in the units of the statistics.
+    scales: Vec<f64>,
+}
+
+impl<'c> Discrepancy<'c> {
+    /// Of `factor` times the margins; `is_loaded` of every condition.
+    pub fn of(columns: &'c [Column], factor: f64, is_loaded: &[bool]) -> Self {
+        let margins = Margins::default();
+        let scale = |column: &Column| {
+            let margin = margins.of(&column.cell, column.size);
+            let is_loaded = is_loaded.get(column.condition).is_some_and(|it| *it);
+            let contact = if is_loaded {
+                of_contact(&column.cell)
+            } else {
+                1.0
+            };
+            factor * margin * contact
+        };
+        Self {
+            scales: columns.iter().map(scale).collect(),
+            columns,
+        }
+    }
+
+    /// By how much one rig moves each statistic.
+    pub fn drawn(&self, rng: &mut ChaCha8Rng) -> Vec<f32> {
+        let moved = self.scales.iter().zip(drawn(self.columns, rng));
+        moved.map(|(scale, draw)| (scale * draw) as f32).collect()
+    }
+}
+
 /// Moves the statistics of every rig by draws of the margins, `factor` times; `is_loaded` of every condition.
 pub fn add(table: &mut Table, factor: f64, is_loaded: &[bool], seed: Seed) {
-    let margins = Margins::default();
-    let scale = |column: &Column| {
-        let margin = margins.of(&column.cell, column.size);
-        let is_loaded = is_loaded.get(column.condition).is_some_and(|it| *it);
-        let contact = if is_loaded {
-            of_contact(&column.cell)
-        } else {
-            1.0
-        };
-        factor * margin * contact
-    };
-    let scales: Vec<f64> = table.columns.iter().map(scale).collect();
+    let discrepancy = Discrepancy::of(&table.columns, factor, is_loaded);
     let mut moves: BTreeMap<u64, Vec<f32>> = BTreeMap::new();
     for row in &mut table.rows {
         let own = moves.entry(row.rig).or_insert_with(|| {
             let mut rng = seed.rng("diagnosis.discrepancy", row.rig);
-            let draws = drawn(&table.columns, &mut rng);
-            let moved = scales.iter().zip(draws);
-            moved.map(|(scale, draw)| (scale * draw) as f32).collect()
+            discrepancy.drawn(&mut rng)
         });
         for (value, by) in row.values.iter_mut().zip(own.iter()) {
             *value += by;

@@ -31,7 +31,6 @@ pub use self_test::{EffectPower, SelfTest};
 
 use super::candidate::Candidate;
 use super::rigs::{Column, Part, Row, Table};
-use crate::gap::Readings;
 use crate::quantity::Seed;
 use emulator::{Emulator, Labels, Training};
 use evidence::Curves;
@@ -197,21 +196,13 @@ impl Model {
     }
 
     /// Statistics of a condition in units of their scatter about the emulator, in the order of the used columns; one that
-    /// was not taken is at the median.
-    pub fn standardised(
-        &self,
-        columns: &[Column],
-        condition: usize,
-        readings: &Readings,
-    ) -> Vec<f64> {
+    /// is not finite is at the median.
+    pub fn standardised(&self, condition: usize, values: &[f64]) -> Vec<f64> {
         let deviations = self.emulator.deviations();
         let used = self.scale.used.iter().enumerate();
         let own = used.filter(|(place, _)| self.conditions[*place] == condition);
-        let rows = own.map(|(place, column)| {
-            let reading = readings.get(&columns[*column].cell);
-            let value = reading.map_or(f64::NAN, |reading| reading.value);
-            self.scale.value(place, value) / deviations[place]
-        });
+        let rows =
+            own.map(|(place, column)| self.scale.value(place, values[*column]) / deviations[place]);
         rows.collect()
     }
 

@@ -4,7 +4,7 @@ use super::arm::Arm;
 use super::bank::{self, Bank, BankError, Failure, Request};
 use super::candidate::{Candidate, candidates};
 use super::condition::{Case, CaseError, Cases, statistician};
-use super::discrepancy;
+use super::discrepancy::{self, Discrepancy};
 use super::end_results::{EndResults, Step};
 use super::inference::{
     Ablation, BaseRates, FEWEST_RIGS, Fit, Judgement, Model, OfColumn, SelfTest, Signatures,
@@ -50,7 +50,7 @@ const FEW: f64 = 0.25;
 const LOCATED: usize = 10;
 const STRONG: f64 = 4.0;
 
-/// Share of the gap [-] that an effect closes at least if it is the cause: the larger part of it.
+/// Share [-] that an effect closes at least, if it is the cause, of the gap above the floor with discrepancy: the larger part.
 const LEAST_CLOSED: f64 = 0.5;
 
 /// How a diagnosis is made.
@@ -380,11 +380,14 @@ impl<'a> Investigation<'a> {
         let healthy = model.fit(&values, &[]);
         let answered = model.fit(&values, &chosen.effects);
         let signatures = model.signatures(&answered.parameters);
+        let columns = &set.population.columns;
+        let discrepancy = Discrepancy::of(columns, self.settings.discrepancy, &self.is_loaded());
         let fitted = Fitted {
             screen: screen(&self.candidates, &judgement.opinion.evidence, &signatures),
             yardstick: Yardstick {
                 model: &model,
-                columns: &set.population.columns,
+                columns,
+                discrepancy: &discrepancy,
             },
             variants: Variants {
                 recalibrated: Arm::of_offsets(self.offsets(&healthy)),
@@ -423,7 +426,7 @@ impl<'a> Investigation<'a> {
         validation: Option<&Validation>,
         on_progress: OnProgress,
     ) -> Result<Verdict, InvestigationError> {
-        let Yardstick { model, columns } = fitted.yardstick;
+        let Yardstick { model, columns, .. } = fitted.yardstick;
         let grounds = Grounds {
             candidates: &self.candidates,
             screen: &fitted.screen,
@@ -455,7 +458,7 @@ impl<'a> Investigation<'a> {
         validation: Option<Validation>,
         verdict: Verdict,
     ) -> Diagnosis {
-        let Yardstick { model, columns } = fitted.yardstick;
+        let Yardstick { model, columns, .. } = fitted.yardstick;
         let limits = fitted.screen.iter();
         let limits = limits.map(|it| (it.name.clone(), it.detectable));
         let cosines = fitted.signatures.cosines.row_iter();
@@ -530,8 +533,12 @@ impl<'a> Investigation<'a> {
         let kept = (0..self.of_rigs.len())
             .filter(|place| self.of_rigs[*place].is_none_of(&self.settings.without));
         let mut table = table.restricted(&kept.collect::<Vec<_>>());
-        let is_loaded: Vec<bool> = self.cases.iter().map(|case| !case.is_lifted()).collect();
-        discrepancy::add(&mut table, discrepancy, &is_loaded, self.settings.seed);
+        discrepancy::add(
+            &mut table,
+            discrepancy,
+            &self.is_loaded(),
+            self.settings.seed,
+        );
         let training = TrainingSettings {
             seed: self.settings.seed,
             ablation,
@@ -542,6 +549,11 @@ impl<'a> Investigation<'a> {
             source,
         })?;
         Ok(model)
+    }
+
+    /// Whether the wheel is on the ground, of every condition.
+    fn is_loaded(&self) -> Vec<bool> {
+        self.cases.iter().map(|case| !case.is_lifted()).collect()
     }
 
     fn bank(&self, cases: Vec<Case>) -> Result<Bank, BankError> {
@@ -595,7 +607,7 @@ impl<'a> Investigation<'a> {
 
     /// Standard deviations of cells, in their units, by what recalibration leaves open of the parameters.
     fn spread(&self, fitted: &Fitted) -> ParameterSpread {
-        let Yardstick { model, columns } = fitted.yardstick;
+        let Yardstick { model, columns, .. } = fitted.yardstick;
         let mut spread = ParameterSpread::new();
         for OfColumn { column, value } in model.parameter_spread(&fitted.healthy) {
             let Column {
@@ -751,7 +763,8 @@ fn validating(now: bank::Progress) -> Progress {
     }
 }
 
-/// An effect that closes nothing is not named, nor one whose interval shows that it closes less than half.
+/// An effect that closes nothing is not named, nor one whose interval shows that it closes less than half of what an effect
+/// can close: the gap above the floor with discrepancy.
 fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
     let Some(validation) = validation.filter(|_| !verdict.named.is_empty()) else {
         return verdict;
@@ -759,23 +772,32 @@ fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
     let Gaps {
         recalibrated,
         with_effect,
+        floor_with_discrepancy,
         ..
     } = validation.gaps;
     // One cluster has no interval.
-    let closed = validation.closed.filter(|closed| closed.clusters > 1);
+    let closed = validation.closed_above_discrepancy;
+    let closed = closed.filter(|closed| closed.clusters > 1);
     let most = closed.map_or(1.0, |closed| closed.ci95[1]);
     let shown = if with_effect >= recalibrated {
         "does not close the gap".to_owned()
     } else if most < LEAST_CLOSED {
-        format!("closes {:.0} % of it at most", 100.0 * most)
+        let most = percent(most);
+        format!(
+            "closes {most} at most of what is above {floor_with_discrepancy:.2}, which the cause would leave"
+        )
     } else {
         return verdict;
     };
     verdict.reasons.push(format!(
-        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: the effect {shown} and is not named",
+        "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: the effect {shown}, and is not named",
         validation.effects.join(" and ")
     ));
     verdict.named.clear();
     verdict.verdict = Answer::Undecided;
     verdict
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
 }

@@ -111,8 +111,7 @@ impl Search<'_> {
     }
 
     fn mean<'r>(&self, condition: usize, runs: impl Iterator<Item = &'r Run>) -> Option<Vec<f64>> {
-        let Yardstick { model, columns } = self.yardstick;
-        let rows = runs.map(|run| model.standardised(columns, condition, &run.readings));
+        let rows = runs.map(|run| self.yardstick.standardised(condition, run));
         let rows: Vec<Vec<f64>> = rows.collect();
         let first = rows.first()?;
         let mean =

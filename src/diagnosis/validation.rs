@@ -8,10 +8,15 @@
 //! ```
 //!
 //! with standardised statistics `z` and their scatter `σ` between rigs of one kind. A perfect model scores the floor,
-//! `½ mean d(x_i, x_j)`. Parameters and sizes are fitted to all conditions: a handful of numbers to thousands of statistics.
+//! `½ mean d(x_i, x_j)`. The best model that there can be still has the [discrepancy](super::discrepancy) `Δ` between every
+//! simulator and every rig, which no effect closes: with effects that are the cause, measured runs are `x_j + Δ`, and what is
+//! left is the mean of `G(x_j + Δ, x without x_j)` over draws of `Δ` (posterior predictive: Gelman, Meng and Stern 1996,
+//! Stat. Sinica 6:733-807). Effects are judged by the share that they close of the gap above that floor. Parameters and sizes
+//! are fitted to all conditions: a handful of numbers to thousands of statistics.
 
 use super::arm::Arm;
 use super::condition::Case;
+use super::discrepancy::Discrepancy;
 use super::inference::Model;
 use super::rigs::Column;
 use super::simulated_runs::SimulatedRuns;
@@ -33,6 +38,16 @@ pub struct Gaps {
     pub with_effect: f64,
     /// What a perfect model reaches.
     pub floor: f64,
+    /// What the likeliest effect or effects would leave as the cause, with the assumed discrepancy.
+    #[serde(default)]
+    pub floor_with_discrepancy: f64,
+}
+
+impl Gaps {
+    /// Whether what is left is no more than the assumed discrepancy would leave.
+    pub fn is_within_discrepancy(&self) -> bool {
+        self.with_effect <= self.floor_with_discrepancy
+    }
 }
 
 /// The gap and how far it closes.
@@ -44,6 +59,8 @@ pub struct Validation {
     pub gaps: Gaps,
     /// Share of the recalibrated gap that the effects close; none without effects, or where recalibration leaves no gap.
     pub closed: Option<Closed>,
+    /// The same of the gap above the floor with discrepancy.
+    pub closed_above_discrepancy: Option<Closed>,
 }
 
 /// The variants that are compared.
@@ -62,15 +79,70 @@ pub struct Yardstick<'a> {
     pub model: &'a Model,
     /// Its columns.
     pub columns: &'a [Column],
+    /// What moves them from any simulator to any rig.
+    pub discrepancy: &'a Discrepancy<'a>,
 }
 
+/// Draws of the discrepancy.
+const DRAWS: u64 = 100;
+
 impl Yardstick<'_> {
-    fn row(&self, condition: usize, run: &Run) -> Vec<f64> {
-        let row = self
-            .model
-            .standardised(self.columns, condition, &run.readings);
-        per_statistic(row)
+    /// Statistics of a run of a condition in units of their scatter.
+    pub fn standardised(&self, condition: usize, run: &Run) -> Vec<f64> {
+        self.model.standardised(condition, &self.values(run))
     }
+
+    /// Statistics of a run in their units, by column; NaN where it lacks one.
+    pub fn values(&self, run: &Run) -> Vec<f64> {
+        let columns = self.columns.iter();
+        let values = columns.map(|column| {
+            let reading = run.readings.get(&column.cell);
+            reading.map_or(f64::NAN, |reading| reading.value)
+        });
+        values.collect()
+    }
+
+    /// A row whose Euclidean distances are `d`, from values by column.
+    pub fn row(&self, condition: usize, values: &[f64]) -> Vec<f64> {
+        per_statistic(self.model.standardised(condition, values))
+    }
+
+    /// Draws of the discrepancy, by column.
+    fn moves(&self, seed: Seed) -> Vec<Vec<f32>> {
+        let draws = 0..DRAWS;
+        let draws = draws.map(|draw| {
+            let mut rng = seed.rng("diagnosis.floor", draw);
+            self.discrepancy.drawn(&mut rng)
+        });
+        draws.collect()
+    }
+
+    /// What runs of a condition leave as models of one another, when one is moved by a discrepancy; none of fewer than three.
+    fn floor_with_discrepancy(
+        &self,
+        condition: usize,
+        runs: &[Vec<f64>],
+        moves: &[Vec<f32>],
+    ) -> Option<f64> {
+        let rows: Vec<Vec<f64>> = runs.iter().map(|run| self.row(condition, run)).collect();
+        let moved = moves.iter().zip(runs.iter().cycle()).map(|(by, run)| {
+            let moved = run.iter().zip(by);
+            let moved: Vec<f64> = moved.map(|(value, by)| value + f64::from(*by)).collect();
+            self.row(condition, &moved)
+        });
+        left(moved, &rows)
+    }
+}
+
+/// Mean energy score of rows that were moved, the first row first, over and over, by all rows but the one that was moved.
+fn left(moved: impl Iterator<Item = Vec<f64>>, rows: &[Vec<f64>]) -> Option<f64> {
+    let scores = moved.enumerate().map(|(draw, row)| {
+        let mut others = rows.to_vec();
+        others.remove(draw % rows.len());
+        energy_score(&row, &others)
+    });
+    let scores: Vec<f64> = scores.collect::<Option<_>>()?;
+    mean(scores)
 }
 
 /// The gaps of measured runs, condition by condition; none where a variant has too few runs.
@@ -84,44 +156,58 @@ pub fn validate(
 ) -> Option<Validation> {
     let shipped = Arm::as_shipped();
     let recalibrated = &variants.recalibrated;
-    let with_effect = variants.with_effect.as_ref().unwrap_or(recalibrated);
-    let mut scores = Vec::new();
+    let best = variants.with_effect.as_ref().unwrap_or(recalibrated);
+    let (mut scores, mut scores_above_discrepancy) = (Vec::new(), Vec::new());
     let mut of_shipped = Vec::new();
+    let moves = yardstick.moves(seed);
     for (condition, case) in cases.iter().enumerate() {
         let rows = |arm: &Arm| -> Vec<Vec<f64>> {
             let runs = simulated.of(arm, condition);
-            runs.map(|run| yardstick.row(condition, run)).collect()
+            runs.map(|run| yardstick.row(condition, &yardstick.values(run)))
+                .collect()
         };
-        let [shipped, recalibrated, with_effect] = [&shipped, recalibrated, with_effect].map(rows);
+        let [shipped, recalibrated, with_effect] = [&shipped, recalibrated, best].map(rows);
         // The better model has the scatter of a perfect one.
         let floor = least_energy_score(&with_effect)?;
+        let runs: Vec<Vec<f64>> = simulated
+            .of(best, condition)
+            .map(|run| yardstick.values(run))
+            .collect();
+        let of_discrepancy = yardstick.floor_with_discrepancy(condition, &runs, &moves);
         for run in &measured[condition] {
-            let row = yardstick.row(condition, run);
+            let row = yardstick.row(condition, &yardstick.values(run));
             of_shipped.push(energy_score(&row, &shipped)?);
-            scores.push(Scores {
+            let score = Scores {
                 condition: case.condition.clone(),
                 day: run.attributes.day.clone(),
                 recalibrated: energy_score(&row, &recalibrated)?,
                 with_effect: energy_score(&row, &with_effect)?,
                 floor,
+            };
+            scores_above_discrepancy.push(Scores {
+                floor: of_discrepancy.unwrap_or(floor).max(floor),
+                ..score.clone()
             });
+            scores.push(score);
         }
     }
-    let mean =
-        |of: &dyn Fn(&Scores) -> f64| scores.iter().map(of).sum::<f64>() / scores.len() as f64;
+    let average = |of: &dyn Fn(&Scores) -> f64, scores: &[Scores]| {
+        scores.iter().map(of).sum::<f64>() / scores.len() as f64
+    };
+    let has_effects = variants.with_effect.is_some();
+    let closed = |scores: &[Scores]| has_effects.then(|| closed(scores, seed)).flatten();
     let effects = variants.with_effect.iter().flat_map(|arm| arm.effects());
     Some(Validation {
         effects: effects.map(|effect| effect.name()).collect(),
         gaps: Gaps {
             as_shipped: of_shipped.iter().sum::<f64>() / of_shipped.len() as f64,
-            recalibrated: mean(&|it| it.recalibrated),
-            with_effect: mean(&|it| it.with_effect),
-            floor: mean(&|it| it.floor),
+            recalibrated: average(&|it| it.recalibrated, &scores),
+            with_effect: average(&|it| it.with_effect, &scores),
+            floor: average(&|it| it.floor, &scores),
+            floor_with_discrepancy: average(&|it| it.floor, &scores_above_discrepancy),
         },
-        closed: variants
-            .with_effect
-            .as_ref()
-            .and_then(|_| closed(&scores, seed)),
+        closed: closed(&scores),
+        closed_above_discrepancy: closed(&scores_above_discrepancy),
     })
 }
 
@@ -199,5 +285,20 @@ mod tests {
         let far = score([1001.0, 0.0], &made).unwrap();
         assert!((far - (1000.0 / libm::sqrt(2.0) - 0.5 * apart)).abs() < 1e-3);
         assert_eq!(least_energy_score(&made[..1]), None);
+    }
+
+    #[test]
+    fn a_cause_leaves_the_floor_where_simulator_and_rig_agree_and_their_distance_where_they_do_not()
+    {
+        let runs: Vec<Vec<f64>> = (0..40)
+            .map(|run| vec![libm::sin(f64::from(run)), libm::cos(1.7 * f64::from(run))])
+            .collect();
+        let moved = |by: f64| runs.iter().map(move |run| vec![run[0] + by, run[1]]);
+        let floor = least_energy_score(&runs).unwrap();
+        assert!((left(moved(0.0), &runs).unwrap() / floor - 1.0).abs() < 1.0e-9);
+        // Far away the scatter adds little to the distance, and half of its mean is taken off.
+        let far = left(moved(1000.0), &runs).unwrap();
+        assert!((far - (1000.0 - floor)).abs() < 1.0e-2, "{far} {floor}");
+        assert_eq!(left(moved(0.0).take(2), &runs[..2]), None);
     }
 }

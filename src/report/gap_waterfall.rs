@@ -76,6 +76,7 @@ fn steps(gaps: &Gaps, added: &str) -> Vec<Step> {
         recalibrated,
         with_effect,
         floor,
+        ..
     } = *gaps;
     let fall = |name: String, from: f64, to: f64, fill| Step {
         name,
@@ -205,6 +206,7 @@ mod tests {
         recalibrated: 2.0,
         with_effect: 0.8,
         floor: 0.5,
+        floor_with_discrepancy: 0.7,
     };
 
     fn closed(clusters: usize) -> Option<Closed> {

@@ -175,8 +175,12 @@ impl Summary {
             writeln!(
                 f,
                 "\ngap (standard deviations per statistic): nominal {:.2}, recalibrated {:.2}, with {added} {:.2}, \
-                 noise floor {:.2}",
-                gap.as_shipped, gap.recalibrated, gap.with_effect, gap.floor
+                 noise floor {:.2}, with the assumed discrepancy {:.2}",
+                gap.as_shipped,
+                gap.recalibrated,
+                gap.with_effect,
+                gap.floor,
+                gap.floor_with_discrepancy
             )?;
         }
         if let Some(closed) = closed {
@@ -189,6 +193,12 @@ impl Summary {
                 }
             };
             writeln!(f, "closed: {:.0} %{interval}", 100.0 * closed.value)?;
+        }
+        if gap.is_some_and(|gap| gap.is_within_discrepancy()) {
+            writeln!(
+                f,
+                "the gap left is no larger than the discrepancy assumed for any simulator would leave"
+            )?;
         }
         if let Some(next) = &verdict.next_run {
             writeln!(

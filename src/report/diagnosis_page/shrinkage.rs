@@ -18,21 +18,26 @@ pub fn section(diagnosis: &Diagnosis) -> Section {
         listed(&diagnosis.closed_with, "and")
     };
     section
-        .answer(answer(diagnosis.closed, &added))
+        .answer(answer(diagnosis.closed, gaps, &added))
         .figure(Figure::new(
             gap_waterfall(gaps, diagnosis.closed, &added),
             "The score is the energy score: mean distance of a measured run from simulated runs of the same \
              condition, in standard deviations per statistic, minus half the mean distance between these. Parameters and \
-             magnitudes are fitted to all conditions.",
+             magnitudes are fitted to all conditions. No effect closes the part below the floor with discrepancy.",
         ))
         .table(scores(gaps, &added))
 }
 
-fn answer(closed: Option<Closed>, added: &str) -> String {
-    match closed {
-        Some(closed) => format!("{}.", of_the_gap(&closed, added)),
-        None => "No gap remains after recalibration.".to_owned(),
-    }
+fn answer(closed: Option<Closed>, gaps: &Gaps, added: &str) -> String {
+    let Some(closed) = closed else {
+        return "No gap remains after recalibration.".to_owned();
+    };
+    let left = if gaps.is_within_discrepancy() {
+        " The gap left is no larger than the discrepancy assumed for any simulator would leave."
+    } else {
+        ""
+    };
+    format!("{}.{left}", of_the_gap(&closed, added))
 }
 
 /// How much of the gap is closed by what is added. Where the interval has 0 in it, nothing is claimed.
@@ -78,7 +83,11 @@ fn scores(gaps: &Gaps, added: &str) -> Table {
             row("nominal", gaps.as_shipped),
             row("recalibrated", gaps.recalibrated),
             row(&format!("with {added}"), gaps.with_effect),
-            row("floor", gaps.floor),
+            row("floor: scatter between runs", gaps.floor),
+            row(
+                "floor with the discrepancy assumed for any simulator",
+                gaps.floor_with_discrepancy,
+            ),
         ],
     }
 }
