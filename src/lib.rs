@@ -182,13 +182,16 @@
 //! # use std::ops::ControlFlow;
 //! use lugwheel::wheel::lug_outline::LugOutline;
 //!
-//! /// Round bars, welded to the rim over half of their section.
+//! /// Round bars, half sunk into the rim.
 //! #[derive(Debug)]
 //! struct Bar { radius: f64 }
 //!
 //! impl LugOutline for Bar {
 //!     fn distance(&self, height: f64, across: f64) -> f64 {
 //!         libm::hypot(height, across) - self.radius
+//!     }
+//!     fn height(&self) -> f64 {
+//!         self.radius
 //!     }
 //!     fn half_width(&self) -> f64 {
 //!         self.radius

@@ -30,8 +30,8 @@ impl Extensions {
         self
     }
 
-    /// Gives the wheel lugs of this form, as many and as high as the scenario's: see
-    /// [`Simulation::with_lugs`](crate::simulation::Simulation::with_lugs).
+    /// Gives the wheel lugs of this form, as many and as high as the scenario's; effects that shorten lugs sink them into
+    /// the rim: see [`Simulation::with_lugs`](crate::simulation::Simulation::with_lugs).
     pub fn lugs(mut self, outline: impl LugOutline + 'static) -> Self {
         self.lugs = Some(Arc::new(outline));
         self
@@ -149,6 +149,10 @@ mod tests {
             outside + aside.max(above).min(0.0) - self.edge_radius
         }
 
+        fn height(&self) -> f64 {
+            self.height
+        }
+
         fn half_width(&self) -> f64 {
             self.half_thickness
         }
@@ -183,6 +187,10 @@ mod tests {
             libm::hypot(height, across) - self.0
         }
 
+        fn height(&self) -> f64 {
+            self.0
+        }
+
         fn half_width(&self) -> f64 {
             self.0
         }
@@ -215,11 +223,27 @@ mod tests {
     }
 
     #[test]
-    fn an_outline_higher_than_the_lugs_of_the_wheel_is_refused() {
+    fn worn_lugs_of_ones_own_lower_the_axle_and_lower_ones_than_the_scenarios_are_refused() {
         let scenario = short("single_wheel_ref");
-        let bars = Extensions::default().lugs(Bar(0.008));
-        let refused = scenario.run_with(bars, Seed(5), 2, &mut |_| ControlFlow::Continue(()));
-        assert!(refused.unwrap_err().to_string().contains("lug outline"));
+        let scenario = scenario.with("wheel.lugs.count=16").unwrap();
+        let bars = |radius| {
+            Extensions::default()
+                .lugs(Bar(radius))
+                .sensor(Heave::default())
+        };
+        let height = |scenario: &Scenario| {
+            let trace = run(scenario, bars(0.015));
+            trace.channel("axle_height").unwrap().samples[0]
+        };
+        let worn = scenario
+            .with_effect(&"lug_wear=0.2".parse().unwrap())
+            .unwrap();
+        let lowered = height(&scenario) - height(&worn);
+        assert!((lowered - 0.003).abs() < 1.0e-5, "{lowered}");
+        let refused =
+            scenario.run_with(bars(0.008), Seed(5), 2, &mut |_| ControlFlow::Continue(()));
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains("height of a lug outline"), "{refused}");
     }
 
     /// The speeds that a rig commands itself.

@@ -78,6 +78,8 @@ pub(super) struct WheelGeometry {
     pub radius: f64,
     /// Radius to the lugs' edges [m].
     pub tip_radius: f64,
+    /// Radius to the point farthest out [m]: the corners of wide lugs lie beyond their tips.
+    pub reach: f64,
     /// Width [m].
     pub width: f64,
     /// Force [N] above which a lug counts as touching.
@@ -119,6 +121,7 @@ impl WheelGeometry {
         Self {
             radius: wheel.radius,
             tip_radius: wheel.tip_radius(),
+            reach: wheel.tip_radius(),
             width: wheel.width,
             touch_force: 0.01 * load,
             mobility: Mobility::default(),
@@ -137,7 +140,9 @@ impl WheelGeometry {
 
     /// With lugs of this form.
     pub fn with_lugs(self, outline: Option<Arc<dyn LugOutline>>) -> Self {
+        let half_width = outline.as_ref().map_or(0.0, |it| it.half_width());
         Self {
+            reach: libm::hypot(self.tip_radius, half_width),
             own_lugs: outline,
             ..self
         }
@@ -210,13 +215,15 @@ impl WheelGeometry {
     }
 
     fn own_lug<'w>(&self, outline: &'w dyn LugOutline, lug: usize) -> OwnLug<'w> {
-        let worn = self.tip_radius - self.tips[lug];
+        let (half, tip) = (outline.half_width(), self.tips[lug]);
+        // At its sides the rim lies deeper than in the middle.
+        let side = libm::sqrt(self.radius * self.radius - half * half);
         OwnLug {
             outline,
-            root: self.radius - worn,
+            root: tip - outline.height(),
             bounds: Outline {
-                core: [self.radius, self.tips[lug]],
-                half: outline.half_width(),
+                core: [side, tip],
+                half,
                 radius: 0.0,
             },
         }

@@ -1,7 +1,7 @@
 //! Outlines of the wheel's parts in its plane, and how far the ground is from them.
 //!
 //! An outline is everything within a radius of a core: a lug's core is the middle of its plate, so that its edges are
-//! round; the rim's core is its centre.
+//! round; the rim's core is its centre. A lug of a user's own form is the distance from it.
 
 use crate::wheel::lug_outline::{LugOutline, direction};
 use libm::sqrt;
@@ -21,7 +21,7 @@ pub(super) struct Outline {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OwnLug<'w> {
     pub outline: &'w dyn LugOutline,
-    /// Where its height counts from, from the rim's centre [m]: the rim, or deeper by what is worn off.
+    /// From where its height counts, from the rim's centre [m]: the rim, or deeper by what is worn off.
     pub root: f64,
     /// Rectangle around it.
     pub bounds: Outline,

@@ -197,7 +197,7 @@ impl Near {
         let wheel_moved = |(wheel, then): (&WheelNow<'_>, &WheelMotion)| {
             let now = &wheel.motion;
             let way = (now.x - then.x).abs() + (now.y - then.y).abs();
-            way + wheel.geometry.tip_radius * (now.angle - then.angle).abs() > moved_far
+            way + wheel.geometry.reach * (now.angle - then.angle).abs() > moved_far
         };
         wheel.zip(self.wheel.as_ref()).is_some_and(wheel_moved)
             || stones
@@ -297,7 +297,7 @@ impl Near {
     fn list_wheel(&mut self, stones: &[Stone], wheel: &WheelNow<'_>) {
         let (geometry, motion) = (wheel.geometry, &wheel.motion);
         for (index, stone) in stones.iter().enumerate().filter(|(_, stone)| stone.free) {
-            let reach = geometry.tip_radius + stone.outer_radius + self.skin;
+            let reach = geometry.reach + stone.outer_radius + self.skin;
             let [dx, dy] = [stone.x() - motion.x, stone.placed.position.y - motion.y];
             if dx * dx + dy * dy > reach * reach {
                 continue;
