@@ -350,11 +350,10 @@ impl Work<'_> {
     }
 }
 
-/// An oracle of another program, order or scenario is simulated again.
+/// An oracle of another version of the program, order or design is simulated again.
 fn oracle_title(design: &Design, order: &Order) -> String {
-    let order = as_json(&Begun::new(order));
-    let key = sha256((order + design.scenario.text()).as_bytes());
-    format!("lugwheel oracle 1 {key}")
+    let key = format!("{}{design:?}", as_json(&Begun::new(order)));
+    format!("lugwheel oracle 1 {}", sha256(key.as_bytes()))
 }
 
 fn write_campaign(path: &Path, traces: &[Trace]) -> Result<(), ChallengeError> {
