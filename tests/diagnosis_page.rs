@@ -266,7 +266,7 @@ fn diagnosis(cases: &[Case]) -> Diagnosis {
             recalibrated: 2.2,
             with_effect: 0.9,
             floor: 0.6,
-            floor_with_discrepancy: 0.8,
+            floor_with_discrepancy: Some(0.8),
         }),
         closed: Some(Closed {
             value: 0.81,

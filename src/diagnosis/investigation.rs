@@ -381,13 +381,14 @@ impl<'a> Investigation<'a> {
         let answered = model.fit(&values, &chosen.effects);
         let signatures = model.signatures(&answered.parameters);
         let columns = &set.population.columns;
-        let discrepancy = Discrepancy::of(columns, self.settings.discrepancy, &self.is_loaded());
+        let factor = self.settings.discrepancy;
+        let discrepancy = Discrepancy::of(columns, factor, &self.is_loaded());
         let fitted = Fitted {
             screen: screen(&self.candidates, &judgement.opinion.evidence, &signatures),
             yardstick: Yardstick {
                 model: &model,
                 columns,
-                discrepancy: &discrepancy,
+                discrepancy: (factor > 0.0).then_some(&discrepancy),
             },
             variants: Variants {
                 recalibrated: Arm::of_offsets(self.offsets(&healthy)),
@@ -763,15 +764,24 @@ fn validating(now: bank::Progress) -> Progress {
     }
 }
 
-/// An effect that closes nothing is not named, nor one whose interval shows that it closes less than half of what an effect
-/// can close: the gap above the floor with discrepancy.
+/// An effect that the simulation refutes is not named.
 fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
-    let Some(validation) = validation.filter(|_| !verdict.named.is_empty()) else {
+    let refuted = validation.filter(|_| !verdict.named.is_empty());
+    let Some(reason) = refuted.and_then(refutation) else {
         return verdict;
     };
+    verdict.reasons.push(reason);
+    verdict.named.clear();
+    verdict.verdict = Answer::Undecided;
+    verdict
+}
+
+/// Why effects are not the cause: they close nothing, or less than half of what a cause would close with 95 % confidence.
+fn refutation(validation: &Validation) -> Option<String> {
     let Gaps {
         recalibrated,
         with_effect,
+        floor,
         floor_with_discrepancy,
         ..
     } = validation.gaps;
@@ -782,22 +792,59 @@ fn confirmed(mut verdict: Verdict, validation: Option<&Validation>) -> Verdict {
     let shown = if with_effect >= recalibrated {
         "does not close the gap".to_owned()
     } else if most < LEAST_CLOSED {
-        let most = percent(most);
+        let least = floor_with_discrepancy.unwrap_or(floor);
+        let most = format!("{:.0} %", 100.0 * most);
         format!(
-            "closes {most} at most of what is above {floor_with_discrepancy:.2}, which the cause would leave"
+            "closes at most {most} of the gap above {least:.2}, which the true cause would leave"
         )
     } else {
-        return verdict;
+        return None;
     };
-    verdict.reasons.push(format!(
+    Some(format!(
         "simulated with {} the gap is {with_effect:.2}, without it {recalibrated:.2}: the effect {shown}, and is not named",
         validation.effects.join(" and ")
-    ));
-    verdict.named.clear();
-    verdict.verdict = Answer::Undecided;
-    verdict
+    ))
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn validation(with_effect: f64, closed: Option<Closed>) -> Validation {
+        Validation {
+            effects: vec!["slip_sinkage".to_owned()],
+            gaps: Gaps {
+                as_shipped: 2.0,
+                recalibrated: 1.0,
+                with_effect,
+                floor: 0.2,
+                floor_with_discrepancy: Some(0.4),
+            },
+            closed: None,
+            closed_above_discrepancy: closed,
+        }
+    }
+
+    fn share(most: f64, clusters: usize) -> Option<Closed> {
+        Some(Closed {
+            value: 0.3,
+            ci95: [0.0, most],
+            clusters,
+        })
+    }
+
+    #[test]
+    fn an_effect_is_refuted_by_a_gap_that_it_does_not_close_or_surely_less_than_half() {
+        let wider = refutation(&validation(1.1, share(0.9, 4))).unwrap();
+        assert!(wider.contains("does not close the gap"), "{wider}");
+        let little = refutation(&validation(0.9, share(0.4, 4))).unwrap();
+        assert!(
+            little.contains("at most 40 % of the gap above 0.40"),
+            "{little}"
+        );
+        // Half may be closed; one condition shows nothing, nor does a gap below the floor.
+        for closed in [share(0.6, 4), share(0.4, 1), None] {
+            assert_eq!(refutation(&validation(0.9, closed)), None);
+        }
+    }
 }

@@ -11,8 +11,10 @@
 //! `½ mean d(x_i, x_j)`. The best model that there can be still has the [discrepancy](super::discrepancy) `Δ` between every
 //! simulator and every rig, which no effect closes: with effects that are the cause, measured runs are `x_j + Δ`, and what is
 //! left is the mean of `G(x_j + Δ, x without x_j)` over draws of `Δ` (posterior predictive: Gelman, Meng and Stern 1996,
-//! Stat. Sinica 6:733-807). Effects are judged by the share that they close of the gap above that floor. Parameters and sizes
-//! are fitted to all conditions: a handful of numbers to thousands of statistics.
+//! Stat. Sinica 6:733-807). Effects are judged by the share that they close of the gap above that floor.
+//!
+//! Parameters and sizes are fitted to all conditions: a handful of numbers to thousands of statistics. With steady means alone
+//! they are not so few, and take a part of `Δ` that the floor still has in it: it is too high there, and few effects are refuted.
 
 use super::arm::Arm;
 use super::condition::Case;
@@ -38,15 +40,16 @@ pub struct Gaps {
     pub with_effect: f64,
     /// What a perfect model reaches.
     pub floor: f64,
-    /// What the likeliest effect or effects would leave as the cause, with the assumed discrepancy.
+    /// What the likeliest effect or effects would leave as the cause, with the assumed discrepancy; none without one.
     #[serde(default)]
-    pub floor_with_discrepancy: f64,
+    pub floor_with_discrepancy: Option<f64>,
 }
 
 impl Gaps {
     /// Whether what is left is no more than the assumed discrepancy would leave.
     pub fn is_within_discrepancy(&self) -> bool {
-        self.with_effect <= self.floor_with_discrepancy
+        self.floor_with_discrepancy
+            .is_some_and(|floor| self.with_effect <= floor)
     }
 }
 
@@ -59,7 +62,7 @@ pub struct Validation {
     pub gaps: Gaps,
     /// Share of the recalibrated gap that the effects close; none without effects, or where recalibration leaves no gap.
     pub closed: Option<Closed>,
-    /// The same of the gap above the floor with discrepancy.
+    /// The same of the gap above the floor with discrepancy; without a discrepancy the same.
     pub closed_above_discrepancy: Option<Closed>,
 }
 
@@ -79,8 +82,8 @@ pub struct Yardstick<'a> {
     pub model: &'a Model,
     /// Its columns.
     pub columns: &'a [Column],
-    /// What moves them from any simulator to any rig.
-    pub discrepancy: &'a Discrepancy<'a>,
+    /// What moves them from any simulator to any rig; none where that is not assumed.
+    pub discrepancy: Option<&'a Discrepancy<'a>>,
 }
 
 /// Draws of the discrepancy.
@@ -107,17 +110,16 @@ impl Yardstick<'_> {
         per_statistic(self.model.standardised(condition, values))
     }
 
-    /// Draws of the discrepancy, by column.
+    /// Draws of the discrepancy, by column; none where there is none.
     fn moves(&self, seed: Seed) -> Vec<Vec<f32>> {
-        let draws = 0..DRAWS;
-        let draws = draws.map(|draw| {
-            let mut rng = seed.rng("diagnosis.floor", draw);
-            self.discrepancy.drawn(&mut rng)
+        let draws = self.discrepancy.into_iter().flat_map(|discrepancy| {
+            (0..DRAWS).map(move |draw| discrepancy.drawn(&mut seed.rng("diagnosis.floor", draw)))
         });
         draws.collect()
     }
 
-    /// What runs of a condition leave as models of one another, when one is moved by a discrepancy; none of fewer than three.
+    /// What runs of a condition leave as models of one another, when one is moved by a discrepancy; none of fewer than three
+    /// or without a discrepancy.
     fn floor_with_discrepancy(
         &self,
         condition: usize,
@@ -184,16 +186,18 @@ pub fn validate(
                 with_effect: energy_score(&row, &with_effect)?,
                 floor,
             };
-            scores_above_discrepancy.push(Scores {
-                floor: of_discrepancy.unwrap_or(floor).max(floor),
+            scores_above_discrepancy.push(of_discrepancy.map(|above| Scores {
+                floor: above.max(floor),
                 ..score.clone()
-            });
+            }));
             scores.push(score);
         }
     }
     let average = |of: &dyn Fn(&Scores) -> f64, scores: &[Scores]| {
         scores.iter().map(of).sum::<f64>() / scores.len() as f64
     };
+    // A condition of two runs has no floor with discrepancy.
+    let above: Option<Vec<Scores>> = scores_above_discrepancy.into_iter().collect();
     let has_effects = variants.with_effect.is_some();
     let closed = |scores: &[Scores]| has_effects.then(|| closed(scores, seed)).flatten();
     let effects = variants.with_effect.iter().flat_map(|arm| arm.effects());
@@ -204,10 +208,14 @@ pub fn validate(
             recalibrated: average(&|it| it.recalibrated, &scores),
             with_effect: average(&|it| it.with_effect, &scores),
             floor: average(&|it| it.floor, &scores),
-            floor_with_discrepancy: average(&|it| it.floor, &scores_above_discrepancy),
+            floor_with_discrepancy: above.as_ref().map(|it| average(&|it| it.floor, it)),
         },
         closed: closed(&scores),
-        closed_above_discrepancy: closed(&scores_above_discrepancy),
+        closed_above_discrepancy: match (&above, yardstick.discrepancy) {
+            (Some(above), _) => closed(above),
+            (None, None) => closed(&scores),
+            (None, Some(_)) => None,
+        },
     })
 }
 

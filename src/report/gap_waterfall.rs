@@ -31,7 +31,8 @@ struct Step {
 }
 
 /// Energy scores as a waterfall: what recalibration takes from the gap as shipped, what the effect takes (whisker: 95 %
-/// interval), what is left unknown, and the floor that a perfect model reaches. A step that widens the gap goes up and is
+/// interval), what is left unknown, and the floor that a perfect model reaches; dashed is what the cause would leave with the
+/// assumed discrepancy. A step that widens the gap goes up and is
 /// vermilion. `added` names the effect. One SVG 1100 px wide.
 pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String {
     let steps = steps(gaps, added);
@@ -39,14 +40,17 @@ pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String
     let mut canvas = Canvas::new([WIDTH, PANEL.bottom() + 76.0], title);
     canvas.text([16.0, 30.0], Anchor::Start, Font::TITLE, title);
     let whisker = interval(gaps, closed);
-    let note = if whisker.is_empty() {
-        "Noise floor: score of a perfect model."
-    } else {
-        "Noise floor: score of a perfect model. Whisker: 95 % interval of what the effect closes."
-    };
-    canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, note);
+    let parts = [
+        Some("Noise floor: score of a perfect model."),
+        (!whisker.is_empty()).then_some("Whisker: 95 % interval of what the effect closes."),
+        gaps.floor_with_discrepancy
+            .map(|_| "Dashed: score of the true cause with the assumed discrepancy."),
+    ];
+    let note: Vec<&str> = parts.into_iter().flatten().collect();
+    canvas.text([16.0, 54.0], Anchor::Start, Font::SMALL, &note.join(" "));
     let ends: Vec<f64> = steps.iter().flat_map(|step| [step.from, step.to]).collect();
-    let ends: Vec<f64> = ends.into_iter().chain(whisker.iter().copied()).collect();
+    let others = whisker.iter().copied().chain(gaps.floor_with_discrepancy);
+    let ends: Vec<f64> = ends.into_iter().chain(others).collect();
     let [low, high] = bounds(&ends).unwrap_or([0.0, 1.0]);
     let panel = Panel {
         area: PANEL,
@@ -67,6 +71,10 @@ pub fn gap_waterfall(gaps: &Gaps, closed: Option<Closed>, added: &str) -> String
         canvas.polyline(&link, Stroke::solid(MUTED, 1.0));
     }
     draw_whisker(&mut canvas, &panel, &whisker);
+    if let Some(floor) = gaps.floor_with_discrepancy {
+        let ends = [0.0, steps.len() as f64].map(|x| panel.at([x, floor]));
+        canvas.polyline(&ends, Stroke::dashed(INK, 1.0));
+    }
     canvas.finish()
 }
 
@@ -206,7 +214,7 @@ mod tests {
         recalibrated: 2.0,
         with_effect: 0.8,
         floor: 0.5,
-        floor_with_discrepancy: 0.7,
+        floor_with_discrepancy: Some(0.7),
     };
 
     fn closed(clusters: usize) -> Option<Closed> {

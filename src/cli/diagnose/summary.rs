@@ -175,12 +175,15 @@ impl Summary {
             writeln!(
                 f,
                 "\ngap (standard deviations per statistic): nominal {:.2}, recalibrated {:.2}, with {added} {:.2}, \
-                 noise floor {:.2}, with the assumed discrepancy {:.2}",
+                 noise floor {:.2}{}",
                 gap.as_shipped,
                 gap.recalibrated,
                 gap.with_effect,
                 gap.floor,
                 gap.floor_with_discrepancy
+                    .map_or_else(String::new, |floor| format!(
+                        ", with the assumed discrepancy {floor:.2}"
+                    ))
             )?;
         }
         if let Some(closed) = closed {
