@@ -382,13 +382,14 @@ impl<'a> Investigation<'a> {
         let signatures = model.signatures(&answered.parameters);
         let columns = &set.population.columns;
         let factor = self.settings.discrepancy;
-        let discrepancy = Discrepancy::of(columns, factor, &self.is_loaded());
+        let discrepancy =
+            (factor > 0.0).then(|| Discrepancy::of(columns, factor, &self.is_loaded()));
         let fitted = Fitted {
             screen: screen(&self.candidates, &judgement.opinion.evidence, &signatures),
             yardstick: Yardstick {
                 model: &model,
                 columns,
-                discrepancy: (factor > 0.0).then_some(&discrepancy),
+                discrepancy: discrepancy.as_ref(),
             },
             variants: Variants {
                 recalibrated: Arm::of_offsets(self.offsets(&healthy)),

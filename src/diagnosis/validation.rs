@@ -92,21 +92,22 @@ const DRAWS: u64 = 100;
 impl Yardstick<'_> {
     /// Statistics of a run of a condition in units of their scatter.
     pub fn standardised(&self, condition: usize, run: &Run) -> Vec<f64> {
-        self.model.standardised(condition, &self.values(run))
+        self.model
+            .standardised(condition, &self.values(condition, run))
     }
 
-    /// Statistics of a run in their units, by column; NaN where it lacks one.
-    pub fn values(&self, run: &Run) -> Vec<f64> {
-        let columns = self.columns.iter();
-        let values = columns.map(|column| {
-            let reading = run.readings.get(&column.cell);
+    /// Statistics of a run of a condition in their units, by column; NaN where it lacks one, and in other conditions.
+    fn values(&self, condition: usize, run: &Run) -> Vec<f64> {
+        let value = |column: &Column| {
+            let is_own = column.condition == condition;
+            let reading = is_own.then(|| run.readings.get(&column.cell)).flatten();
             reading.map_or(f64::NAN, |reading| reading.value)
-        });
-        values.collect()
+        };
+        self.columns.iter().map(value).collect()
     }
 
     /// A row whose Euclidean distances are `d`, from values by column.
-    pub fn row(&self, condition: usize, values: &[f64]) -> Vec<f64> {
+    fn row(&self, condition: usize, values: &[f64]) -> Vec<f64> {
         per_statistic(self.model.standardised(condition, values))
     }
 
@@ -118,25 +119,24 @@ impl Yardstick<'_> {
         draws.collect()
     }
 
-    /// What runs of a condition leave as models of one another, when one is moved by a discrepancy; none of fewer than three
-    /// or without a discrepancy.
-    fn floor_with_discrepancy(
-        &self,
+    /// Rows of runs of a condition, taken in turn, each moved by a draw.
+    fn moved<'r>(
+        &'r self,
         condition: usize,
-        runs: &[Vec<f64>],
-        moves: &[Vec<f32>],
-    ) -> Option<f64> {
-        let rows: Vec<Vec<f64>> = runs.iter().map(|run| self.row(condition, run)).collect();
-        let moved = moves.iter().zip(runs.iter().cycle()).map(|(by, run)| {
+        runs: &'r [Vec<f64>],
+        moves: &'r [Vec<f32>],
+    ) -> impl Iterator<Item = Vec<f64>> + 'r {
+        let moved = moves.iter().zip(runs.iter().cycle());
+        moved.map(move |(by, run)| {
             let moved = run.iter().zip(by);
             let moved: Vec<f64> = moved.map(|(value, by)| value + f64::from(*by)).collect();
             self.row(condition, &moved)
-        });
-        left(moved, &rows)
+        })
     }
 }
 
-/// Mean energy score of rows that were moved, the first row first, over and over, by all rows but the one that was moved.
+/// What rows leave as models of one another: the mean energy score of rows that were moved, in turn, by all but the one that was
+/// moved. None of fewer than three or where none was moved.
 fn left(moved: impl Iterator<Item = Vec<f64>>, rows: &[Vec<f64>]) -> Option<f64> {
     let scores = moved.enumerate().map(|(draw, row)| {
         let mut others = rows.to_vec();
@@ -163,21 +163,21 @@ pub fn validate(
     let mut of_shipped = Vec::new();
     let moves = yardstick.moves(seed);
     for (condition, case) in cases.iter().enumerate() {
-        let rows = |arm: &Arm| -> Vec<Vec<f64>> {
+        let values = |arm: &Arm| -> Vec<Vec<f64>> {
             let runs = simulated.of(arm, condition);
-            runs.map(|run| yardstick.row(condition, &yardstick.values(run)))
-                .collect()
+            runs.map(|run| yardstick.values(condition, run)).collect()
         };
-        let [shipped, recalibrated, with_effect] = [&shipped, recalibrated, best].map(rows);
+        let row = |values: &Vec<f64>| yardstick.row(condition, values);
+        let runs = [&shipped, recalibrated, best].map(values);
+        let [shipped, recalibrated, with_effect] = runs
+            .each_ref()
+            .map(|runs| runs.iter().map(row).collect::<Vec<_>>());
         // The better model has the scatter of a perfect one.
         let floor = least_energy_score(&with_effect)?;
-        let runs: Vec<Vec<f64>> = simulated
-            .of(best, condition)
-            .map(|run| yardstick.values(run))
-            .collect();
-        let of_discrepancy = yardstick.floor_with_discrepancy(condition, &runs, &moves);
+        let moved = yardstick.moved(condition, &runs[2], &moves);
+        let of_discrepancy = left(moved, &with_effect);
         for run in &measured[condition] {
-            let row = yardstick.row(condition, &yardstick.values(run));
+            let row = row(&yardstick.values(condition, run));
             of_shipped.push(energy_score(&row, &shipped)?);
             let score = Scores {
                 condition: case.condition.clone(),
@@ -200,6 +200,7 @@ pub fn validate(
     let above: Option<Vec<Scores>> = scores_above_discrepancy.into_iter().collect();
     let has_effects = variants.with_effect.is_some();
     let closed = |scores: &[Scores]| has_effects.then(|| closed(scores, seed)).flatten();
+    let of_gap = closed(&scores);
     let effects = variants.with_effect.iter().flat_map(|arm| arm.effects());
     Some(Validation {
         effects: effects.map(|effect| effect.name()).collect(),
@@ -210,11 +211,10 @@ pub fn validate(
             floor: average(&|it| it.floor, &scores),
             floor_with_discrepancy: above.as_ref().map(|it| average(&|it| it.floor, it)),
         },
-        closed: closed(&scores),
-        closed_above_discrepancy: match (&above, yardstick.discrepancy) {
-            (Some(above), _) => closed(above),
-            (None, None) => closed(&scores),
-            (None, Some(_)) => None,
+        closed: of_gap,
+        closed_above_discrepancy: match yardstick.discrepancy {
+            None => of_gap,
+            Some(_) => above.as_deref().and_then(closed),
         },
     })
 }

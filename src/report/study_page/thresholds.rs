@@ -43,6 +43,9 @@ impl Shown for ThresholdScore {
 
     /// Tallies, figures, and tallies by swept key.
     fn sections(&self) -> Vec<Section> {
+        if shown(self).next().is_none() {
+            return vec![validity(self)];
+        }
         let figures = shown(self).map(|statement| {
             let caption = format!(
                 "{} {}: {}.",
@@ -60,9 +63,6 @@ impl Shown for ThresholdScore {
         );
         let swept = swept.captioned("The paper's limits by swept key, multi-lugged wheels");
         let swept = Section::new("Dependence on the swept keys").table(swept);
-        if shown(self).next().is_none() {
-            return vec![validity(self)];
-        }
         vec![validity(self), figures.fold(drawn, Section::figure), swept]
     }
 
