@@ -22,8 +22,8 @@ use super::contact::{Reach, WheelGeometry};
 use super::motion::WheelMotion;
 use super::rig::Rig;
 use crate::quantity::Seed;
-use crate::terrain::Stones;
 use crate::terrain::stones::{PlacedStone, extent, extent_at};
+use crate::terrain::{SizeRange, Stones};
 use crate::wheel::Wheel;
 use assembly::{Assembly, Medium, WheelLoads, WheelNow};
 use contact_law::ContactLaw;
@@ -39,8 +39,10 @@ pub use surface::Floor;
 const REACH: [f64; 2] = [0.11, 0.15];
 /// Width [m] of the strip of frozen stones beyond the free ones: they hold the free ones up.
 const MARGIN: f64 = 0.08;
-/// Width [-] of a pile over the largest stone: one cannot touch itself.
+/// Width [-] of a pile over the largest stone, which cannot touch itself, and over the mean one: in a narrower strip stones of about
+/// one size are wedged between the images of a neighbour while they fall.
 const STRIP: f64 = 1.5;
+const STRIP_OF_MEAN: f64 = 2.0;
 /// Distance [m] within which contacts of stones under the wheel are listed.
 const SKIN: f64 = 0.002;
 /// Distance [m] that the axle moves between two looks at which stones are within reach.
@@ -92,7 +94,8 @@ pub struct BedRecipe {
 impl BedRecipe {
     /// Width [m] after which the bed repeats itself across the track.
     fn width(&self) -> f64 {
-        let strip = STRIP * self.stones.size.max;
+        let SizeRange { min, max } = self.stones.size;
+        let strip = (STRIP * max).max(STRIP_OF_MEAN * libm::sqrt(min * max));
         match self.laying {
             Laying::Pile { .. } => strip,
             Laying::Scattered { .. } | Laying::Embedded { .. } => self.wheel_width.max(strip),
@@ -339,7 +342,6 @@ impl StoneBed {
 mod tests {
     use super::*;
     use crate::quantity::GRAVITY;
-    use crate::terrain::SizeRange;
     use crate::wheel::Wheel;
     use nalgebra::Vector3;
     use rand::RngExt;
@@ -402,6 +404,36 @@ mod tests {
         assert!(few[1].len() > 40, "{} stones", few[1].len());
         assert_eq!(few[1], more[1]);
         assert_ne!(few[1], other[1]);
+    }
+
+    #[test]
+    fn large_stones_of_about_one_size_are_poured_without_a_gap() {
+        let floor: Floor = Arc::new(|_| -DEPTH);
+        let largest = 0.08;
+        (0..24).into_par_iter().for_each(|run| {
+            let size = SizeRange {
+                min: 0.06,
+                max: largest,
+            };
+            let mut recipe = pile(run);
+            recipe.stones = Stones::crushed(size);
+            let mut pouring = Pouring::new(0.0);
+            pouring.pour(&recipe, &floor);
+            for section in 1..5 {
+                let stones = pouring.pour(&recipe, &floor);
+                // Some 70 % of its volume is stone, in stones of up to twice the volume of the mean one.
+                assert!(
+                    stones.len() > 5,
+                    "run {run}, section {section}: {} stones",
+                    stones.len()
+                );
+                let highest = stones.iter().map(PlacedStone::top).fold(f64::MIN, f64::max);
+                assert!(
+                    highest < largest,
+                    "run {run}, section {section}: {highest} m"
+                );
+            }
+        });
     }
 
     #[test]

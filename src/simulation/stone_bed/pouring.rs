@@ -102,6 +102,7 @@ impl Pouring {
                 scratch.rake();
                 scratch.settle(recipe.stones.friction);
                 scratch.rest();
+                scratch.clear([self.finished(), self.edge + SECTION]);
                 scratch.stones()
             }
             Laying::Scattered { per_metre } => {
@@ -353,6 +354,16 @@ impl Scratch<'_> {
         let limit = RAKED * self.recipe.stones.size.max;
         self.assembly
             .retain(|stone| !stone.free || stone.placed.top() < limit);
+    }
+
+    /// Takes away stones that have left the bed between two places [m]: one pressed into another by more than a ball is shot out
+    /// when contacts harden.
+    fn clear(&mut self, [from, to]: [f64; 2]) {
+        let limit = self.recipe.stones.size.max;
+        let stays =
+            |place: &PlacedStone| place.top() < limit && (from..=to).contains(&place.position.x);
+        self.assembly
+            .retain(|stone| !stone.free || stays(&stone.placed));
     }
 
     /// The stones that are not fixed.
