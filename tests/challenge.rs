@@ -1,5 +1,6 @@
 //! Blind trials keep what they promise: nothing of the truth leaks, and nothing of it can be changed.
 
+use crate::common::results::copy;
 use lugwheel::challenge::{
     self, ChallengeError, Family, Manifest, Order, Question, Selection, Set, Truth, Unanswered,
 };
@@ -39,19 +40,6 @@ static TRIAL: LazyLock<TempDir> = LazyLock::new(|| {
     assert_eq!(made.failed, []);
     folder
 });
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        if path.is_dir() {
-            copy(&path, &target);
-        } else {
-            fs::copy(&path, &target).unwrap();
-        }
-    }
-}
 
 /// A trial of one's own to spoil.
 fn trial() -> TempDir {

@@ -1,7 +1,7 @@
 //! A study's runs read as campaigns of a rig: as `diagnose` reads them, and to the same bytes however
 //! they are computed.
 
-use crate::common::results::{contents, done, into, resumed};
+use crate::common::results::{contents, copy, done, into, resumed};
 use lugwheel::dataset::hdf5::RunFile;
 use lugwheel::diagnosis::condition::LONGEST;
 use lugwheel::diagnosis::inference::BaseRates;
@@ -196,6 +196,7 @@ fn whoever_finds_all_shares_there_diagnoses_to_the_same_bytes() {
     let nobody_stops = &|_| ControlFlow::Continue(());
     study.execute_share(&share(2), nobody_stops).unwrap();
     assert!(!out.join("diagnosis.csv").exists());
+    copy(&WHOLE.out.join("bank"), &out.join("bank"));
     study.collect(&into(&out), nobody_stops).unwrap();
     assert!(contents(&out) == contents(&WHOLE.out));
 }
