@@ -357,11 +357,12 @@ impl Scratch<'_> {
     }
 
     /// Takes away stones that have left the bed between two places [m]: one pressed into another by more than a ball is shot out
-    /// when contacts harden.
+    /// when contacts harden. A stone of the section before may have rolled back a little.
     fn clear(&mut self, [from, to]: [f64; 2]) {
         let limit = self.recipe.stones.size.max;
-        let stays =
-            |place: &PlacedStone| place.top() < limit && (from..=to).contains(&place.position.x);
+        let stays = |place: &PlacedStone| {
+            place.top() < limit && (from - SECTION..=to).contains(&place.position.x)
+        };
         self.assembly
             .retain(|stone| !stone.free || stays(&stone.placed));
     }
