@@ -190,7 +190,40 @@ fn map(score: &RecognitionScore) -> Section {
         None => section,
     };
     let figures = keys.iter().map(|key| over_key(&methods, key));
-    figures.fold(section, Section::figure).table(table)
+    let section = figures.fold(section, Section::figure).table(table);
+    match recalls(&methods) {
+        Some(table) => section.table(table),
+        None => section,
+    }
+}
+
+/// The classes of every swept value, where it has several.
+fn recalls(methods: &[&MethodScore]) -> Option<Table> {
+    let parts = methods.first()?.map.iter().enumerate();
+    let swept = parts.filter(|(_, part)| part.by != "scenario" && part.counted.recalls.len() > 1);
+    let rows = swept.flat_map(|(number, part)| {
+        let recalls = part.counted.recalls.iter();
+        recalls.map(move |(class, share)| {
+            let mut cells = vec![
+                Cell::text(&part.by),
+                Cell::toml(&part.value),
+                Cell::text(class.as_str()),
+                Cell::Count(share.n),
+            ];
+            let shares = methods
+                .iter()
+                .map(|method| method.map[number].counted.recalls.get(class));
+            cells.extend(shares.map(Cell::from));
+            cells
+        })
+    });
+    let rows: Vec<Vec<Cell>> = rows.collect();
+    let names = methods.iter().map(|score| score.method.as_str());
+    let names = ["by", "value", "true class", "windows"]
+        .into_iter()
+        .chain(names);
+    (!rows.is_empty())
+        .then(|| Table::of(names, rows).captioned("Recall of every class by swept key"))
 }
 
 /// From where to where the accuracy of each method goes over the swept keys.
