@@ -39,9 +39,10 @@ pub use surface::Floor;
 const REACH: [f64; 2] = [0.11, 0.15];
 /// Width [m] of the strip of frozen stones beyond the free ones: they hold the free ones up.
 const MARGIN: f64 = 0.08;
-/// Width [-] of a pile over the largest stone, which cannot touch itself, and over the mean one: in a narrower strip stones of about
-/// one size are wedged between the images of a neighbour while they fall.
+/// Width [-] of a pile over the largest stone: one cannot touch itself.
 const STRIP: f64 = 1.5;
+/// Width [-] of a pile, at least, over the geometric mean of the sizes: in a narrower strip stones of about one size are wedged
+/// between the images of a neighbour while they fall.
 const STRIP_OF_MEAN: f64 = 2.0;
 /// Distance [m] within which contacts of stones under the wheel are listed.
 const SKIN: f64 = 0.002;

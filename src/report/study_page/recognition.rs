@@ -190,11 +190,8 @@ fn map(score: &RecognitionScore) -> Section {
         None => section,
     };
     let figures = keys.iter().map(|key| over_key(&methods, key));
-    let section = figures.fold(section, Section::figure).table(table);
-    match recalls(&methods) {
-        Some(table) => section.table(table),
-        None => section,
-    }
+    let tables = [table].into_iter().chain(recalls(&methods));
+    tables.fold(figures.fold(section, Section::figure), Section::table)
 }
 
 /// The classes of every swept value, where it has several.

@@ -102,7 +102,8 @@ impl Pouring {
                 scratch.rake();
                 scratch.settle(recipe.stones.friction);
                 scratch.rest();
-                scratch.clear([self.finished(), self.edge + SECTION]);
+                // A stone of the section before may have rolled back a little.
+                scratch.clear([self.finished() - SECTION, self.edge + SECTION]);
                 scratch.stones()
             }
             Laying::Scattered { per_metre } => {
@@ -352,17 +353,18 @@ impl Scratch<'_> {
     /// Takes away stones that stick out of the level by too much.
     fn rake(&mut self) {
         let limit = RAKED * self.recipe.stones.size.max;
-        self.assembly
-            .retain(|stone| !stone.free || stone.placed.top() < limit);
+        self.keep(|stone| stone.top() < limit);
     }
 
     /// Takes away stones that have left the bed between two places [m]: one pressed into another by more than a ball is shot out
-    /// when contacts harden. A stone of the section before may have rolled back a little.
+    /// when contacts harden.
     fn clear(&mut self, [from, to]: [f64; 2]) {
         let limit = self.recipe.stones.size.max;
-        let stays = |place: &PlacedStone| {
-            place.top() < limit && (from - SECTION..=to).contains(&place.position.x)
-        };
+        self.keep(|stone| stone.top() < limit && (from..=to).contains(&stone.position.x));
+    }
+
+    /// Keeps the fixed stones, and those of the others that stay.
+    fn keep(&mut self, stays: impl Fn(&PlacedStone) -> bool) {
         self.assembly
             .retain(|stone| !stone.free || stays(&stone.placed));
     }
