@@ -10,7 +10,7 @@ mod share;
 mod student;
 
 pub use bootstrap::bootstrap;
-pub use moments::{finite_mean, mean, mean_and_variance, standard_deviation};
+pub use moments::{batch_means_error, finite_mean, mean, mean_and_variance, standard_deviation};
 pub use quantile::{
     median, normal_quantile, quantile_interval, quantile_linear, quantile_nearest_place,
     quantile_nearest_rank, quantile_upper, sorted, upper_median,

@@ -241,6 +241,22 @@ pub struct Section {
 }
 
 impl TerrainSpec {
+    /// Size \[m\] of its largest stones; 0 without stones.
+    pub fn largest_stone(&self) -> f64 {
+        match self {
+            Self::Reference { .. } | Self::Hard { .. } | Self::Sand { .. } => 0.0,
+            Self::Gravel { stones, .. }
+            | Self::GravelOnHard { stones, .. }
+            | Self::GravelInSand { stones, .. } => stones.size.max,
+            Self::Sequence(sections) => {
+                let sizes = sections
+                    .iter()
+                    .map(|section| section.ground.largest_stone());
+                sizes.fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// The label of this ground; of the first stretch of a sequence.
     pub fn label(&self) -> TerrainLabel {
         match self {

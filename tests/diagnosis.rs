@@ -490,6 +490,25 @@ fn a_run_under_no_load_is_repeated_with_the_wheel_lifted_as_high_as_it_was() {
 }
 
 #[test]
+fn a_wheel_lifted_over_stones_is_measured_higher_by_up_to_a_stone() {
+    // The simulated wheel of 20 mm was measured 27 to 34 mm high over gravel of 50 mm, 68 to 73 mm over scattered stones.
+    let clearance = |ground: &str, measured: f64| {
+        let mut run = rig_run(2000, 2000.0);
+        run.attributes.load = 0.0;
+        let mut sinkage = channel("sinkage", 20, 10.0);
+        sinkage.samples.fill(-0.015 - measured);
+        run.channels.push(sinkage);
+        let rig = one_case(&scenario(ground), run).scenario.rig;
+        (1e3 * rig.clearance()).round()
+    };
+    assert_eq!(clearance("single_wheel_gt", 0.034), 20.0);
+    assert_eq!(clearance("single_wheel_hgt", 0.073), 20.0);
+    assert_eq!(clearance("single_wheel_ht", 0.034), 34.0);
+    assert_eq!(clearance("single_wheel_gt", 0.08), 80.0);
+    assert_eq!(clearance("single_wheel_gt", 0.01), 10.0);
+}
+
+#[test]
 fn what_the_scenario_cannot_repeat_is_left_out_and_says_why() {
     let rover = scenario("rover_ht");
     let mut light = rig_run(2000, 2000.0);
@@ -610,7 +629,7 @@ fn repeats_whose_load_was_measured_and_not_told_are_still_repeats() {
 }
 
 /// Slips at which runs are repeated that were told a slip of 0.2 and had these, and what is to be kept in mind.
-fn repeated(measured: [f64; 3]) -> (Vec<f64>, Vec<String>) {
+fn repeated<const N: usize>(measured: [f64; N]) -> (Vec<f64>, Vec<String>) {
     let runs = measured.map(|slip| {
         let measured = Mean {
             value: slip,
@@ -635,12 +654,40 @@ fn a_run_whose_slip_contradicts_its_label_is_repeated_at_the_slip_measured() {
     assert!(texts.iter().any(|it| it == text), "{texts:?}");
 }
 
+/// Runs at slips of 0.2 as stated, of which a third differs by 0.05: its slip alternates by `swing` from second to second.
+fn slips_of_a_run_that_swings(swing: f64) -> Vec<f64> {
+    let runs = [0.0, 0.0, 0.05].map(|off| {
+        let mut trace = rig_run(2000, 100.0);
+        trace.attributes.slip_ratio = 0.2;
+        let mut slip = channel("slip_ratio", 2000, 100.0);
+        for (index, sample) in slip.samples.iter_mut().enumerate() {
+            let side = if index / 100 % 2 == 0 { -1.0 } else { 1.0 };
+            *sample = 0.2 + off + side * swing;
+        }
+        trace.channels.push(slip);
+        trace
+    });
+    let found = cases(&scenario("single_wheel_st"), &runs);
+    let slips = found.cases.iter().map(|case| case.attributes.slip_ratio);
+    slips.map(|slip| (1e3 * slip).round() / 1e3).collect()
+}
+
 #[test]
-fn where_most_runs_contradict_their_slips_the_rig_is_at_fault_and_the_slips_stated_are_kept() {
+fn a_slip_that_scatters_does_not_contradict_its_label() {
+    // Batches of 1.25 s: a standard error of 0.008 with a swing of 0.05, of 0.034 with 0.2.
+    assert_eq!(slips_of_a_run_that_swings(0.05), [0.2, 0.25]);
+    assert_eq!(slips_of_a_run_that_swings(0.2), [0.2]);
+}
+
+#[test]
+fn where_half_of_the_runs_contradict_their_slips_the_rig_is_at_fault_and_the_slips_stated_are_kept()
+{
+    assert_eq!(repeated([0.2, 0.2, 0.2502, 0.2511]).0, [0.2]);
     let (slips, texts) = repeated([0.2, 0.2502, 0.2511]);
     assert_eq!(slips, [0.2]);
-    let most = |text: &String| text.starts_with("most runs ran at another slip than stated");
-    assert!(texts.iter().any(most), "{texts:?}");
+    let half =
+        |text: &String| text.starts_with("at least half of the runs ran at another slip than");
+    assert!(texts.iter().any(half), "{texts:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! Load, speed and slip of a [`Case`] are those stated of the measured runs, its duration the measured one;
 //! wheel, ground, rig and sensors are the scenario's. Under a load of 0 N the wheel was held off the ground: what
 //! shows there is the drive's or a sensor's. What was not stated is taken from the channels. So is the slip
-//! of a run whose channel contradicts it: a label is easily wrong. But where most of the runs contradict theirs,
+//! of a run whose channel contradicts it: a label is easily wrong. But where at least half of the runs contradict theirs,
 //! the rig drives otherwise than it was stated (a wrong encoder, a wrong radius): then the slips stated
 //! are kept, and the contradiction is a gap to be explained. Rates and channels are those that were
 //! measured: what a run has as a mean only, the simulated one has as a mean only.

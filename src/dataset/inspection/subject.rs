@@ -1,6 +1,7 @@
 //! A run prepared for the checks: angles unwrapped, rests removed, each quantity with its uncertainty.
 
 use crate::quantity::SlipRatio;
+use crate::statistics::{batch_means_error, mean};
 use crate::terrain::class::TerrainLabel;
 use crate::trace::encoder::{between_steps, is_too_coarse};
 use crate::trace::motion::Motion;
@@ -8,9 +9,6 @@ use crate::trace::slope::Slope;
 use crate::trace::turning::Turning;
 use crate::trace::{Channel, RunAttributes, Trace};
 use std::f64::consts::{PI, TAU};
-
-/// Blocks [-] over which the scatter of a steady mean is measured.
-const BLOCKS: usize = 8;
 
 /// Standard uncertainties [-] beyond which a mean is doubtless of its sign.
 pub(super) const SIGMAS: f64 = 3.0;
@@ -274,24 +272,11 @@ impl<'t> Subject<'t> {
 }
 
 impl Steady {
-    /// Mean of all `numbers`, and its uncertainty by the scatter of the means of blocks.
+    /// Mean of all `numbers`, and its uncertainty by the scatter of the means of batches.
     fn of(numbers: &[f64]) -> Option<Self> {
-        let mean = |numbers: &[f64]| numbers.iter().sum::<f64>() / numbers.len() as f64;
-        if numbers.is_empty() {
-            return None;
-        }
-        let length = numbers.len().div_ceil(BLOCKS);
-        let blocks: Vec<f64> = numbers.chunks(length).map(mean).collect();
-        let (count, centre) = (blocks.len() as f64, mean(&blocks));
-        let square: f64 = blocks.iter().map(|x| (x - centre) * (x - centre)).sum();
-        let sd = if blocks.len() > 1 {
-            (square / (count - 1.0) / count).sqrt()
-        } else {
-            0.0
-        };
         Some(Self {
-            mean: mean(numbers),
-            sd,
+            mean: mean(numbers.iter().copied())?,
+            sd: batch_means_error(numbers),
         })
     }
 }

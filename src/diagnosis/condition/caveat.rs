@@ -44,7 +44,7 @@ pub enum Caveat {
         /// Of how many that have it.
         runs: usize,
     },
-    /// Most runs have another slip than stated.
+    /// Half of the runs or more have another slip than stated.
     OtherSlips,
     /// Channels that no simulation makes.
     NotSimulated(Vec<String>),
@@ -95,7 +95,7 @@ impl fmt::Display for Caveat {
                  from what start the wheel had been rolling"
             ),
             Self::OtherSlips => f.write_str(
-                "most runs ran at another slip than stated, as by a fault of the rig: the slips stated are kept",
+                "at least half of the runs ran at another slip than stated, as by a fault of the rig: the slips stated are kept",
             ),
             Self::NotSimulated(channels) => {
                 let are = if channels.len() == 1 { "is" } else { "are" };

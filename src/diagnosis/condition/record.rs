@@ -4,6 +4,7 @@ use super::super::layout::Layout;
 use super::{CaseError, Caveat};
 use crate::quantity::SlipRatio;
 use crate::scenario::Scenario;
+use crate::statistics::batch_means_error;
 use crate::trace::SLIP_TOLERANCE;
 use crate::trace::{RunAttributes, Trace, unwrapped};
 use crate::wheel::Wheel;
@@ -16,7 +17,10 @@ const OTHER_WHEEL: f64 = 0.02;
 /// alike at both. A campaign with them has the layout, and the random rigs, of one without.
 const SAME_CLEARANCE: f64 = 0.005;
 
-/// Which slips hold where channels contradict those stated.
+/// Standard errors of its mean by which a measured slip differs at least from another.
+const SIGMAS: f64 = 3.0;
+
+/// Which slips hold where channels contradict those stated: one label may be wrong, but not half of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slips {
     Stated,
@@ -29,8 +33,8 @@ impl Slips {
             let stated = trace.attributes.slip_ratio;
             stated.is_finite() && trace.steady_mean("slip_ratio").is_some()
         });
-        let wrong = both.clone().filter(|trace| has_wrong_slip(trace));
-        if 2 * wrong.count() > both.count() {
+        let wrong = both.clone().filter(|trace| has_wrong_slip(trace)).count();
+        if wrong > 0 && 2 * wrong >= both.count() {
             Self::Stated
         } else {
             Self::Measured
@@ -42,9 +46,13 @@ impl Slips {
     }
 }
 
-/// Whether a run's channel contradicts the slip stated.
+/// Whether a run's channel contradicts the slip stated: by more than rigs are off, and than its mean scatters over stones.
 fn has_wrong_slip(trace: &Trace) -> bool {
-    (trace.slip() - trace.attributes.slip_ratio).abs() > SLIP_TOLERANCE
+    let scatter = trace
+        .channel("slip_ratio")
+        .map_or(0.0, |channel| batch_means_error(channel.steady()));
+    let tolerance = SLIP_TOLERANCE.max(SIGMAS * scatter);
+    (trace.slip() - trace.attributes.slip_ratio).abs() > tolerance
 }
 
 /// A measured run, its condition stated or taken from its channels.
@@ -244,14 +252,16 @@ fn turning_speed(trace: &Trace) -> Option<f64> {
 }
 
 /// Clearance [m] between ground and lugs of a lifted wheel, to a millimetre; none where it is about the scenario's for
-/// lifted wheels, or is not measured.
+/// lifted wheels, or is not measured. A wheel hangs above the stones near it, and is measured from the ground under it, so
+/// that over stones it may be measured higher by a stone.
 fn clearance(trace: &Trace, scenario: &Scenario) -> Option<f64> {
     if !trace.attributes.is_lifted() {
         return None;
     }
     let measured = -trace.steady_mean("sinkage")? - scenario.wheel.lug_height();
     let given = scenario.rig.lifting_clearance();
-    let is_another = (measured - given).abs() > SAME_CLEARANCE && measured > 0.0;
+    let higher = SAME_CLEARANCE + scenario.terrain.largest_stone();
+    let is_another = !(-SAME_CLEARANCE..=higher).contains(&(measured - given)) && measured > 0.0;
     is_another.then(|| 1.0e-3 * libm::round(1.0e3 * measured))
 }
 
