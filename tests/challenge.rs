@@ -26,6 +26,7 @@ fn order(seed: u64) -> Order {
         cases: Some(CASES),
         grounds: vec!["sand".to_owned()],
         duration: Some(0.1),
+        without_detectability: false,
         seed: Seed(seed),
     }
 }
@@ -203,6 +204,28 @@ fn every_effect_that_is_withheld_is_sealed_with_its_detectability_which_no_campa
             let text = serde_json::to_string(posed).unwrap();
             assert!(!text.contains("detectability"), "{text}");
         }
+    }
+}
+
+#[test]
+fn a_trial_without_detectability_hides_the_same_causes_and_campaigns_and_takes_no_further_runs() {
+    let folder = TempDir::new().unwrap();
+    let order = Order {
+        without_detectability: true,
+        ..order(0x5eed)
+    };
+    let sizes = Mutex::new(Vec::new());
+    let size = |seconds| sizes.lock().unwrap().push(seconds);
+    let go_on = |_| ControlFlow::Continue(());
+    let made = challenge::make(folder.path(), &order, &size, &go_on).unwrap();
+    assert_eq!(made.failed, []);
+    // Twelve cases of twelve runs of 0.1 s, each after a lead-in of 0.1 s.
+    let expected = (CASES * 12) as f64 * 0.2;
+    assert!((sizes.into_inner().unwrap()[0] - expected).abs() < 1e-6);
+    assert!(!folder.path().join("truth/oracle_sand.bin").exists());
+    let sealed = manifest(TRIAL.path());
+    for (own, other) in made.manifest.cases.iter().zip(&sealed.cases) {
+        assert_eq!(own.sha256, other.sha256, "{}", own.case);
     }
 }
 

@@ -395,6 +395,7 @@ mod tests {
             cases,
             grounds: vec!["sand".to_owned(), "hard".to_owned()],
             duration: None,
+            without_detectability: false,
             seed: Seed(seed),
         }
     }

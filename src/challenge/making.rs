@@ -6,7 +6,7 @@ use super::folder::{self, Manifest, PROGRAM, Posed, as_json};
 use super::oracle::{self, Bench, Oracle};
 use super::order::Order;
 use super::runs::{NoRuns, Runner, affected};
-use super::truth::{Truth, sha256};
+use super::truth::{Hidden, Truth, sha256};
 use super::{ChallengeError, GROUNDS};
 use crate::dataset::Provenance;
 use crate::dataset::hdf5::RunFileWriter;
@@ -206,8 +206,8 @@ impl Work<'_> {
     fn size(&self, cases: &[Truth]) -> f64 {
         let of_cases = cases.iter().map(|case| {
             let design = design_of(case, self.designs);
-            let motions = case.effects.iter();
-            let motions: usize = motions.map(|it| oracle::motions(it, design)).sum();
+            let motions = case.effects.iter().map(|it| self.motions(it, design));
+            let motions: usize = motions.sum();
             (design.runs() + motions) as f64 * design.scenario.driven()
         });
         let asked = self.asked(cases);
@@ -216,8 +216,19 @@ impl Work<'_> {
         of_cases.chain(of_oracles).sum()
     }
 
-    /// The grounds of cases whose truth is not there yet.
+    /// How many motions the detectability of an effect takes.
+    fn motions(&self, hidden: &Hidden, design: &Design) -> usize {
+        if self.order.without_detectability {
+            return 0;
+        }
+        oracle::motions(hidden, design)
+    }
+
+    /// The grounds of cases whose truth is not there yet, and is to contain a detectability.
     fn asked(&self, cases: &[Truth]) -> Vec<&Design> {
+        if self.order.without_detectability {
+            return Vec::new();
+        }
         let is_asked = |design: &&Design| {
             let own = cases.iter().filter(|case| case.ground == design.ground);
             own.into_iter()
@@ -283,7 +294,7 @@ impl Work<'_> {
         let design = design_of(drawn, self.designs);
         if let Some(known) = self.known(drawn) {
             for hidden in &known.effects {
-                let motions = oracle::motions(hidden, design) as f64;
+                let motions = self.motions(hidden, design) as f64;
                 let _ = self.runner.report(motions * design.scenario.driven());
             }
             return Ok(known);

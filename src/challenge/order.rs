@@ -155,6 +155,9 @@ pub struct Order {
     pub grounds: Vec<String>,
     /// Duration \[s\] of every run, and the longest lead-in; the design's where not given.
     pub duration: Option<f64>,
+    /// Whether effects are sealed without their detectability, which on gravel takes longer than the campaigns.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub without_detectability: bool,
     /// Where all randomness comes from.
     pub seed: Seed,
 }

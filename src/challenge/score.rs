@@ -440,6 +440,7 @@ mod tests {
             cases: Some(count),
             grounds,
             duration: None,
+            without_detectability: false,
             seed: Seed(3),
         };
         draw(&order, &designs).unwrap()

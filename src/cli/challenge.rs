@@ -74,6 +74,9 @@ struct Make {
     /// Duration of each of the twelve runs of a case, and their longest lead-in [s]; 8 and 2 if not given
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
+    /// Seal the effects without their detectability d', which takes one to five campaigns per effect and some thirty per ground
+    #[arg(long)]
+    without_detectability: bool,
     /// Seed of all cases and salts: it determines the truth. Drawn by the operating system
     /// if not given, and stored in truth/
     #[arg(long, value_name = "N")]
@@ -142,6 +145,7 @@ impl Make {
             cases: self.cases.map(NonZeroUsize::get),
             grounds: self.ground.clone(),
             duration: self.duration,
+            without_detectability: self.without_detectability,
             seed: self.seed()?,
         };
         // A trial goes on in its own folder.
