@@ -92,7 +92,7 @@ impl Quantity {
     /// What a value means beyond its name; nothing where the name says all.
     pub fn meaning(&self, value: f64) -> &'static str {
         if self.key == "sinkage" && value < 0.0 {
-            "the rim is above the surface: the wheel stands on its lugs"
+            "the rim is above the surface: the wheel stands on its lugs, or is lifted"
         } else {
             ""
         }
