@@ -36,6 +36,14 @@ pub const CHANNELS: [(&str, &str); 9] = [
 /// Tolerance of the slip about the command [-]; a measured campaign of 24 runs had 0.0015.
 pub const SLIP_TOLERANCE: f64 = 0.03;
 
+/// Standard errors of its mean by which a slip differs at least from its label.
+const SIGMAS: f64 = 3.0;
+
+/// Tolerance [-] of a mean slip of this standard `error` [-]: over stones that of a short record scatters by more than rigs are off.
+pub fn slip_tolerance(error: f64) -> f64 {
+    SLIP_TOLERANCE.max(SIGMAS * error)
+}
+
 /// The unit of a known channel.
 pub fn unit_of(channel: &str) -> Option<&'static str> {
     let known = CHANNELS.iter().find(|(name, _)| *name == channel);

@@ -7,7 +7,7 @@ use super::{Severity, number};
 use crate::quantity::GRAVITY;
 use crate::quantity::SlipRatio;
 use crate::terrain::class::TerrainLabel;
-use crate::trace::{RunAttributes, SLIP_TOLERANCE};
+use crate::trace::{RunAttributes, SLIP_TOLERANCE, slip_tolerance};
 
 /// Tolerance of the mean normal force about the load [-].
 ///
@@ -233,16 +233,14 @@ fn check_slip(subject: &Subject<'_>, doubts: &mut Doubts) {
         slip_ratio: commanded,
         ..
     } = subject.trace.attributes;
-    // Over stones the mean of a short record scatters by more than any rig is off.
     let scatter = subject
         .steady("slip_ratio")
         .filter(|_| !is_by_turning)
         .map_or(0.0, |steady| steady.sd);
-    let tolerance = SLIP_TOLERANCE.max(SIGMAS * scatter);
     if !(-1.0..=1.0).contains(&slip) {
         let seen = format!("mean is {}, outside [-1, 1]", number(slip));
         doubts.channel(channel, Severity::Error, &seen, "per cent?");
-    } else if (slip - commanded).abs() > tolerance {
+    } else if (slip - commanded).abs() > slip_tolerance(scatter) {
         let measured = subject.mean("forward_speed").unwrap_or(ordered);
         let ordered = if ordered.is_nan() { measured } else { ordered };
         let rim = |slip, forward| match rim_speed(slip, forward) {

@@ -5,8 +5,7 @@ use super::{CaseError, Caveat};
 use crate::quantity::SlipRatio;
 use crate::scenario::Scenario;
 use crate::statistics::batch_means_error;
-use crate::trace::SLIP_TOLERANCE;
-use crate::trace::{RunAttributes, Trace, unwrapped};
+use crate::trace::{RunAttributes, Trace, slip_tolerance, unwrapped};
 use crate::wheel::Wheel;
 use std::fmt;
 
@@ -16,9 +15,6 @@ const OTHER_WHEEL: f64 = 0.02;
 /// Clearance [m] by which two heights are the same: rough ground and worn lugs make as much, and a wheel in the air turns
 /// alike at both. A campaign with them has the layout, and the random rigs, of one without.
 const SAME_CLEARANCE: f64 = 0.005;
-
-/// Standard errors of its mean by which a measured slip differs at least from another.
-const SIGMAS: f64 = 3.0;
 
 /// Which slips hold where channels contradict those stated: one label may be wrong, but not half of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,8 +47,7 @@ fn has_wrong_slip(trace: &Trace) -> bool {
     let scatter = trace
         .channel("slip_ratio")
         .map_or(0.0, |channel| batch_means_error(channel.steady()));
-    let tolerance = SLIP_TOLERANCE.max(SIGMAS * scatter);
-    (trace.slip() - trace.attributes.slip_ratio).abs() > tolerance
+    (trace.slip() - trace.attributes.slip_ratio).abs() > slip_tolerance(scatter)
 }
 
 /// A measured run, its condition stated or taken from its channels.
