@@ -16,6 +16,7 @@ mod assembly;
 mod contact_law;
 mod near;
 mod pouring;
+mod shared_bed;
 mod surface;
 
 use super::contact::{Reach, WheelGeometry};
@@ -27,7 +28,7 @@ use crate::terrain::{SizeRange, Stones};
 use crate::wheel::Wheel;
 use assembly::{Assembly, Medium, WheelLoads, WheelNow};
 use contact_law::ContactLaw;
-use pouring::Pouring;
+use shared_bed::SharedBed;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use surface::Surface;
@@ -76,7 +77,7 @@ pub enum Laying {
 }
 
 /// All that decides which stone lies where.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct BedRecipe {
     /// The stones.
     pub stones: Stones,
@@ -170,7 +171,7 @@ pub struct StoneBed {
     on_wheel: ContactLaw,
     /// What stones are poured on, counted along the heading.
     floor: Floor,
-    pouring: Pouring,
+    poured: SharedBed,
     /// Where the bed ends, counted along the heading [m].
     end: f64,
     /// Stones that are poured and not yet near.
@@ -212,7 +213,7 @@ impl StoneBed {
                 .with_friction(recipe.stones.friction.min(wheel.friction)),
             assembly: Assembly::new(medium, surfaces),
             floor: Arc::new(move |way| floor(heading * way)),
-            pouring: Pouring::new(start),
+            poured: SharedBed::of(&recipe, start),
             end: last,
             waiting: Vec::new(),
             surface: BTreeMap::new(),
@@ -281,7 +282,7 @@ impl StoneBed {
         let heading = self.wheel.heading;
         let [behind, ahead] = REACH;
         let needed = heading * axle + ahead + MARGIN + SECTION / 4.0;
-        while self.pouring.finished() < needed.min(self.end) {
+        while self.poured.finished() < needed.min(self.end) {
             self.pour();
         }
         let way = |x: f64| heading * (x - axle);
@@ -305,7 +306,7 @@ impl StoneBed {
     /// Pours the next section.
     fn pour(&mut self) {
         let (heading, end) = (self.wheel.heading, self.end);
-        let poured = self.pouring.pour(&self.recipe, &self.floor);
+        let poured = self.poured.next(&self.floor);
         let inside = |stone: &PlacedStone| stone.position.x + stone.shape.outer_radius() <= end;
         for stone in poured.into_iter().filter(inside) {
             let stone = if heading < 0.0 {
@@ -341,6 +342,7 @@ impl StoneBed {
 
 #[cfg(test)]
 mod tests {
+    use super::pouring::Pouring;
     use super::*;
     use crate::quantity::GRAVITY;
     use crate::wheel::Wheel;
