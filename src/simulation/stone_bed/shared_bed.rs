@@ -1,8 +1,8 @@
 //! Beds that several runs have in common.
 //!
 //! A pile depends on its recipe alone: the motions of a random rig, the runs that validate an effect and a sweep with common random
-//! numbers roll over the same stones. To pour them takes half of the time of a run of 8 s or more, so the piles poured last are
-//! kept in memory, and a run pours only sections that no other run has.
+//! numbers roll over the same stones. To pour them takes about half of the time of a run of 8 s, so the piles poured last are kept in
+//! memory, and a run pours only sections that no other run has.
 //!
 //! The other way, to keep them in files, would also serve later processes, at a megabyte for ten beds and with a version to watch.
 //! Processes that repeat a bed do so at once, so memory it is.
