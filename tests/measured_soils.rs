@@ -1,4 +1,4 @@
-//! Measured wheels: fitted at some slips, foretold at the others.
+//! Measured wheels: fitted at some slips, predicted at the others.
 //!
 //! `cargo test --release --test all measured_soils:: -- --include-ignored --nocapture --test-threads 1`
 //! prints the tables.
@@ -79,8 +79,8 @@ fn ding() -> [Wheel; 2] {
     [wheel("smooth", 0), wheel("lugged", 30)]
 }
 
-/// A slip left out: what was foretold of it.
-struct Foretold {
+/// A slip left out: what was predicted of it.
+struct HeldOut {
     row: SteadyLoad,
     prediction: Option<Prediction>,
 }
@@ -89,33 +89,33 @@ struct Foretold {
 struct Channel {
     name: &'static str,
     measured: fn(&SteadyLoad) -> f64,
-    foretold: fn(&Prediction) -> Predicted,
+    predicted: fn(&Prediction) -> Predicted,
 }
 
 const CHANNELS: [Channel; 3] = [
     Channel {
         name: "pull",
         measured: |row| row.drawbar_pull,
-        foretold: |prediction| prediction.drawbar_pull,
+        predicted: |prediction| prediction.drawbar_pull,
     },
     Channel {
         name: "sinkage",
         measured: |row| row.sinkage,
-        foretold: |prediction| prediction.sinkage,
+        predicted: |prediction| prediction.sinkage,
     },
     Channel {
         name: "torque",
         measured: |row| row.driving_torque,
-        foretold: |prediction| prediction.driving_torque,
+        predicted: |prediction| prediction.driving_torque,
     },
 ];
 
-/// Every group of rows foretold from all the others.
+/// Every group of rows predicted from all the others.
 fn leave_out(
     rows: &[SteadyLoad],
     setting: &Setting,
     group: fn(&SteadyLoad) -> i64,
-) -> Vec<Foretold> {
+) -> Vec<HeldOut> {
     rows.par_iter()
         .map(|row| {
             let kept: Vec<SteadyLoad> = rows
@@ -126,7 +126,7 @@ fn leave_out(
             let identification = Identification::new(&kept, Wtic::Leis, setting).unwrap();
             let estimate = identification.estimate().unwrap();
             let predictor = Predictor::new(&identification, &estimate);
-            Foretold {
+            HeldOut {
                 row: *row,
                 prediction: predictor.at(row.load, row.slip),
             }
@@ -140,14 +140,14 @@ fn by_slip(row: &SteadyLoad) -> i64 {
 
 /// Errors of one channel over slips.
 struct Errors {
-    /// Over the channel's range, a number per slip left out; infinite where nothing was foretold.
+    /// Over the channel's range, a number per slip left out; infinite where nothing was predicted.
     of_range: Vec<f64>,
     /// Over the value, where it exceeds a tenth of the range.
     relative: Vec<f64>,
     covered: usize,
 }
 
-fn errors(foretold: &[&Foretold], all: &[SteadyLoad], channel: &Channel) -> Errors {
+fn errors(predicted: &[&HeldOut], all: &[SteadyLoad], channel: &Channel) -> Errors {
     let values = || all.iter().map(channel.measured);
     let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
     let mut errors = Errors {
@@ -155,9 +155,9 @@ fn errors(foretold: &[&Foretold], all: &[SteadyLoad], channel: &Channel) -> Erro
         relative: Vec::new(),
         covered: 0,
     };
-    for one in foretold {
+    for one in predicted {
         let measured = (channel.measured)(&one.row);
-        let found = one.prediction.as_ref().map(channel.foretold);
+        let found = one.prediction.as_ref().map(channel.predicted);
         let error = found.map_or(f64::INFINITY, |found| (found.value - measured).abs());
         errors.of_range.push(100.0 * error / range);
         if measured.abs() > 0.1 * range {
@@ -179,18 +179,18 @@ fn median(values: &[f64]) -> f64 {
     }
 }
 
-fn print_foretold(foretold: &[Foretold]) {
+fn print_predicted(predicted: &[HeldOut]) {
     println!(
-        "  slip   pull [N]               sinkage [mm]           torque [N m]  (foretold ± half of 95 %, measured)"
+        "  slip   pull [N]               sinkage [mm]           torque [N m]  (predicted ± half of 95 %, measured)"
     );
-    for one in foretold {
+    for one in predicted {
         print!("  {:5.2}", one.row.slip);
         let Some(prediction) = &one.prediction else {
             println!("  no sinkage carries {:.1} N", one.row.load);
             continue;
         };
         for (channel, scale) in CHANNELS.iter().zip([1.0, 1e3, 1.0]) {
-            let found = (channel.foretold)(prediction);
+            let found = (channel.predicted)(prediction);
             print!(
                 "  {:7.2} ±{:6.2} {:6.2}",
                 scale * found.value,
@@ -203,10 +203,10 @@ fn print_foretold(foretold: &[Foretold]) {
 }
 
 /// Prints one line and returns the medians over the range [%] of pull, sinkage and torque.
-fn print_errors(title: &str, foretold: &[&Foretold], all: &[SteadyLoad]) -> [f64; 3] {
+fn print_errors(title: &str, predicted: &[&HeldOut], all: &[SteadyLoad]) -> [f64; 3] {
     let found = CHANNELS
         .each_ref()
-        .map(|channel| (channel.name, errors(foretold, all, channel)));
+        .map(|channel| (channel.name, errors(predicted, all, channel)));
     print!("  {title:12}");
     for (name, errors) in &found {
         if errors.of_range.iter().all(|error| error.is_nan()) {
@@ -214,7 +214,7 @@ fn print_errors(title: &str, foretold: &[&Foretold], all: &[SteadyLoad]) -> [f64
             continue;
         }
         let [range, value] = [&errors.of_range, &errors.relative].map(|e| median(e));
-        let n = foretold.len();
+        let n = predicted.len();
         print!(
             "  {name} {range:5.1} % {value:5.1} % {}/{n}",
             errors.covered
@@ -309,24 +309,24 @@ fn is_inner(row: &SteadyLoad) -> bool {
     row.slip > 0.05 && row.slip < 0.55
 }
 
-/// Prints what is foretold of a wheel and returns the medians over the range [%] at inner slips.
-fn foretell(wheel: &Wheel, variant: &Variant) -> [f64; 3] {
+/// Prints what is predicted of a wheel and returns the medians over the range [%] at inner slips.
+fn predict_held_out(wheel: &Wheel, variant: &Variant) -> [f64; 3] {
     let setting = variant.setting(wheel.rim, wheel.lug_height);
     println!("\n{} wheel, {}", wheel.name, variant.title);
     let identification = Identification::new(&wheel.rows, Wtic::Leis, &setting).unwrap();
     print_estimate(&identification.estimate().unwrap());
-    let foretold = leave_out(&wheel.rows, &setting, by_slip);
-    print_foretold(&foretold);
-    let (inner, ends): (Vec<&Foretold>, Vec<&Foretold>) =
-        foretold.iter().partition(|one| is_inner(&one.row));
+    let predicted = leave_out(&wheel.rows, &setting, by_slip);
+    print_predicted(&predicted);
+    let (inner, ends): (Vec<&HeldOut>, Vec<&HeldOut>) =
+        predicted.iter().partition(|one| is_inner(&one.row));
     print_errors("the two ends", &ends, &wheel.rows);
     print_errors("inner slips", &inner, &wheel.rows)
 }
 
 #[test]
-fn dings_wheels_are_foretold_at_inner_slips_within_10_percent() {
+fn dings_wheels_are_predicted_at_inner_slips_within_10_percent() {
     for wheel in ding() {
-        let [pull, sinkage, torque] = foretell(&wheel, &VARIANTS[1]);
+        let [pull, sinkage, torque] = predict_held_out(&wheel, &VARIANTS[1]);
         assert!(pull <= 10.0 && torque <= 10.0, "{pull}, {torque}");
         assert!(sinkage <= 15.0, "{sinkage}");
     }
@@ -344,7 +344,7 @@ fn a_shear_modulus_from_the_ring_is_several_times_that_of_the_wheels() {
             if by_tips && wheel.lug_height == 0.0 {
                 continue;
             }
-            let [pull, sinkage, _] = foretell(&wheel, variant);
+            let [pull, sinkage, _] = predict_held_out(&wheel, variant);
             assert!(sinkage <= 15.0, "{sinkage}");
             // Asked are 10 %. The ring's shear modulus fits neither wheel by its rim; the lugged
             // one by the circle through its lugs' edges.
@@ -441,9 +441,9 @@ fn carnegie_mellons_wheel_follows_from_its_plates() {
                 combination.unit
             );
         }
-        let foretold = leave_out(&rows, &setting, by_slip);
-        print_foretold(&foretold);
-        let slipping: Vec<&Foretold> = foretold.iter().filter(|one| one.row.slip > 0.05).collect();
+        let predicted = leave_out(&rows, &setting, by_slip);
+        print_predicted(&predicted);
+        let slipping: Vec<&HeldOut> = predicted.iter().filter(|one| one.row.slip > 0.05).collect();
         let [pull, sinkage, _] = print_errors("slip 0.23 on", &slipping, &rows);
         if fixed.len() == 2 {
             // Strength is all that load and pull fix of c, phi and K.
