@@ -397,6 +397,16 @@ fn repeats_of_a_condition_are_one_case_as_long_as_the_shortest_that_did_not_brea
 }
 
 #[test]
+fn sinkage_measured_as_fast_as_the_forces_is_simulated_so() {
+    let mut real = rig_run(1000, 1000.0);
+    real.channels.push(channel("sinkage", 2000, 2000.0));
+    let case = cases(&short(), &[real]).cases.swap_remove(0);
+    assert_eq!(case.scenario.sensors.vision.frame_rate, 2000.0);
+    let trace = measured(&case.scenario, 0);
+    assert_eq!(trace.channel("sinkage").unwrap().sample_rate, 2000.0);
+}
+
+#[test]
 fn a_simulated_run_has_the_channels_rates_and_means_that_were_measured() {
     let mut real = rig_run(330, 333.0);
     real.channels.push(channel("sinkage", 25, 25.0));
