@@ -310,6 +310,10 @@ impl Differences {
         let inflation = (1.0 + correlation) / (1.0 - correlation);
         let freedom = self.count() - 2.0;
         let variance = squares / freedom / self.count() * inflation;
+        if !variance.is_finite() {
+            // The squares of such samples exceed the range of numbers: nothing is known.
+            return 1.0;
+        }
         let student = StudentsT::new(0.0, 1.0, (freedom / inflation).max(1.0));
         let student = student.expect("at least one degree of freedom");
         2.0 * student.sf(self.mean().abs() / libm::sqrt(variance))
@@ -412,6 +416,13 @@ mod tests {
         let rate = stretch(&ramp, None).rate().unwrap();
         assert!((rate - 3.0).abs() < 1e-6, "{rate}");
         assert_eq!(stretch(&[20.0; 750], None), Steadiness::Steady);
+    }
+
+    #[test]
+    fn samples_whose_squares_exceed_the_range_of_numbers_show_no_drift() {
+        let mut samples = [20.0; 750];
+        samples.iter_mut().step_by(7).for_each(|it| *it = 1.0e300);
+        assert!(!is_drifting(stretch(&samples, None)));
     }
 
     #[test]

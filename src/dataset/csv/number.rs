@@ -62,7 +62,8 @@ impl Decimal {
             _ => cell.parse().ok(),
         };
         match parsed {
-            Some(number) if f64::is_finite(number) => {
+            // A channel is stored in single precision.
+            Some(number) if f64::abs(number) <= f64::from(f32::MAX) => {
                 if self.0.get() == Mark::Undecided && cell.contains('.') {
                     self.0.set(Mark::Point);
                 }
@@ -160,6 +161,13 @@ mod tests {
         assert_eq!(read(None, ';', &["1.5", "-2.0e3", "7"]), numbers);
         assert_eq!(read(None, '\t', &["+1,5", "\u{2212}2000", "7"]), numbers);
         assert!(Decimal::of(Some('x'), ';').is_err());
+    }
+
+    #[test]
+    fn a_number_beyond_single_precision_was_not_measured() {
+        let cells = ["1e38", "1e39", "-1e300"];
+        let [missing, number] = [Content::Missing, Content::Number(1e38)];
+        assert_eq!(read(None, ',', &cells), [number, missing, missing]);
     }
 
     #[test]
