@@ -3,7 +3,7 @@
 use crate::table::four_digits;
 use crate::trace::steadiness::Steadiness;
 use crate::trace::{Trace, without_rounding};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A number that a run comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,10 +50,16 @@ const fn quantity(
 /// A quantity in the middle half of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
-    /// Its value in SI units; NaN for the slip of a wheel at rest.
+    /// Its value in SI units; NaN for the slip of a wheel at rest, which JSON has as null.
+    #[serde(deserialize_with = "number_or_null")]
     pub value: f64,
     /// Whether it is a steady value; none of a mean without a time series.
     pub steadiness: Option<Steadiness>,
+}
+
+/// A number; NaN for null.
+fn number_or_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 impl Quantity {
@@ -210,6 +216,17 @@ mod tests {
             "not steady yet: rises by 0.02000 per second"
         );
         assert_eq!(QUANTITIES[1].remark(Some(Steadiness::Steady)), "");
+    }
+
+    #[test]
+    fn the_slip_of_a_wheel_at_rest_comes_back_from_json() {
+        let at_rest = Reading {
+            value: f64::NAN,
+            steadiness: None,
+        };
+        let json = serde_json::to_string(&at_rest).unwrap();
+        let read: Reading = serde_json::from_str(&json).unwrap();
+        assert!(read.value.is_nan());
     }
 
     #[test]
