@@ -244,6 +244,7 @@ impl Scenario {
             move |error| OutOfRange { path, error }
         };
         RangeError::positive("duration", "s", self.duration).map_err(at("duration"))?;
+        self.check_samples().map_err(at("duration"))?;
         RangeError::check("lead-in", "s", self.lead_in, [0.0, LONGEST_LEAD_IN])
             .map_err(at("lead_in"))?;
         RangeError::positive("window", "s", self.window()).map_err(at("window"))?;
@@ -318,7 +319,28 @@ impl Scenario {
     fn check_steps(&self) -> Result<(), RangeError> {
         let rate = self.physics_rate().hertz();
         let reason = format!("{MOST_STEPS} steps at {rate} Hz; lower it or the physics rate");
-        limit("duration", "s", self.driven(), MOST_STEPS / rate, &reason)
+        limit(
+            "lead-in + duration",
+            "s",
+            self.driven(),
+            MOST_STEPS / rate,
+            &reason,
+        )
+    }
+
+    /// A record has two samples.
+    fn check_samples(&self) -> Result<(), RangeError> {
+        let rate = self.sensors.output_rate.hertz();
+        let least = 2.0 / rate;
+        if self.duration >= least {
+            return Ok(());
+        }
+        Err(RangeError {
+            quantity: "duration",
+            unit: "s",
+            range: format!("{least} or more (two samples at {rate} Hz)"),
+            value: self.duration,
+        })
     }
 
     /// A leg carries more than its wheel weighs.
@@ -522,17 +544,23 @@ fn has_unit(document: &Document, text: &str, [key, value]: [&str; 2]) -> Option<
     // A scenario's lines end in a comment of unit and source.
     let line = text[known.span().end..].lines().next()?;
     let comment = line.split_once('#').map(|(_, comment)| comment.trim());
-    let here = match comment.and_then(|comment| comment.split(',').next()) {
-        Some("-") => " here a ratio".to_owned(),
-        Some(unit) if !unit.is_empty() => format!(" here in {unit}"),
-        _ => " here in SI units".to_owned(),
+    let own = comment.and_then(|comment| comment.split(',').next());
+    let here = match own {
+        Some("-") => "a ratio".to_owned(),
+        Some(own) if !own.is_empty() => format!("in {own}"),
+        _ => "in SI units".to_owned(),
     };
-    let example = match unit {
-        "%" => number / 100.0,
-        _ => number,
+    let in_own = match (own, unit) {
+        (_, "%") => Some(number / 100.0),
+        (Some(own), unit) if own == unit => Some(number),
+        _ => None,
+    };
+    let example = match in_own {
+        Some(number) => format!("{key}={number}"),
+        None => format!("convert {value} first"),
     };
     Some(format!(
-        "it is a number without its unit,{here}: {key}={example}"
+        "it is a number without its unit, here {here}: {example}"
     ))
 }
 

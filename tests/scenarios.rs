@@ -167,6 +167,10 @@ fn a_number_with_a_unit_is_refused_with_the_unit_of_its_key() {
             "rig.single_wheel.slip=30 %",
             "it is a number without its unit, here a ratio: rig.single_wheel.slip=0.3",
         ),
+        (
+            "rig.single_wheel.load=0.1kN",
+            "it is a number without its unit, here in N: convert 0.1kN first",
+        ),
     ] {
         let refused = scenario.with(assignment).unwrap_err().to_string();
         assert!(refused.ends_with(reason), "{refused}");
