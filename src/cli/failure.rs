@@ -210,6 +210,7 @@ fn is_unreadable(error: &RunFileError) -> bool {
         RunFileError::Write { .. } | RunFileError::Unfit { .. } => false,
         RunFileError::Read { .. }
         | RunFileError::NotHdf5 { .. }
+        | RunFileError::Table { .. }
         | RunFileError::StillOpen { .. }
         | RunFileError::Locked { .. }
         | RunFileError::Damaged { .. }

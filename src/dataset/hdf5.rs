@@ -93,6 +93,13 @@ pub enum RunFileError {
         /// The file.
         path: PathBuf,
     },
+    /// A table of features or of a study, in a file of its own.
+    #[error("{} is a table of `lugwheel dataset --features` or of a study, not a run file: h5py and xarray read it, and \
+             `lugwheel plot FOLDER` shows a study", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+    },
     /// A program writes the file, or was killed while it did.
     #[error(
         "{0} is still open for writing, or its writer was killed: close it there, or run `h5clear -s {0}` on a copy",
@@ -167,6 +174,7 @@ impl RunFileError {
             | Self::Damaged { path, .. }
             | Self::Encoding { path, .. }
             | Self::Content { path, .. }
+            | Self::Table { path }
             | Self::NoSuchRun { path, .. } => path,
         }
     }

@@ -48,6 +48,9 @@ impl RunFile {
             location: &file,
         };
         let format = root.text("format")?;
+        if format == super::table::FORMAT {
+            return Err(RunFileError::Table { path });
+        }
         if format != FORMAT {
             return Err(root.content(format!("format = {FORMAT:?}"), format!("{format:?}")));
         }

@@ -19,7 +19,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 /// Value of `format` in a table's file.
-const FORMAT: &str = "lugwheel-table";
+pub(super) const FORMAT: &str = "lugwheel-table";
 
 /// Writes a table to `path`; the file appears under that name when complete.
 ///
