@@ -302,7 +302,9 @@ fn split(name: &str) -> (&str, Option<&str>) {
 /// The three names most like this one.
 fn names_like(name: &str) -> Vec<&'static str> {
     let mut names: Vec<&'static str> = catalogue().map(|effect| effect.name).collect();
-    names.sort_by(|a, b| strsim::jaro_winkler(name, b).total_cmp(&strsim::jaro_winkler(name, a)));
+    let name = name.to_lowercase();
+    let likeness = |known: &str| strsim::jaro_winkler(&name, known);
+    names.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
     names.truncate(3);
     names
 }

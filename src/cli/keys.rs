@@ -76,10 +76,11 @@ fn chosen(tables: &[Table], is_wanted: impl Fn(&Key) -> bool) -> Vec<Table> {
 
 /// The keys most like the one asked for, as a whole and in their last word.
 fn nearest(tables: &[Table], asked: &str) -> Vec<String> {
+    let asked = asked.to_lowercase();
     let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
     let likeness = |key: &Key| {
         let path = &key.path;
-        strsim::jaro_winkler(path, asked) + strsim::jaro_winkler(&last(path), &last(asked))
+        strsim::jaro_winkler(path, &asked) + strsim::jaro_winkler(&last(path), &last(&asked))
     };
     let mut keys: Vec<&Key> = tables.iter().flat_map(|table| &table.keys).collect();
     keys.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
