@@ -134,6 +134,26 @@ pub(crate) fn warned(found: &Value, kind: &str) -> bool {
 }
 
 #[test]
+fn a_file_given_twice_is_refused_as_its_rows_would_count_as_independent() {
+    let folder = folder(&campaign());
+    refused(&folder, "./runs.h5", 3, &["./runs.h5 is given twice"]);
+}
+
+#[test]
+fn what_inspect_calls_wrong_is_the_first_warning() {
+    let mut runs = campaign();
+    for (_, run) in &mut runs {
+        run.attributes.load *= 1000.0;
+    }
+    let found = json(&folder(&runs), "--law paper");
+    assert_eq!(found["warnings"][0]["kind"], "measurement_error");
+    assert!(!warned(
+        &json(&folder(&campaign()), "--law paper"),
+        "measurement_error"
+    ));
+}
+
+#[test]
 fn loads_made_by_the_equations_give_the_sand_of_table_6_back() {
     let found = json(&folder(&campaign()), "--law paper");
     let truth = [

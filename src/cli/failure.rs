@@ -2,7 +2,7 @@
 
 use super::challenge::FailedCases;
 use super::documents::NoDocument;
-use super::identify::NothingIdentified;
+use super::identify::{GivenTwice, NothingIdentified};
 use super::inspect::Doubtful;
 use super::interrupt::Interrupted;
 use super::keys::NoKey;
@@ -177,6 +177,7 @@ fn is_invalid_input(cause: &(dyn Error + 'static)) -> bool {
         || cause.is::<Unfit>()
         || cause.is::<ResultsError>()
         || cause.is::<NothingIdentified>()
+        || cause.is::<GivenTwice>()
         || cause.is::<Doubtful>()
         || matches!(
             cause.downcast_ref::<InvestigationError>(),

@@ -15,6 +15,7 @@ use super::interrupt;
 use super::output::Output;
 use super::progress::Progress;
 use super::recognize::{chosen, write_figure};
+use super::target::is_same;
 use crate::dataset::hdf5::RunFile;
 use crate::identification::{Cylinder, Known, Parameter};
 use crate::quantity::SlipRatio;
@@ -52,7 +53,7 @@ pub struct Identify {
     #[arg(long, value_name = "ID")]
     run: Vec<String>,
     /// Only data points with a slip ratio from LOW to HIGH, for example 0:1 to exclude a braking wheel
-    #[arg(long, value_name = "LOW:HIGH", default_value_t = SlipRange::ALL, allow_negative_numbers = true)]
+    #[arg(long, value_name = "LOW:HIGH", default_value_t = SlipRange::ALL, allow_hyphen_values = true)]
     slip: SlipRange,
     #[command(flatten)]
     convention: Convention,
@@ -261,6 +262,13 @@ fn known(text: &str) -> Result<(Parameter, f64), String> {
         .map_err(|error| error.to_string())
 }
 
+/// A file is named twice.
+#[derive(Debug, thiserror::Error)]
+#[error("{} is given twice; name each file once, as its rows count as independent", path.display())]
+pub struct GivenTwice {
+    path: PathBuf,
+}
+
 /// No run of the files gives parameters.
 #[derive(Debug, thiserror::Error)]
 #[error("no terrain parameters from {files}; {}", text::reasons(unused))]
@@ -314,7 +322,12 @@ impl Identify {
     /// The selected runs, file after file.
     fn runs(&self) -> anyhow::Result<Vec<Run>> {
         let mut runs = Vec::new();
-        for path in &self.files {
+        for (place, path) in self.files.iter().enumerate() {
+            // Repeated rows would count as independent.
+            if self.files[..place].iter().any(|it| is_same(it, path)) {
+                let path = path.clone();
+                return Err(GivenTwice { path }.into());
+            }
             let file = Rc::new(RunFile::open(path)?);
             let chosen = chosen(&file, &self.run)?.into_iter();
             runs.extend(chosen.map(|id| Run {

@@ -45,7 +45,7 @@ pub enum TargetError {
     #[error("{} is a file; name a folder", .0.display())]
     IsFile(PathBuf),
     /// A device or a pipe, which cannot hold a whole file.
-    #[error("{} is no regular file; name one", .0.display())]
+    #[error("{} is not a regular file; name one", .0.display())]
     Irregular(PathBuf),
 }
 
@@ -184,7 +184,8 @@ fn found(target: &Path) -> io::Result<Option<Metadata>> {
 }
 
 /// Whether two paths lead to one file.
-fn is_same(a: &Path, b: &Path) -> bool {
+/// Whether two paths are one file.
+pub fn is_same(a: &Path, b: &Path) -> bool {
     same_file::is_same_file(a, b).unwrap_or(false)
 }
 
@@ -245,7 +246,7 @@ mod tests {
         std::os::unix::fs::symlink(at("nothing"), at("broken.h5")).unwrap();
         assert!(refusal(by_force(false), &at("broken.h5")).contains("exists"));
         assert!(refusal(by_force(true), folder.path()).contains("is a folder"));
-        assert!(refusal(by_force(true), Path::new("/dev/null")).contains("no regular file"));
+        assert!(refusal(by_force(true), Path::new("/dev/null")).contains("not a regular file"));
     }
 
     #[test]

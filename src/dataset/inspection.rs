@@ -117,7 +117,7 @@ pub enum Severity {
     Info,
     /// Results may suffer.
     Warning,
-    /// Do not use before it is mended.
+    /// Do not use before it is corrected.
     Error,
 }
 
@@ -271,11 +271,7 @@ impl fmt::Display for Inspection {
         }
         writeln!(f, "\n{}", counted(findings.len(), "finding"))?;
         for (finding, runs) in alike(findings) {
-            write!(f, "{finding}")?;
-            match runs {
-                1 => writeln!(f)?,
-                runs => writeln!(f, " (and in {})", counted(runs - 1, "other run"))?,
-            }
+            writeln!(f, "{finding}{}", in_others(runs))?;
         }
         Ok(())
     }
@@ -377,11 +373,40 @@ impl fmt::Display for Finding {
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
-        let place = match &self.channel {
+        write!(f, "  {severity:<8} {}: {}", self.place(), self.message)
+    }
+}
+
+/// Findings on a single run by which it should not be used.
+pub fn errors(id: &str, trace: &Trace) -> Vec<Finding> {
+    let mut findings = findings(id, trace);
+    findings.retain(|finding| finding.severity == Severity::Error);
+    findings
+}
+
+/// Findings in words, without their severity; those alike in several runs once.
+pub fn in_words(findings: &[Finding]) -> Vec<String> {
+    let words = alike(findings).into_iter().map(|(finding, runs)| {
+        let (place, message) = (finding.place(), &finding.message);
+        format!("{place}: {message}{}", in_others(runs))
+    });
+    words.collect()
+}
+
+/// In how many other runs the same was found.
+fn in_others(runs: usize) -> String {
+    match runs {
+        1 => String::new(),
+        runs => format!(" (and in {})", counted(runs - 1, "other run")),
+    }
+}
+
+impl Finding {
+    fn place(&self) -> String {
+        match &self.channel {
             Some(channel) => format!("{} {channel}", self.run),
             None => self.run.clone(),
-        };
-        write!(f, "  {severity:<8} {place}: {}", self.message)
+        }
     }
 }
 
@@ -531,6 +556,17 @@ mod tests {
             ..sound()
         };
         assert_eq!(findings("run", &without_acceleration), []);
+    }
+
+    #[test]
+    fn errors_are_those_by_which_a_run_should_not_be_used_and_stand_once_for_all_runs_alike() {
+        assert_eq!(errors("run", &sound()), []);
+        let in_kilonewton = with("normal_force", scaled(1.0e-3));
+        let wrong = ["one", "two"].map(|id| errors(id, &in_kilonewton)).concat();
+        let words = in_words(&wrong);
+        assert_eq!(words.len(), 1, "{words:?}");
+        assert!(words[0].starts_with("one normal_force: "), "{words:?}");
+        assert!(words[0].ends_with(" (and in 1 other run)"), "{words:?}");
     }
 
     #[test]

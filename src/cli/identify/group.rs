@@ -7,6 +7,7 @@ use super::unused::{LeftOut, StretchLeftOut, Unused};
 use super::wheel::WheelOfRun;
 use super::{Convention, SlipRange};
 use crate::dataset::hdf5::RunFile;
+use crate::dataset::inspection::{self, Finding};
 use crate::identification::{
     Cylinder, Estimate, Identification, IdentifyError, Law, Predictor, Scope, Setting, SteadyLoad,
     SteadyRow, pool, steady_stretches,
@@ -58,6 +59,8 @@ pub struct Rows {
     pub terrain: Option<TerrainLabel>,
     /// One for each steady interval.
     pub rows: Vec<SteadyRow>,
+    /// What is wrong with it, as `inspect` finds it.
+    pub errors: Vec<Finding>,
     /// Whether the rows are from time series.
     sampled: bool,
 }
@@ -144,6 +147,7 @@ impl Groups {
             classification,
             terrain: trace.attributes.terrain,
             rows,
+            errors: inspection::errors(&run.name, &trace),
             sampled: trace.channel("drawbar_pull").is_some(),
         };
         let mut groups = self.groups.iter_mut();

@@ -7,6 +7,7 @@ use super::parameter_order::{ORDER, values_by_name};
 use super::plates::PlateReport;
 use super::unused::{LeftOut, StretchLeftOut, Unused};
 use super::wheel::WheelOfRun;
+use crate::dataset::inspection::{self, Finding};
 use crate::identification::{
     Combination, Cylinder, Drift, Estimate, ForceErrors, Identified, Parameter, Prediction,
     PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Unidentifiable,
@@ -267,7 +268,8 @@ impl Report {
             class_by: run.classification.by.clone(),
         });
         let runs: Vec<RunReport> = runs.collect();
-        let mut warnings: Vec<WarningReport> = estimate.warnings.iter().map(warning).collect();
+        let mut warnings = measured_wrong(fit);
+        warnings.extend(estimate.warnings.iter().map(warning));
         warnings.extend(mixed(&runs));
         warnings.extend(not_steady(fit));
         warnings.extend(unused(fit));
@@ -466,6 +468,19 @@ fn drifting_row(run: &str, row: &SteadyRow) -> String {
     let rates: Vec<String> = row.drifts.iter().map(Drift::to_string).collect();
     let [from, to] = row.interval;
     format!("{run} from {from:.1} to {to:.1} s: {}", rates.join(", "))
+}
+
+/// Warnings about runs that `inspect` calls wrong.
+fn measured_wrong(fit: &Fit) -> Vec<WarningReport> {
+    let errors = fit.runs.iter().flat_map(|run| run.errors.iter().cloned());
+    let errors: Vec<Finding> = errors.collect();
+    let warnings = inspection::in_words(&errors).into_iter();
+    let warnings = warnings.map(|message| WarningReport {
+        kind: "measurement_error",
+        message,
+        meaning: "correct the measured data first: the parameters are not those of the ground",
+    });
+    warnings.collect()
 }
 
 /// Warnings about runs that may be on several grounds.

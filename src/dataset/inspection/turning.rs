@@ -73,7 +73,9 @@ const ANGLES: [Guess; 3] = [
 
 /// Units of time, for an angle over time. Without a command, a forward speed in mm/s has the same effect: it
 /// is reported as a speed.
-const TIMES: [Guess; 2] = [
+const TIMES: [Guess; 4] = [
+    (10.0, "sample rate or time wrong by a factor of 10?"),
+    (0.1, "sample rate or time wrong by a factor of 10?"),
     (1.0e-3, "time in milliseconds?"),
     (1.0e3, "in milliradians, or time in thousands of seconds?"),
 ];
