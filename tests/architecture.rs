@@ -311,8 +311,8 @@ fn code_and_guide_are_in_standard_terms() {
     for path in files {
         let text = fs::read_to_string(&path).unwrap();
         for (number, line) in text.lines().enumerate() {
-            // A file and a key of the trial's scores.
-            let line = line.replace("told.svg", "").replace("\"told\"", "");
+            // A key of the trial's scores.
+            let line = line.replace("\"told\"", "");
             for word in line.split(|c: char| !c.is_alphanumeric()) {
                 let word = word.to_lowercase();
                 let known = GLOSSARY.iter().find(|(homely, _)| *homely == word);

@@ -353,6 +353,7 @@ fn settings() -> Settings {
         rates: BaseRates::default(),
         discrepancy: 0.0,
         ablation: None,
+        without_next_run: false,
     }
 }
 

@@ -73,6 +73,7 @@ fn settings(tried: &[&str]) -> Settings {
         rates: BaseRates::default(),
         discrepancy: 0.0,
         ablation: None,
+        without_next_run: false,
     }
 }
 

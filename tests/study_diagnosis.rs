@@ -129,6 +129,7 @@ fn a_campaign_is_answered_as_the_diagnosis_of_its_runs() {
         rates: BaseRates::default(),
         discrepancy: 0.0,
         ablation: None,
+        without_next_run: false,
     };
     let bank = WHOLE.out.join("bank");
     let kept = contents(&bank);

@@ -97,6 +97,9 @@ struct Run {
     /// Simulated duration of the random rigs [s], as for `diagnose`
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = super::positive)]
     budget: Option<f64>,
+    /// Do not search for the run that separates the most probable effects, as for `diagnose`
+    #[arg(long)]
+    without_next_run: bool,
     /// Folder of the simulation cache [default: DIR/bank]
     #[arg(long, value_name = "DIR")]
     bank: Option<PathBuf>,
@@ -193,6 +196,7 @@ impl Run {
                 .clone()
                 .unwrap_or_else(|| self.folder.join("bank")),
             budget: self.budget,
+            without_next_run: self.without_next_run,
             cores: (Jobs::ALL.count() / self.jobs).max(1),
         };
         let progress = OnceLock::new();
@@ -241,7 +245,7 @@ const ELSEWHERE: &str = "put the trial in another folder";
 const SCORES: [&str; 7] = [
     "scores.json",
     "confusion.svg",
-    "told.svg",
+    "mean_probability.svg",
     "isolability.svg",
     "power.svg",
     "detections.svg",

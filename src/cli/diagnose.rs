@@ -10,6 +10,7 @@ use super::provenance::quoted;
 use super::series::Jobs;
 use super::target::Claim;
 use crate::dataset::hdf5::RunFile;
+use crate::dataset::inspection;
 use crate::diagnosis::arm::Arm;
 use crate::diagnosis::condition::LONGEST;
 use crate::diagnosis::inference::{Ablation, BaseRates, FEWEST_RIGS};
@@ -80,6 +81,10 @@ pub struct Diagnose {
     /// emulator_error
     #[arg(long = "ablate", value_name = "PART")]
     pub(super) ablation: Option<Ablation>,
+    /// Do not search for the run that separates the most probable effects, which takes up to half of the time of a
+    /// further diagnosis on gravel
+    #[arg(long)]
+    pub(super) without_next_run: bool,
     /// Longest part of a measured run that is compared [s]
     #[arg(long, value_name = "SECONDS", default_value_t = LONGEST, allow_negative_numbers = true, value_parser = super::positive)]
     pub(super) longest: f64,
@@ -119,7 +124,8 @@ impl Diagnose {
     pub fn run(&self, output: &Output) -> anyhow::Result<()> {
         if self.dry_run {
             let progress = Self::progress(output);
-            let estimate = self.estimate(&progress, &self.scenario()?, &self.read()?)?;
+            let (scenario, measured) = (self.scenario()?, self.read()?);
+            let estimate = self.estimate(&progress, &scenario, &measured)?;
             drop(progress);
             return output.print(&estimate);
         }
@@ -133,7 +139,7 @@ impl Diagnose {
         &self,
         progress: &Progress,
         scenario: &Scenario,
-        measured: &[Trace],
+        measured: &Measured,
     ) -> anyhow::Result<EstimateSummary> {
         let settings = self.settings(self.budget);
         let version = env!("CARGO_PKG_VERSION");
@@ -143,7 +149,7 @@ impl Diagnose {
             folder: folder.path(),
             ..self.origin(version)
         };
-        let investigation = Investigation::new(measured, scenario, &settings, origin)?;
+        let investigation = measured.investigation(scenario, &settings, origin)?;
         let estimate = self.with_progress(progress, &investigation, |on_progress| {
             investigation.estimate(on_progress)
         })?;
@@ -176,6 +182,7 @@ impl Diagnose {
             rates: BaseRates::default(),
             discrepancy: self.discrepancy,
             ablation: self.ablation,
+            without_next_run: self.without_next_run,
         }
     }
 
@@ -215,12 +222,11 @@ impl Diagnose {
             version,
         };
         output::make_folder(&self.out)?;
-        let investigation =
-            Investigation::new(&measured, &scenario, &settings, self.origin(version))?;
+        let investigation = measured.investigation(&scenario, &settings, self.origin(version))?;
         let (diagnosis, variants) = self.diagnose(progress, &investigation)?;
         let widest = diagnosis.widest(investigation.cases());
         let traces =
-            widest.and_then(|case| ArmTraces::of(case, &measured, &variants, settings.seed));
+            widest.and_then(|case| ArmTraces::of(case, &measured.traces, &variants, settings.seed));
         let page = report::diagnosis_page(&DiagnosisReport {
             diagnosis: &diagnosis,
             measured: &stem(&self.measured),
@@ -273,8 +279,13 @@ impl Diagnose {
             words.map(|value| path(option, Path::new(value))).collect()
         };
         let ablated = self.ablation.map(|part| format!(" --ablate {part}"));
+        let next_run = if self.without_next_run {
+            " --without-next-run"
+        } else {
+            ""
+        };
         format!(
-            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --discrepancy {}{} --longest {} --seed {}",
+            "lugwheel diagnose{}{}{}{}{}{}{} --budget {} --discrepancy {}{}{next_run} --longest {} --seed {}",
             path("--measured", &self.measured),
             path("--scenario", &self.scenario),
             several("--set", &self.set),
@@ -290,11 +301,18 @@ impl Diagnose {
         )
     }
 
-    fn read(&self) -> anyhow::Result<Vec<Trace>> {
+    fn read(&self) -> anyhow::Result<Measured> {
         let file = RunFile::open(&self.measured)?;
-        let chosen = super::recognize::chosen(&file, &self.run)?;
-        let traces = chosen.iter().map(|id| Ok(file.read(id)?.as_measured()));
-        traces.collect()
+        let (mut traces, mut errors) = (Vec::new(), Vec::new());
+        for id in super::recognize::chosen(&file, &self.run)? {
+            let trace = file.read(&id)?.as_measured();
+            errors.extend(inspection::errors(&id, &trace));
+            traces.push(trace);
+        }
+        Ok(Measured {
+            traces,
+            errors: inspection::in_words(&errors),
+        })
     }
 
     fn origin<'a>(&'a self, version: &'a str) -> Origin<'a> {
@@ -355,6 +373,28 @@ impl Diagnose {
     }
 }
 
+/// The measured runs.
+struct Measured {
+    traces: Vec<Trace>,
+    /// What is wrong with them, as `inspect` finds it.
+    errors: Vec<String>,
+}
+
+impl Measured {
+    fn investigation<'a>(
+        &self,
+        scenario: &Scenario,
+        settings: &'a Settings,
+        origin: Origin<'a>,
+    ) -> Result<Investigation<'a>, InvestigationError> {
+        let errors = self.errors.iter().map(|error| {
+            format!("{error}; correct the measured data first: this may be the whole difference")
+        });
+        let investigation = Investigation::new(&self.traces, scenario, settings, origin)?;
+        Ok(investigation.with_caveats(errors.collect()))
+    }
+}
+
 /// What a diagnosis would take.
 #[derive(Debug, Serialize)]
 struct EstimateSummary {
@@ -368,7 +408,7 @@ impl fmt::Display for EstimateSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} random rigs, {:.0} s of driving (--budget): about {:.1} min on {} cores where none of them is there yet \
+            "{} random rigs, {:.0} s of driving (--budget): about {:.1} min on {} cores if none is in the cache yet \
              (estimate from one simulation of the scenario)",
             self.rigs,
             self.driving_s,

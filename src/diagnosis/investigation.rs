@@ -70,6 +70,8 @@ pub struct Settings {
     pub discrepancy: f64,
     /// A part of the model that is left out, to measure what it is worth.
     pub ablation: Option<Ablation>,
+    /// Whether the run that separates the most probable effects is not searched for.
+    pub without_next_run: bool,
 }
 
 /// Why there is no diagnosis.
@@ -335,6 +337,13 @@ impl<'a> Investigation<'a> {
             settings,
             origin,
         })
+    }
+
+    /// The investigation with these caveats before its own.
+    #[must_use]
+    pub fn with_caveats(self, mut caveats: Vec<String>) -> Self {
+        caveats.extend(self.caveats);
+        Self { caveats, ..self }
     }
 
     /// The conditions that are compared.
@@ -656,7 +665,8 @@ impl<'a> Investigation<'a> {
         fitted: &Fitted,
         search: &Search,
     ) -> Result<Verdict, BankError> {
-        let Some(pair) = verdict.open_between() else {
+        let open = verdict.open_between();
+        let Some(pair) = open.filter(|_| !self.settings.without_next_run) else {
             return Ok(verdict);
         };
         let rival = |name: &str| {
@@ -788,8 +798,10 @@ fn refutation(validation: &Validation) -> Option<String> {
     } = validation.gaps;
     // One cluster has no interval.
     let closed = validation.closed_above_discrepancy;
-    let closed = closed.filter(|closed| closed.clusters > 1);
-    let most = closed.map_or(1.0, |closed| closed.ci95[1]);
+    let most = closed.map_or(1.0, |closed| match closed.clusters {
+        1 => closed.value,
+        _ => closed.ci95[1],
+    });
     let shown = if with_effect >= recalibrated {
         "does not close the gap".to_owned()
     } else if most < LEAST_CLOSED {
@@ -843,8 +855,10 @@ mod tests {
             little.contains("at most 40 % of the gap above 0.40"),
             "{little}"
         );
-        // Half may be closed; one condition shows nothing, nor does a gap below the floor.
-        for closed in [share(0.6, 4), share(0.4, 1), None] {
+        // One condition has no interval: the share itself counts.
+        assert!(refutation(&validation(0.9, share(0.4, 1))).is_some());
+        // Half may be closed; a gap below the floor shows nothing.
+        for closed in [share(0.6, 4), None] {
             assert_eq!(refutation(&validation(0.9, closed)), None);
         }
     }

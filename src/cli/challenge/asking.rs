@@ -23,6 +23,8 @@ pub struct Asking<'a> {
     pub bank: PathBuf,
     /// Driving that a diagnosis may simulate [s]; its own default where not given.
     pub budget: Option<f64>,
+    /// Whether the run that separates effects is not searched for.
+    pub without_next_run: bool,
     /// Cores for each.
     pub cores: usize,
 }
@@ -73,6 +75,9 @@ impl Asking<'_> {
             .args(["--discrepancy", "0"]);
         for effect in question.without {
             command.args(["--without", effect]);
+        }
+        if self.without_next_run {
+            command.arg("--without-next-run");
         }
         if let Some(budget) = self.budget {
             command.args(["--budget", &budget.to_string()]);

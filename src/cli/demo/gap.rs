@@ -69,6 +69,7 @@ pub fn diagnosis(rig: &SmallStudy, folder: &Path, seed: u64, jobs: Jobs) -> Diag
         // Its runs are simulated.
         discrepancy: 0.0,
         ablation: None,
+        without_next_run: false,
         longest: LONGEST,
         seed,
         jobs,

@@ -111,6 +111,7 @@ impl Asking<'_> {
             // The runs are simulated.
             discrepancy: 0.0,
             ablation: None,
+            without_next_run: false,
         };
         let bank = self.done.folder.path_of(BANK);
         let origin = Origin {
