@@ -153,11 +153,11 @@
 //! # use std::ops::ControlFlow;
 //! use lugwheel::soil::law::SoilLaw;
 //!
-//! /// A muskeg: its pressure has an upper limit, its strength a peak (Wong 2008, *Theory of Ground Vehicles*).
+//! /// A weak crust: its pressure approaches a limit, its shear stress has a peak.
 //! #[derive(Debug)]
-//! struct Muskeg { limit: f64, depth: f64, peak: f64 }
+//! struct Crust { limit: f64, depth: f64, peak: f64 }
 //!
-//! impl SoilLaw for Muskeg {
+//! impl SoilLaw for Crust {
 //!     fn pressure(&self, sinkage: f64, _width: f64, _slip: f64) -> f64 {
 //!         self.limit * -libm::expm1(-sinkage / self.depth)
 //!     }
@@ -169,7 +169,7 @@
 //!
 //! # let text = std::fs::read_to_string("scenarios/quick.toml")?;
 //! # let scenario = Scenario::from_toml(&text, "quick.toml")?.with_all(&["duration=0.2", "lead_in=0.0"])?;
-//! let own = Extensions::default().soil_law(Muskeg { limit: 3.0e4, depth: 0.02, peak: 0.02 });
+//! let own = Extensions::default().soil_law(Crust { limit: 3.0e4, depth: 0.02, peak: 0.02 });
 //! let trace = scenario.run_with(own, Seed(1), 0, &mut |_| ControlFlow::Continue(()))?;
 //! assert!(trace.steady_mean("sinkage").unwrap() > 0.005);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -251,7 +251,7 @@
 //!
 //! | to add | edit |
 //! |---|---|
-//! | a terrain of a scenario file | a variant of [`TerrainSpec`](terrain::TerrainSpec), and its contact forces in `src/simulation/ground_force.rs` |
+//! | a terrain of a scenario file | a variant of [`TerrainSpec`](terrain::TerrainSpec), its contact forces in `src/simulation/ground_force.rs` and its label in `src/terrain/class.rs`; the compiler lists the other places |
 //! | a soil law of a scenario file | a file in `src/soil`, used by the columns (`src/simulation/soil_track`) and the quadrature (`src/soil/wheel_load`) |
 //! | a sensor stage | a file in `src/sensors`, neutral by default, and a line of [`SensorChain`](sensors::SensorChain) |
 //! | an effect | one entry in a file of `src/effects`: a law that edits a parameter whose ideal value is neutral |
@@ -270,7 +270,7 @@
 //! | arm | a variant of a scenario: with changed parameters, with effects |
 //! | axle load, `W` | vertical force on the wheel \[N\] |
 //! | campaign | the runs that one rig measured, with their conditions |
-//! | case | a simulated condition: the scenario at the load, speed and slip of a measured condition |
+//! | case | a simulated condition: the scenario at the load, speed and slip of a measured condition; in a blind trial, a campaign with its hidden cause |
 //! | cell | a statistic of one channel |
 //! | closed form | equations (62)-(66): loads of a smooth cylinder with triangular stresses |
 //! | condition | commanded slip, speed and load of a run |
@@ -278,7 +278,7 @@
 //! | effect | a named departure from the ideal rig, with a magnitude |
 //! | feature, `κ` | one of the paper's four numbers of a window: frequency, amplitudes, mean value, mean square |
 //! | lug | a grouser: a plate across the rim |
-//! | lug pass | the time between two lugs at the same place |
+//! | lug pass | rotation by one lug angle, and the time it takes |
 //! | motion | the simulated states of a run, before any sensor |
 //! | order | frequency over the wheel's rate of rotation |
 //! | physics rate | integration rate: time steps of the simulation per second \[Hz\] |
@@ -300,7 +300,7 @@
 #[doc = include_str!("../README.md")]
 mod readme {}
 
-// What things are.
+// Quantities, wheel, ground.
 pub mod quantity;
 
 pub mod statistics;
@@ -314,10 +314,10 @@ pub mod terrain;
 
 pub mod vibration;
 
-// What happens.
+// Simulation.
 pub mod simulation;
 
-// What is measured.
+// Records, and the sensors that make them.
 pub mod trace;
 
 pub mod signal;
@@ -326,7 +326,7 @@ pub mod sensors;
 
 pub mod dataset;
 
-// What is inferred.
+// Analysis of records.
 pub mod features;
 
 pub mod recognition;
@@ -337,7 +337,7 @@ pub mod identification;
 
 pub mod gap;
 
-// What is asked.
+// Experiments: scenarios, effects, diagnosis, studies.
 pub mod effects;
 
 pub mod scenario;
@@ -359,6 +359,6 @@ pub mod report;
 // The user's guide.
 pub mod guide;
 
-// What is commanded: the program, from its arguments to its words.
+// The program.
 #[cfg(feature = "cli")]
 pub mod cli;

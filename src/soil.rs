@@ -1,7 +1,6 @@
 //! Wheel-soil mechanics: pressure-sinkage, shear, and their integral over the wheel.
 //!
-//! The one truth of these equations: the simulator runs them forward, and whoever identifies soil
-//! from loads can invert the same functions.
+//! The simulator evaluates these equations, and the identification of soil from loads inverts the same functions.
 //!
 //! Symbols of the whole project, SI units, angles \[rad\] at the axle from straight down, positive
 //! ahead:

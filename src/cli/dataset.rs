@@ -36,7 +36,7 @@ pub struct Dataset {
     /// Run file to write [default: output/<scenario>/runs.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
-    /// Store the samples at the sensor rate [128 kHz] too, about 2 MB per second
+    /// Store the samples at the sensor rate [128 kHz] too, about 0.9 MB per second
     #[arg(long, conflicts_with = "features")]
     raw: bool,
     /// Store class and features of every window instead of the samples, about 0.5 kB per window

@@ -27,7 +27,7 @@ pub struct Simulate {
     /// Run file to write [default: output/<scenario>/run.h5]
     #[arg(long, value_name = "FILE.h5")]
     out: Option<PathBuf>,
-    /// Store the samples at the sensor rate [128 kHz] too, about 2 MB per second
+    /// Store the samples at the sensor rate [128 kHz] too, about 0.9 MB per second
     #[arg(long)]
     raw: bool,
 }

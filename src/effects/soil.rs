@@ -1,4 +1,5 @@
-//! Effects of granular ground: what slips, digs, heaps, hardens, hurries, coheres or is shallow.
+//! Effects of granular ground: slip-sinkage, lug action, bulldozing, repeated passes, dependence on rate, apparent
+//! cohesion, thin soft layers.
 
 use super::{
     Bound, Effect, EffectError, OtherForm, Prior, Seat, Seated, Setup, Signature, Source, Stage,

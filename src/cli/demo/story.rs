@@ -328,7 +328,7 @@ fn provenance(results: &Results) -> page::Provenance {
                 EDITS.join(" and ")
             ),
         ),
-        ("physics rate", rates.join(", ")),
+        ("integration rate", rates.join(", ")),
         ("computing", format!("{:.0} s", results.computing_s)),
     ];
     let ours = ours.map(|(name, value)| (name.to_owned(), value));

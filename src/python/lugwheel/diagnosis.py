@@ -57,7 +57,7 @@ class Diagnosis:
 
     @property
     def limits(self) -> Dict[str, float]:
-        """Magnitude of each effect below which it cannot be named [unit of the effect]."""
+        """Magnitude of each effect whose change equals three standard deviations [unit of the effect]."""
         return self.document["limits"]
 
     @property
