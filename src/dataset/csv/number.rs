@@ -81,13 +81,10 @@ impl Decimal {
             return self.read(&signed);
         }
         match self.0.get() {
-            Mark::Undecided => match with_comma(cell) {
-                Some(number) => {
-                    self.0.set(Mark::Comma);
-                    Content::Number(number)
-                }
-                None => Content::Other,
-            },
+            Mark::Undecided if with_comma(cell).is_some() => {
+                self.0.set(Mark::Comma);
+                self.read(cell)
+            }
             Mark::Point if with_comma(cell).is_some() => Content::OtherMark,
             Mark::Comma if cell.parse::<f64>().is_ok() => Content::OtherMark,
             _ => Content::Other,
@@ -168,6 +165,7 @@ mod tests {
         let cells = ["1e38", "1e39", "-1e300"];
         let [missing, number] = [Content::Missing, Content::Number(1e38)];
         assert_eq!(read(None, ',', &cells), [number, missing, missing]);
+        assert_eq!(read(None, ';', &["1,5e300"]), [missing]);
     }
 
     #[test]
