@@ -665,8 +665,10 @@ impl<'a> Investigation<'a> {
         fitted: &Fitted,
         search: &Search,
     ) -> Result<Verdict, BankError> {
-        let open = verdict.open_between();
-        let Some(pair) = open.filter(|_| !self.settings.without_next_run) else {
+        if self.settings.without_next_run {
+            return Ok(verdict);
+        }
+        let Some(pair) = verdict.open_between() else {
             return Ok(verdict);
         };
         let rival = |name: &str| {
@@ -796,12 +798,9 @@ fn refutation(validation: &Validation) -> Option<String> {
         floor_with_discrepancy,
         ..
     } = validation.gaps;
-    // One cluster has no interval.
+    // Of one cluster the interval is the share itself.
     let closed = validation.closed_above_discrepancy;
-    let most = closed.map_or(1.0, |closed| match closed.clusters {
-        1 => closed.value,
-        _ => closed.ci95[1],
-    });
+    let most = closed.map_or(1.0, |closed| closed.ci95[1]);
     let shown = if with_effect >= recalibrated {
         "does not close the gap".to_owned()
     } else if most < LEAST_CLOSED {
