@@ -184,7 +184,6 @@ fn found(target: &Path) -> io::Result<Option<Metadata>> {
 }
 
 /// Whether two paths lead to one file.
-/// Whether two paths are one file.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     same_file::is_same_file(a, b).unwrap_or(false)
 }

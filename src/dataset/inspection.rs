@@ -385,7 +385,7 @@ pub fn errors(id: &str, trace: &Trace) -> Vec<Finding> {
 }
 
 /// Findings in words, without their severity; those alike in several runs once.
-pub fn in_words(findings: &[Finding]) -> Vec<String> {
+pub fn in_words<'f>(findings: impl IntoIterator<Item = &'f Finding>) -> Vec<String> {
     let words = alike(findings).into_iter().map(|(finding, runs)| {
         let (place, message) = (finding.place(), &finding.message);
         format!("{place}: {message}{}", in_others(runs))
@@ -411,7 +411,7 @@ impl Finding {
 }
 
 /// The first of the findings that differ in nothing but their run, and how many there are.
-fn alike(findings: &[Finding]) -> Vec<(&Finding, usize)> {
+fn alike<'f>(findings: impl IntoIterator<Item = &'f Finding>) -> Vec<(&'f Finding, usize)> {
     let mut groups: Vec<(&Finding, usize)> = Vec::new();
     let mut known: HashMap<_, usize> = HashMap::new();
     for finding in findings {

@@ -7,7 +7,7 @@ use super::parameter_order::{ORDER, values_by_name};
 use super::plates::PlateReport;
 use super::unused::{LeftOut, StretchLeftOut, Unused};
 use super::wheel::WheelOfRun;
-use crate::dataset::inspection::{self, Finding};
+use crate::dataset::inspection;
 use crate::identification::{
     Combination, Cylinder, Drift, Estimate, ForceErrors, Identified, Parameter, Prediction,
     PredictionErrors, Scope, Standing, SteadyRow, Termination, TerrainParameters, Unidentifiable,
@@ -472,9 +472,8 @@ fn drifting_row(run: &str, row: &SteadyRow) -> String {
 
 /// Warnings about runs that `inspect` calls wrong.
 fn measured_wrong(fit: &Fit) -> Vec<WarningReport> {
-    let errors = fit.runs.iter().flat_map(|run| run.errors.iter().cloned());
-    let errors: Vec<Finding> = errors.collect();
-    let warnings = inspection::in_words(&errors).into_iter();
+    let errors = fit.runs.iter().flat_map(|run| &run.errors);
+    let warnings = inspection::in_words(errors).into_iter();
     let warnings = warnings.map(|message| WarningReport {
         kind: "measurement_error",
         message,

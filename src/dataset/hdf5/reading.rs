@@ -36,7 +36,7 @@ impl RunFile {
     /// Opens a run file and checks that it is one.
     ///
     /// # Errors
-    /// `Read` where the file system refuses, `NotHdf5` for another kind of file, `Damaged` for a
+    /// `Read` where the file system refuses, `NotHdf5` for another kind of file, `Table` for a table, `Damaged` for a
     /// truncated one, `StillOpen` and `Locked` for one that another program has open, `Content` for HDF5 of another format or
     /// version.
     pub fn open(path: impl AsRef<Path>) -> Outcome<Self> {
